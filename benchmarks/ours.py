@@ -62,8 +62,7 @@ def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
     stack = Stack([(str(place), size) for place, size in enumerate(sizes)], joints)
     step = Step.of(stack)
     stack.ages[:] = 1  # levels without a past
-    limits, guards = rule.arrays
-    longest, damping, threshold = guards[:3].tolist()
+    arrays = rule.arrays
     results = step.displacement, step.locked, step.singular_values
     spans = [slice(*span) for span in zip(stack.starts, stack.ends, strict=True)]
     rows, wanted = stack.rows[stack.newest], stack.wanted
@@ -72,19 +71,7 @@ def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
         for span, (jacobian, displacement) in zip(spans, levels, strict=True):
             rows[span] = jacobian
             wanted[span] = displacement
-        compose(
-            q,
-            stack.newest,
-            stack.rows,
-            stack.ages,
-            wanted,
-            stack.ends,
-            limits,
-            longest,
-            damping,
-            threshold,
-            *results,
-        )
+        compose(q, stack.newest, stack.arrays, True, *arrays, *results)
         return step.displacement
 
     return solve

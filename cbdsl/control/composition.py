@@ -10,9 +10,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.control.level import LevelArrays
+from cbdsl.control.second_order import (
+    add_curvature,
+    balance,
+    least_resisted,
+    newton_step,
+)
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once, compiled_sum
-from cbdsl.numeric.vector import add, copy, dot, fill, norm
+from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
 
 Booleans = NDArray[np.bool_]
 Integers = NDArray[np.int64]
@@ -28,6 +35,12 @@ _ORTHOGONAL = 1e-14
 # beyond the cosine above; no further sweep would bring them nearer.
 _SWEEPS = 20
 
+# Multiple of the damping's threshold below which a singular value may need the second order.
+_NEAR_SINGULAR = 5.0
+
+# Share of a residual that counts as achieved if less than this is left of it.
+_ACHIEVED = 1e-9
+
 # Bounds are this much wider, rad, so that rounding never counts as passing one.
 _SLACK = 1e-12
 
@@ -36,75 +49,189 @@ _SLACK = 1e-12
 def compose(
     positions: Floats,
     newest: int,
-    rows: Floats,
-    ages: Integers,
-    wanted: Floats,
-    ends: Integers,
+    levels: LevelArrays,
+    bends: bool,
     limits: Floats,
-    step: float,
-    damping: float,
-    threshold: float,
+    steps: Floats,
+    guards: Floats,
     total: Floats,
     locked: Booleans,
     values: Floats,
-) -> None:
+) -> bool:
     """Compose the displacement of all levels.
 
     Args:
-        positions: of the joints, rad, shape (n,).
-        newest: which of three ticks is this one; the tick before is one less, modulo 3.
-        rows: task coordinates per joint of all levels in these ticks, highest priority first,
-            shape (3, k, n).
-        ages: for how many ticks each level has rows, up to 3; 0 for one that does not act, shape
-            (levels,).
-        wanted: displacement of the task coordinates, shape (k,).
-        ends: index after the last row of each level, shape (levels,).
-        limits: lower and upper limits, rad, shape (2, n); may be infinite.
-        step: largest displacement of a joint.
-        damping: largest damping.
-        threshold: singular value below which damping sets in.
-        total: becomes the displacement, NaN if an argument is not finite, shape (n,).
-        locked: becomes whether a limit held a joint back, shape (n,).
-        values: become the singular values of what was left to each level, unsorted, 0 where rows
-            were dependent or a level does not act, shape (k,).
+        positions: Joint positions, rad, shape (n,).
+        newest: Number of this tick among three; the tick before is one less, modulo 3.
+        levels: Levels, highest priority first.
+        bends: True if the levels' Hessians are those of this tick.
+        limits: Lower and upper limits, rad, shape (2, n); may be infinite.
+        steps: Largest displacement of each joint, rad, shape (n,).
+        guards: Largest damping in the square of the Jacobians' unit, and the singular value below
+            which damping sets in.
+        total: Becomes the displacement, NaN if an argument is not finite, shape (n,).
+        locked: Becomes True for joints that a limit held back, shape (n,).
+        values: Become the singular values of the rows that were left to each level, unsorted, 0
+            where rows were dependent or a level does not act, shape (k,).
+
+    Returns:
+        True if a level needs Hessians and ``bends`` is False; the displacement is then unfinished.
     """
+    rows, ages, wanted, ends = levels.rows, levels.ages, levels.requested, levels.ends
+    fractions, curved, damping, threshold = levels.fractions, levels.curved, guards[0], guards[1]
     joints = rows.shape[2]
     fill(total, 0.0)
     fill(values, 0.0)
     for joint in range(joints):
         locked[joint] = False
     middle = np.empty(rows.shape[1:])
-    squares = dot(positions, positions)
-    start = 0
-    for level in range(len(ends)):
-        end = ends[level]
-        if ages[level] > 0:
-            _extrapolate(rows, newest, ages[level], start, end, middle)
-            for row in range(start, end):
-                squares += dot(middle[row], middle[row]) + wanted[row] * wanted[row]
-        start = end
-    if not math.isfinite(squares):
+    if not _prepare(positions, newest, rows, ages, wanted, ends, middle):
         fill(total, math.nan)
-        return
-    bounds = _bounds(positions, limits, step)
+        return False
+    bounds = _bounds(positions, limits, steps)
     basis, taken = np.empty((joints, joints)), 0
-    start = 0
+    sides, pins, along = np.zeros((joints, len(wanted))), np.full(joints, -1), np.empty(joints)
+    start, delicate, second = 0, False, curved.any()
     for level in range(len(ends)):
         end = ends[level]
         # Every pass locks a joint or is the last.
         while taken < joints and ages[level] > 0:
             own, sizes = middle[start:end], values[start:end]
             residual = _task_residual(own, wanted[start:end], total)
-            change, below = _invert(own, residual, basis, taken, sizes, damping, threshold)
-            _shorten(change, total, locked, bounds, step + _SLACK)
+            change, below = _invert(
+                own, residual, basis, taken, sizes, along, sides[:, start:end], damping, threshold
+            )
+            rank = below - taken
+            _unpin(pins, taken, below)
+            singular = _is_singular(sizes[:rank], end - start, curved[level], threshold)
+            left = _undone(own, residual, change, total, locked, bounds, steps)
+            resisted = basis[:0]
+            least = least_resisted(norm(wanted[start:end]), fractions[level])
+            held = delicate or singular or _is_held(sizes[:rank], left, residual, threshold)
+            if second and held:
+                if not bends:
+                    return True
+                scale(left, 1.0 / fractions[level])
+                resisted = newton_step(
+                    _curve(left, basis, taken, sides, pins, middle, start, levels.hessians),
+                    basis, taken, below, sizes[:rank], along[:rank], guards, least, change,
+                )  # fmt: skip
+            _shorten(change, total, locked, bounds, steps)
             if not _lock(change, total, locked, bounds):
                 add(total, change, 1.0)
-                taken = below
+                delicate |= singular
+                taken = _resist(resisted, basis, below, sides, pins, math.sqrt(least))
                 break
-            taken = _lock_joints(locked, basis, taken)
+            taken = _lock_joints(locked, basis, taken, sides, pins)
         start = end
     for joint in range(joints):
         total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
+    return False
+
+
+@compiled
+def _unpin(pins: Integers, first: int, last: int) -> None:
+    """Note that directions stand for no joint."""
+    for i in range(first, last):
+        pins[i] = -1
+
+
+@compiled
+def _prepare(
+    positions: Floats,
+    newest: int,
+    rows: Floats,
+    ages: Integers,
+    wanted: Floats,
+    ends: Integers,
+    middle: Floats,
+) -> bool:
+    """Extrapolate the rows of levels that act; returns whether all numbers are finite."""
+    squares = dot(positions, positions)
+    start = 0
+    for level in range(len(ends)):
+        end = ends[level]
+        for row in range(start, end):
+            fill(middle[row], 0.0)
+        if ages[level] > 0:
+            _extrapolate(rows, newest, ages[level], start, end, middle)
+            for row in range(start, end):
+                squares += dot(middle[row], middle[row]) + wanted[row] * wanted[row]
+        start = end
+    return math.isfinite(squares)
+
+
+@compiled
+def _is_singular(values: Floats, count: int, curved: bool, threshold: float) -> bool:
+    """Whether a level cannot achieve all displacements, by its singular values and their number."""
+    if len(values) > 0 and values.min() < threshold:
+        return True
+    return curved and len(values) < count
+
+
+@compiled
+def _is_held(values: Floats, left: Floats, residual: Floats, threshold: float) -> bool:
+    """Whether a level near a singularity leaves a part of its residual undone."""
+    if norm(left) <= _ACHIEVED * norm(residual):
+        return False
+    return len(values) > 0 and values.min() < _NEAR_SINGULAR * threshold
+
+
+@compiled
+def _undone(
+    own: Floats,
+    residual: Floats,
+    change: Floats,
+    total: Floats,
+    locked: Booleans,
+    bounds: Floats,
+    steps: Floats,
+) -> Floats:
+    """Return the part of a residual (k,) that a change leaves undone within the joints' bounds."""
+    trial, left = change.copy(), np.empty(len(own))
+    _shorten(trial, total, locked, bounds, steps)
+    for i in range(len(own)):
+        left[i] = residual[i] - dot(own[i], trial)
+    return left
+
+
+@compiled
+def _curve(
+    left: Floats,
+    basis: Floats,
+    taken: int,
+    sides: Floats,
+    pins: Integers,
+    middle: Floats,
+    start: int,
+    hessians: Floats,
+) -> Floats:
+    """Return the curvature (n, n) of the error (k,) that a level's step leaves undone."""
+    joints, end = len(basis), start + len(left)
+    curvature, pull = np.zeros((joints, joints)), np.zeros(joints)
+    add_curvature(hessians[start:end], left, -1.0, curvature)
+    if taken > 0:
+        for i in range(len(left)):
+            add(pull, middle[start + i], left[i])
+        multipliers = balance(pull, basis, sides, pins, taken, middle)
+        add_curvature(hessians[:start], multipliers[:start], 1.0, curvature)
+    return curvature
+
+
+@compiled
+def _resist(
+    resisted: Floats, basis: Floats, taken: int, sides: Floats, pins: Integers, least: float
+) -> int:
+    """Add resisted directions to the basis; returns how many rows it has then."""
+    for i in range(len(resisted)):
+        _project(resisted, i, basis, taken)
+    more = taken
+    if len(resisted) > 0:
+        more += len(_gram_schmidt(resisted, basis, taken, least))
+    for i in range(taken, more):
+        fill(sides[i], 0.0)
+    _unpin(pins, taken, more)
+    return more
 
 
 @compiled_once
@@ -138,13 +265,14 @@ def _extrapolate(rows: Floats, newest: int, age: int, start: int, end: int, midd
 
 
 @compiled
-def _bounds(positions: Floats, limits: Floats, step: float) -> Floats:
-    """The least and the largest displacement of each joint, shape (2, n).
+def _bounds(positions: Floats, limits: Floats, steps: Floats) -> Floats:
+    """Return the least and the largest displacement of each joint, shape (2, n).
 
-    Limits come before what the levels want, the largest step before limits.
+    Limits come before the levels' requests, the largest step before limits.
     """
     bounds = np.empty(limits.shape)
     for joint in range(len(positions)):
+        step = steps[joint]
         lowest = limits[0, joint] - positions[joint] - _SLACK
         highest = limits[1, joint] - positions[joint] + _SLACK
         bounds[0, joint] = max(min(lowest, step), -step - 2 * _SLACK)
@@ -153,8 +281,10 @@ def _bounds(positions: Floats, limits: Floats, step: float) -> Floats:
 
 
 @compiled
-def _shorten(change: Floats, total: Floats, locked: Booleans, bounds: Floats, step: float) -> None:
-    """Shorten a change as a whole to what keeps every joint within the largest step."""
+def _shorten(
+    change: Floats, total: Floats, locked: Booleans, bounds: Floats, steps: Floats
+) -> None:
+    """Shorten a change as a whole so that every joint keeps within its largest step."""
     share, exceeds = 1.0, False
     for joint in range(len(change)):
         if locked[joint]:
@@ -163,7 +293,7 @@ def _shorten(change: Floats, total: Floats, locked: Booleans, bounds: Floats, st
         exceeds |= target < bounds[0, joint] or target > bounds[1, joint]
         size = abs(change[joint])
         ahead = total[joint] if change[joint] > 0.0 else -total[joint]
-        left = max(step - ahead, 0.0)
+        left = max(steps[joint] + _SLACK - ahead, 0.0)
         if size > left + _SLACK:
             share = min(share, left / size)
     if exceeds:
@@ -184,8 +314,10 @@ def _lock(change: Floats, total: Floats, locked: Booleans, bounds: Floats) -> bo
 
 
 @compiled
-def _lock_joints(locked: Booleans, basis: Floats, taken: int) -> int:
+def _lock_joints(locked: Booleans, basis: Floats, taken: int, sides: Floats, pins: Integers) -> int:
     """Add the locked joints to the basis; returns how many rows it has then."""
+    for i in range(taken, len(basis)):
+        fill(sides[i], 0.0)
     for joint in range(len(locked)):
         if locked[joint] and taken < len(basis):
             for column in range(len(locked)):
@@ -193,6 +325,7 @@ def _lock_joints(locked: Booleans, basis: Floats, taken: int) -> int:
             _project(basis, taken, basis, taken)
             if norm(basis[taken]) > _ROUNDING:
                 _orthonormalize(basis, taken)
+                pins[taken] = joint
                 taken += 1
     return taken
 
@@ -213,6 +346,8 @@ def _invert(
     basis: Floats,
     taken: int,
     values: Floats,
+    alongs: Floats,
+    sides: Floats,
     damping: float,
     threshold: float,
 ) -> tuple[Floats, int]:
@@ -238,8 +373,9 @@ def _invert(
     fill(values, 0.0)
     for i in range(len(parts)):
         values[i] = norm(parts[i])
-        along = dot(parts[i], velocity) / values[i]
-        add(change, directions[i], along * _damped_inverse(values[i], damping, threshold))
+        alongs[i] = dot(parts[i], velocity) / values[i]
+        add(change, directions[i], alongs[i] * _damped_inverse(values[i], damping, threshold))
+        copy(sides[taken + i], parts[i], 1.0)
     return change, taken + len(parts)
 
 

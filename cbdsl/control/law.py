@@ -123,33 +123,40 @@ class Law:
     limit takes nothing from higher levels. A joint beyond its limit is moved back, no more than
     ``settings.joint_step`` a tick, while the other joints make up for it.
 
-    Jacobians of where a tick starts let a lower level move those above by the square of its step,
-    tick after tick; those of its middle, by the cube. With those of ticks before, the law goes by
-    what they will be half a tick ahead: one takes it that the arm goes on evenly, two that it goes
-    on gaining or losing speed.
+    Where a level cannot achieve its displacement, its step is Newton's, by the Hessians of its
+    coordinates and of the levels above (``second_order``). The directions in which it is displaced
+    by the square of a step are kept from the levels below, so that all come to rest.
+
+    Jacobians at the start of a tick let a lower level move those above by the square of its step;
+    those at its middle, by the cube. Jacobians are therefore extrapolated half a tick ahead:
+    linearly from one earlier tick, quadratically from two.
 
     Args:
-        lower: lower joint limits, rad, shape (n,); may be infinite.
-        upper: upper joint limits, rad, shape (n,).
-        settings: the guards.
+        lower: Lower joint limits, rad, shape (n,); may be infinite.
+        upper: Upper joint limits, rad, shape (n,).
+        settings: Guards.
+        steps: Largest displacement of each joint in a tick, rad, shape (n,), where it is less than
+            that of the guards.
 
     Raises:
         ValueError: the margin leaves a joint no room.
     """
 
-    def __init__(self, lower: Floats, upper: Floats, settings: LawSettings) -> None:
+    def __init__(
+        self, lower: Floats, upper: Floats, settings: LawSettings, steps: Floats | None = None
+    ) -> None:
         if not (lower + settings.limit_margin <= upper - settings.limit_margin).all():
             raise ValueError("a joint's limits are closer together than twice their margin")
         self._limits = np.stack((lower + settings.limit_margin, upper - settings.limit_margin))
-        self._settings = settings
-        self._guards = np.array(
-            (settings.joint_step, settings.damping, settings.singular_value, settings.lead)
-        )
+        self._steps = np.full(len(lower), settings.joint_step)
+        if steps is not None:
+            self._steps = np.minimum(self._steps, steps)
+        self._guards = np.array((settings.damping, settings.singular_value, settings.lead))
 
     @property
-    def arrays(self) -> tuple[Floats, Floats]:
-        """Limits (2, n) and guards (4,), as ``reference.move`` takes them."""
-        return self._limits, self._guards
+    def arrays(self) -> tuple[Floats, Floats, Floats]:
+        """Limits (2, n), largest steps (n,) and guards (3,), as ``reference.move`` takes them."""
+        return self._limits, self._steps, self._guards
 
     def solve(self, levels: Sequence[Level], q: Floats) -> Step:
         """One tick's displacement for levels that have no past.
@@ -161,11 +168,10 @@ class Law:
         Raises:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
-        stack, settings = Stack.of(levels, len(q)), self._settings
+        stack = Stack.of(levels, len(q))
         step = Step.of(stack)
         compose(
-            q, stack.newest, stack.rows, stack.ages, stack.wanted, stack.ends, self._limits,
-            settings.joint_step, settings.damping, settings.singular_value,
+            q, stack.newest, stack.arrays, True, self._limits, self._steps, self._guards,
             step.displacement, step.locked, step.singular_values,
         )  # fmt: skip
         if math.isnan(step.displacement.item(0)):

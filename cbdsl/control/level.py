@@ -4,19 +4,51 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cbdsl.control.signal import Floats
 
 
-class Level(NamedTuple):
-    """Displacement that one controller wants in this tick, and its Jacobian.
+class LevelArrays(NamedTuple):
+    """Levels of a stack as compiled code takes them: k task coordinates of n joints.
 
     Attributes:
-        name: the controller, for messages and explanations.
-        jacobian: task coordinates per joint, shape (k, n).
-        velocity: wanted displacement of the task coordinates in this tick, gain and bounds
+        rows: Task coordinates per joint in three ticks, highest priority first, shape (3, k, n).
+        ages: Number of ticks for which each level has rows, up to 3; 0 for one that does not act,
+            shape (levels,).
+        requested: Requested displacement of the task coordinates in this tick, shape (k,).
+        ends: Index after the last row of each level, shape (levels,).
+        fractions: Share of the way to its target that each level requests in a tick, above 0 and
+            at most 1, shape (levels,).
+        curved: True for levels whose coordinates have Hessians, shape (levels,).
+        hessians: Second derivatives of the task coordinates by the joints, shape (k, n, n).
+    """
+
+    rows: Floats
+    ages: NDArray[np.int64]
+    requested: Floats
+    ends: NDArray[np.int64]
+    fractions: Floats
+    curved: NDArray[np.bool_]
+    hessians: Floats
+
+
+class Level(NamedTuple):
+    """Displacement that one controller requests in a tick, with its Jacobian.
+
+    Attributes:
+        name: Controller, for messages and explanations.
+        jacobian: Task coordinates per joint, shape (k, n).
+        velocity: Requested displacement of the task coordinates in this tick, gain and bounds
             applied, shape (k,).
+        hessian: Second derivatives of the task coordinates by the joints, shape (k, n, n); ``None``
+            for coordinates that count as linear.
+        fraction: Share of the way to the target that the displacement is, above 0 and at most 1.
     """
 
     name: str
     jacobian: Floats
     velocity: Floats
+    hessian: Floats | None = None
+    fraction: float = 1.0

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from cbdsl.control.composition import Booleans, Integers, compose
+from cbdsl.control.level import LevelArrays
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, dot, fill, norm, scale
@@ -63,11 +64,9 @@ def give_way(
     here: Floats,
     columns: Integers,
     newest: int,
-    rows: Floats,
-    ages: Integers,
-    wanted: Floats,
-    ends: Integers,
+    levels: LevelArrays,
     limits: Floats,
+    steps: Floats,
     guards: Floats,
     total: Floats,
     locked: Booleans,
@@ -112,21 +111,24 @@ def give_way(
     if held == 0:
         return
     # Two levels: along the forces, and below that all of the tips' motion.
-    size, first = len(wanted), held + last
+    size, first = len(levels.requested), held + last
+    rows, ages = levels.rows, levels.ages
     own_rows = np.zeros((rows.shape[0], first + size, joints))
     own_rows[:, first:] = rows
     own_rows[newest, :held], own_rows[newest, held:first] = normals[:held], tips[:last]
-    own_ages, own_ends = np.ones(2 + len(ages), np.int64), np.full(2 + len(ends), first, np.int64)
+    own_ages, own_ends = np.ones(2 + len(ages), np.int64), np.full(2 + len(ages), first, np.int64)
     own_ages[2:] = ages
     own_ends[0] = held
-    own_ends[2:] += ends
+    own_ends[2:] += levels.ends
     own_wanted, own_values = np.empty(first + size), np.zeros(first + size)
     own_wanted[:held], own_wanted[held:first] = allowed[:held], ways[:last]
-    own_wanted[first:] = wanted
-    compose(
-        here, newest, own_rows, own_ages, own_wanted, own_ends, limits, guards[0], guards[1],
-        guards[2], total, locked, own_values,
+    own_wanted[first:] = levels.requested
+    # Guards act for a few ticks and at first order.
+    below = LevelArrays(
+        own_rows, own_ages, own_wanted, own_ends, np.ones(2 + len(ages)),
+        np.zeros(2 + len(ages), np.bool_), np.zeros((0, joints, joints)),
     )  # fmt: skip
+    compose(here, newest, below, True, limits, steps, guards, total, locked, own_values)
     values[:] = own_values[first:]
 
 

@@ -35,6 +35,8 @@ class SlotForm(NamedTuple):
         turned: whether that is a rotation.
         onset: the change of a load before which it is undefined, or ``None``.
         watches: whether it is defined although no joint displaces its feedback.
+        carried: True for the position of an object that moves with the hands that hold it.
+        spin: Axis of the tip, 0 to 2, about which the task lets it turn; -1 for none.
     """
 
     potential: Potential
@@ -50,6 +52,8 @@ class SlotForm(NamedTuple):
     turned: bool = False
     onset: OnsetForm | None = None
     watches: bool = False
+    carried: bool = False
+    spin: int = -1
 
     @property
     def carrier(self) -> int:
@@ -124,6 +128,7 @@ class ControllerPlan:
         slot["requires"] = form.requires
         slot["anchor"], slot["offset"] = form.anchor, form.offset
         slot["watches"] = form.watches
+        slot["carried"], slot["spin"] = form.carried, form.spin
         slot["turned"], slot["onset"] = form.turned, self._wait(form.onset)
         self.slots = np.concatenate((self.slots, slot))
         self.parameters = np.concatenate((self.parameters, potential.parameters))

@@ -8,9 +8,14 @@ from typing import Any
 import numpy as np
 
 from cbdsl.control.composition import Booleans, Integers, compose
+from cbdsl.control.level import LevelArrays
 from cbdsl.control.load_guard import give_way
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once
+
+#: Outcomes of a move: the references have moved; the levels' Hessians are needed first; a number
+#: is not finite.
+ADVANCED, NEEDS_HESSIANS, NOT_FINITE = range(3)
 
 
 @compiled_once
@@ -19,11 +24,10 @@ def move(
     positions: Floats,
     columns: Integers,
     newest: int,
-    rows: Floats,
-    ages: Integers,
-    wanted: Floats,
-    ends: Integers,
+    levels: LevelArrays,
+    bends: bool,
     limits: Floats,
+    steps: Floats,
     guards: Floats,
     total: Floats,
     locked: Booleans,
@@ -32,38 +36,36 @@ def move(
     loads: Floats,
     table: Any,
     jacobian: Floats,
-) -> bool:
-    """Compose the displacement of all levels and move references (all,) by it, rad.
+) -> int:
+    """Compose the displacement of all levels and move references by it.
 
     Args:
-        load_guards, loads, table, jacobian: as of ``load_guard.give_way``.
-        positions: measured, of all joints, rad, shape (all,).
-        columns: which joint each of the levels' n is, shape (n,).
-        guards: largest displacement, largest damping, singular value below which damping sets in,
-            and
-            how far a reference may be from the position; else a blocked joint's would run away.
+        reference: References of all joints, rad, shape (all,).
+        positions: Measured positions of all joints, rad, shape (all,).
+        columns: Joint that each of the levels' n is, shape (n,).
+        guards: Those of ``compose``, and the largest distance of a reference from the position; a
+            blocked joint's would run away.
+        load_guards, loads, table, jacobian: Those of ``load_guard.give_way``.
 
     The others are those of ``compose``.
 
     Returns:
-        Whether all arguments were finite; otherwise nothing has moved.
+        ``ADVANCED``; ``NEEDS_HESSIANS`` or ``NOT_FINITE`` if nothing has moved.
     """
     here = np.empty(len(columns))
     for place in range(len(columns)):
         here[place] = positions[columns[place]]
-    compose(
-        here, newest, rows, ages, wanted, ends, limits, guards[0], guards[1], guards[2],
-        total, locked, values,
-    )  # fmt: skip
+    if compose(here, newest, levels, bends, limits, steps, guards, total, locked, values):
+        return NEEDS_HESSIANS
     if math.isnan(total[0]):
-        return False
+        return NOT_FINITE
     if len(load_guards) > 0:
         give_way(
-            load_guards, loads, table, jacobian, reference, here, columns, newest, rows, ages,
-            wanted, ends, limits, guards, total, locked, values,
+            load_guards, loads, table, jacobian, reference, here, columns, newest, levels,
+            limits, steps, guards, total, locked, values,
         )  # fmt: skip
-    _advance(reference, columns, total, here, guards[3], limits)
-    return True
+    _advance(reference, columns, total, here, guards[2], limits, steps)
+    return ADVANCED
 
 
 @compiled
@@ -74,14 +76,18 @@ def _advance(
     here: Floats,
     lead: float,
     limits: Floats,
+    steps: Floats,
 ) -> None:
     """Move references of the joints ``columns`` (n,) by a displacement (n,), rad.
 
-    A joint that is past one of its limits (2, n) comes back at the law's pace, not at once.
+    References keep within ``lead`` of the positions and within the limits (2, n), as far as the
+    largest steps (n,) allow: a reference never jumps, whatever a sensor reports. A joint that is
+    past one of its limits comes back at the law's pace.
     """
     for place in range(len(columns)):
         before = reference[columns[place]]
-        wanted = before + displacement[place]
-        wanted = min(max(wanted, here[place] - lead), here[place] + lead)
-        lowest, highest = min(limits[0, place], before), max(limits[1, place], before)
-        reference[columns[place]] = min(max(wanted, lowest), highest)
+        after = before + displacement[place]
+        after = min(max(after, here[place] - lead), here[place] + lead)
+        after = min(max(after, min(limits[0, place], before)), max(limits[1, place], before))
+        after = min(max(after, before - steps[place]), before + steps[place])
+        reference[columns[place]] = after

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cbdsl.control.composition import extrapolate_half_tick
-from cbdsl.control.level import Level
+from cbdsl.control.level import Level, LevelArrays
 from cbdsl.control.signal import Floats, SignalError
 
 #: How many ticks are kept.
@@ -26,6 +26,7 @@ class Stack:
         ends: index after the last row of each level, shape (levels,).
         ages: for how many ticks in a row each level has acted, up to 3; 0 where it does not act,
             shape (levels,).
+        arrays: All of these but the names and the clock, with the levels' second order.
 
     Args:
         levels: names of the controllers and how many task coordinates each has.
@@ -40,6 +41,10 @@ class Stack:
         size = int(sizes.sum())
         self.rows, self.wanted = np.zeros((TICKS, size, joints)), np.zeros(size)
         self.ages = np.zeros(len(levels), dtype=np.int64)
+        self.arrays = LevelArrays(
+            self.rows, self.ages, self.wanted, self.ends, np.ones(len(levels)),
+            np.zeros(len(levels), dtype=np.bool_), np.zeros((size, joints, joints)),
+        )  # fmt: skip
         self.clock = np.zeros(1, dtype=np.int64)
 
     @classmethod
@@ -68,6 +73,10 @@ class Stack:
             )
         rows[:] = level.jacobian
         self.wanted[self.starts[place] : self.ends[place]] = level.velocity
+        self.arrays.fractions[place] = level.fraction
+        self.arrays.curved[place] = level.hessian is not None
+        if level.hessian is not None:
+            self.arrays.hessians[self.starts[place] : self.ends[place]] = level.hessian
         self.ages[place] = min(self.ages[place] + 1, TICKS)
 
     @property

@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.control.hessian import has_hessian, write_hessian
+from cbdsl.control.level import LevelArrays
 from cbdsl.control.onset import note_load, restart_onset
 from cbdsl.control.potential import Rule, call_at
 from cbdsl.control.predicate import note, note_undefined, reset
 from cbdsl.control.rate import displace
-from cbdsl.control.reference import move
+from cbdsl.control.reference import NEEDS_HESSIANS, NOT_FINITE, move
 from cbdsl.control.signal import Floats
 from cbdsl.control.stack import TICKS
 from cbdsl.numeric.compiled import compiled, compiled_once
@@ -86,6 +88,10 @@ SLOT = np.dtype(
         ("anchored", np.bool_),
         # Whether it watches a feedback that no joint displaces.
         ("watches", np.bool_),
+        # Second order: whether the feedback is the position of a held object, and the axis of the
+        # tip about which the task lets it turn, -1 for none.
+        ("carried", np.bool_),
+        ("spin", np.int64),
     ]
 )
 
@@ -114,13 +120,11 @@ def tick(
     acting: Integers,
     columns: Integers,
     turn: Integers,
-    rows: Floats,
-    ages: Integers,
-    wanted: Floats,
-    ends: Integers,
+    levels: LevelArrays,
     references: Floats,
     joints: Integers,
     limits: Floats,
+    steps: Floats,
     guards: Floats,
     total: Floats,
     locked: Booleans,
@@ -146,10 +150,10 @@ def tick(
             order of priority.
         columns: which joint each of the stack's n is for a slot, -1 for one that it does not move,
             shape (levels, n).
-        turn, rows, ages, wanted, ends: of the stack, whose next tick begins.
+        turn, levels: Clock and arrays of the stack, whose next tick begins.
         references: of the actuated joints, rad, shape (all,).
         joints: which joint each of the stack's n is, shape (n,).
-        limits, guards, total, locked, singular, load_guards: as of ``move``.
+        limits, steps, guards, total, locked, singular, load_guards: Those of ``move``.
 
     Returns:
         ``MOVED``; ``RESTED`` where no slot acts; ``UNSOUND`` where the law cannot compute with the
@@ -161,6 +165,7 @@ def tick(
     )  # fmt: skip
     turn[0] = (turn[0] + 1) % TICKS
     newest, anything = turn[0], False
+    rows, ages, wanted, ends = levels.rows, levels.ages, levels.requested, levels.ends
     for number in range(len(acting)):
         place = int(acting[number, 3])
         slot = slots[acting[number, 0]]
@@ -179,6 +184,8 @@ def tick(
         if not _act(slot, table, value, jacobian, parameters, own, level, displacement):
             return place
         copy(wanted[ends[place] - slot.size : ends[place]], displacement, 1.0)
+        levels.fractions[place] = _fraction(slot)
+        levels.curved[place] = slot.rule == _RESIDUAL and has_hessian(slot, table)
         ages[place] = min(ages[place] + 1, TICKS)
         anything = True
         if slot.mode == TRACK:
@@ -189,12 +196,56 @@ def tick(
             note(slot.phi, measured, slot.settings, window, slot.notes)
     if not anything:
         return RESTED
-    if not move(
-        references, positions, joints, newest, rows, ages, wanted, ends, limits, guards,
+    outcome = move(
+        references, positions, joints, newest, levels, False, limits, steps, guards,
         total, locked, singular, load_guards, loads, table, jacobian,
-    ):  # fmt: skip
-        return UNSOUND
-    return MOVED
+    )  # fmt: skip
+    if outcome == NEEDS_HESSIANS:
+        _bend(
+            acting, columns, levels, slots, table, parts, support, value, jacobian, tree,
+            frames, axes, parameters,
+        )  # fmt: skip
+        outcome = move(
+            references, positions, joints, newest, levels, True, limits, steps, guards,
+            total, locked, singular, load_guards, loads, table, jacobian,
+        )  # fmt: skip
+    return UNSOUND if outcome == NOT_FINITE else MOVED
+
+
+@compiled
+def _fraction(slot: Any) -> float:
+    """Return the share of the way to its target that a slot requests in a tick."""
+    share: float = slot.bounds[0] * slot.bounds[3]
+    # A Newton step is half the residual.
+    return min(0.5 * share if slot.rule == _RESIDUAL else share, 1.0)
+
+
+@compiled
+def _bend(
+    acting: Integers,
+    columns: Integers,
+    levels: LevelArrays,
+    slots: Records,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    value: Floats,
+    jacobian: Floats,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+    parameters: Floats,
+) -> None:
+    """Write the Hessians of all levels that act and bend."""
+    for number in range(len(acting)):
+        place = acting[number, 3]
+        if levels.ages[place] > 0 and levels.curved[place]:
+            slot = slots[acting[number, 0]]
+            end = levels.ends[place]
+            write_hessian(
+                slot, table, parts, support, value, jacobian, tree, frames, axes, parameters,
+                columns[place], levels.hessians[end - slot.size : end],
+            )  # fmt: skip
 
 
 @compiled

@@ -87,7 +87,7 @@ class Actuation:
         guards: Guards = NO_GUARDS,
     ) -> None:
         control = robot.control
-        self._signals, self._plan = signals, plan
+        self._signals, self._plan, self._period = signals, plan, period
         # The robot's are those for its own rate. In a tick that lasts longer the joints move
         # farther and their Jacobians change more, unless those are larger by as much.
         longer = period * control.rate
@@ -177,7 +177,7 @@ class Actuation:
         batch.arguments = (
             batch.selection.compiled, signals.clock, *signals.arrays, *plan.arrays,
             batch.acting, batch.columns,
-            stack.clock, stack.rows, stack.ages, stack.wanted, stack.ends,
+            stack.clock, stack.arrays,
             self.reference, batch.joints, *batch.law.arrays,
             batch.step.displacement, batch.step.locked, batch.step.singular_values,
             self.load_guards.records,
@@ -204,7 +204,12 @@ class Actuation:
             np.array(_required_first(active)),
             joints,
             np.array([np.where(np.isin(joints, run.own), joints, -1) for run in runs]),
-            Law(limits.lower[joints], limits.upper[joints], self.settings),
+            Law(
+                limits.lower[joints],
+                limits.upper[joints],
+                self.settings,
+                self._period * limits.speed[joints],
+            ),
             Step.of(stack),
             signals.select(rows),
             tuple([run for run in runs if run.preparation.is_needed]),

@@ -24,6 +24,7 @@ from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
     RELATIVE,
     Headings,
+    StereoPosition,
 )
 from cbdsl.types.state import Predicate
 
@@ -85,6 +86,7 @@ class ControllerRun:
             rows.feedback,
             rows.reference,
             watches=isinstance(controller.feedback.source, RELATIVE),
+            carried=isinstance(controller.feedback.source, StereoPosition),
         )._replace(**anchor_of(controller, signals, rows)._asdict())
         form = modified(plain, SlotSetting(controller, signals, period))
         self.rows = rows._replace(feedback=form.feedback, reference=form.reference)

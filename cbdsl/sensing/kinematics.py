@@ -89,6 +89,8 @@ class Kinematics:
         positions: of the actuated joints, rad or m, shape (n,); ``update`` writes over them.
         lower: lower joint limits, rad or m, shape (n,); minus infinity where there is none.
         upper: upper joint limits, rad or m, shape (n,); infinity where there is none.
+        speed: Largest speed of each joint by the model, rad/s or m/s, shape (n,); infinity where
+            there is none.
         endless: True for joints that turn without limits, shape (n,).
         circular: True for those of them whose whole turns do not count, shape (n,).
         tree: the model's joints, as ``place_joints`` takes them, shape (j,).
@@ -110,6 +112,8 @@ class Kinematics:
         lower, upper = model.lowerPositionLimit[own], model.upperPositionLimit[own]
         self.lower: Floats = np.where(circle | (lower <= -UNLIMITED), -np.inf, lower)
         self.upper: Floats = np.where(circle | (upper >= UNLIMITED), np.inf, upper)
+        fastest = model.velocityLimit[[model.joints[number].idx_v for number in numbers]]
+        self.speed: Floats = np.where(fastest > 0.0, fastest, np.inf)
         self._model, self.positions = model, np.zeros(len(self.joints))
         self._still = self._resting()
         self.tree = _tree(model, self.joints, self._still)

@@ -130,12 +130,7 @@ def _write_tip(
     part = parts[row.part]
     frame, turned = frames[part.frame], part.rotation
     origin, point, twist = np.empty(3), np.empty(3), np.empty(6)
-    along = 0.0
-    if row.facing >= 0:
-        clearance, least, most = row.standoff[0], row.standoff[1], row.standoff[2]
-        along = min(max(table[row.facing].radius + clearance, least), most)
-    for i in range(3):
-        origin[i] = part.origin[i] + along * turned[3 * i + 2]
+    stand_off(row, table, part, origin)
     place_point(frame, origin, point)
     start = row.start
     if row.linear:
@@ -153,6 +148,17 @@ def _write_tip(
         column = tree[joint].column
         for i in range(row.rows):
             jacobian[row.row + i, column] += twist[first + i]
+
+
+@compiled
+def stand_off(row: Any, table: Records, part: Any, origin: Floats) -> None:
+    """Write where a tip's control point is in its frame, m, shape (3,)."""
+    along = 0.0
+    if row.facing >= 0:
+        clearance, least, most = row.standoff[0], row.standoff[1], row.standoff[2]
+        along = min(max(table[row.facing].radius + clearance, least), most)
+    for i in range(3):
+        origin[i] = part.origin[i] + along * part.rotation[3 * i + 2]
 
 
 @compiled

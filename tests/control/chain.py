@@ -50,6 +50,17 @@ class Chain:
         linear = np.cross(angular, point - np.array(origins))
         return point, rotation, np.vstack((linear.T, angular.T))
 
+    def hessian(self, q: Floats) -> Floats:
+        """Second derivatives of the tip's position and rotation by the joints, (6, n, n)."""
+        _, _, jacobian = self.pose(q)
+        linear, angular = jacobian[:3].T, jacobian[3:].T
+        # A joint turns the levers and axes of those behind it.
+        behind = np.triu(np.ones((len(q), len(q))))[..., None]
+        moved = behind * np.cross(angular[:, None], linear[None])
+        turned = 0.5 * behind * np.cross(angular[:, None], angular[None])
+        moved += np.where(np.eye(len(q))[..., None], 0.0, moved.swapaxes(0, 1))
+        return np.concatenate((moved, turned + turned.swapaxes(0, 1)), axis=2).transpose(2, 0, 1)
+
     def signal(self, kind: str, q: Floats) -> Signal:
         """The chain's tip, or its joints, as a signal of a type."""
         position, rotation, jacobian = self.pose(q)

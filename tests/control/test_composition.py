@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.control.composition import compose, extrapolate_half_tick
+from cbdsl.control.level import LevelArrays
 from cbdsl.control.signal import Floats
 
 FREE = 1e300
@@ -18,10 +19,13 @@ def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats
     ends = np.cumsum([len(rows) for rows in blocks])
     rows = np.stack([np.vstack(blocks)] * 3)
     step, locked, values = np.empty(joints), np.empty(joints, dtype=bool), np.empty(ends[-1])
-    compose(
-        *(np.zeros(joints), 0, rows, np.ones(len(blocks), dtype=int)),
-        *(np.concatenate(wanted), ends, limits, FREE, 0.0, 1e-300, step, locked, values),
-    )
+    count = len(blocks)
+    levels = LevelArrays(
+        rows, np.ones(count, dtype=int), np.concatenate(wanted), ends, np.ones(count),
+        np.zeros(count, dtype=bool), np.zeros((ends[-1], joints, joints)),
+    )  # fmt: skip
+    steps, guards = np.full(joints, FREE), np.array([0.0, 1e-300, FREE])
+    compose(np.zeros(joints), 0, levels, False, limits, steps, guards, step, locked, values)
     assert not locked.any()
     return step, values
 

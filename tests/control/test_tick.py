@@ -129,7 +129,7 @@ class Bench:
             table.records, table.parts, table.support, table.value, table.jacobian,
             np.zeros(0, JOINT), np.zeros((1, 12)), np.zeros((0, 3)),
             *self.plan.arrays, self.acting, self.columns,
-            stack.clock, stack.rows, stack.ages, stack.wanted, stack.ends,
+            stack.clock, stack.arrays,
             self.references, JOINTS, *law.arrays,
             step.displacement, step.locked, step.singular_values, self.load_guards,
         )  # fmt: skip

@@ -16,7 +16,8 @@ def bind(form: SlotForm, axis: str, setting: SlotSetting) -> SlotForm:
     from cbdsl.control.spring import spring
 
     kind = setting.controller.feedback.type
-    return form._replace(potential=spring(kind.name, kind.size, axis))
+    turned = spring(kind.name, kind.size, axis)
+    return form._replace(potential=turned, spin="xyz".index(axis))
 
 
 FREE_AXIS = ModifierType(

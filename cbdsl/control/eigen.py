@@ -1,0 +1,59 @@
+"""Eigenvalues of small symmetric matrices; compiled."""
+
+from __future__ import annotations
+
+import math
+
+from cbdsl.control.signal import Floats
+from cbdsl.numeric.compiled import compiled
+
+# Sweeps converge at a quadratic pace; more bring rounding no nearer to zero.
+_SWEEPS = 12
+
+# Elements count as zero at this share of the diagonal elements beside them.
+_ROUNDING = 1e-15
+
+
+@compiled
+def diagonalize(matrix: Floats, vectors: Floats) -> None:
+    """Diagonalize a symmetric matrix by cyclic Jacobi rotations.
+
+    Args:
+        matrix: Symmetric matrix, shape (m, m); becomes diagonal, with the eigenvalues unsorted.
+        vectors: Becomes the eigenvectors, one a row, shape (m, m).
+    """
+    size = len(matrix)
+    for i in range(size):
+        for j in range(size):
+            vectors[i, j] = 1.0 if i == j else 0.0
+    scale = 0.0
+    for i in range(size):
+        for j in range(size):
+            scale = max(scale, abs(matrix[i, j]))
+    for _ in range(_SWEEPS):
+        turned = False
+        for i in range(size - 1):
+            for j in range(i + 1, size):
+                if abs(matrix[i, j]) > _ROUNDING * scale:
+                    _rotate(matrix, vectors, i, j)
+                    turned = True
+        if not turned:
+            break
+
+
+@compiled
+def _rotate(matrix: Floats, vectors: Floats, i: int, j: int) -> None:
+    """Turn two coordinates so that the element between them vanishes."""
+    ratio = (matrix[j, j] - matrix[i, i]) / (2.0 * matrix[i, j])
+    tangent = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
+    cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
+    sine = tangent * cosine
+    for k in range(len(matrix)):
+        one, other = matrix[i, k], matrix[j, k]
+        matrix[i, k], matrix[j, k] = cosine * one - sine * other, sine * one + cosine * other
+    for k in range(len(matrix)):
+        one, other = matrix[k, i], matrix[k, j]
+        matrix[k, i], matrix[k, j] = cosine * one - sine * other, sine * one + cosine * other
+    for k in range(len(matrix)):
+        one, other = vectors[i, k], vectors[j, k]
+        vectors[i, k], vectors[j, k] = cosine * one - sine * other, sine * one + cosine * other

@@ -1,0 +1,210 @@
+"""Hessians of task coordinates from the axes of the joints; compiled.
+
+A joint i before joint j of the same chain turns the lever and the axis of j: the velocity v_j of a
+point changes by w_i x v_j, and the axis w_j by w_i x w_j. In exponential coordinates of a rotation,
+half of the latter is the second derivative. A tip that may turn about its own axis a couples the
+turn about a with the turns across: s . (a x w_j) (a . w_i), for a task coordinate s . w.
+Coordinates that are linear in the signal (springs of configurations, positions, orientations and
+poses, along some axes or all) have the Hessians of the signal's rows.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.control.potential import call_at
+from cbdsl.control.signal import Floats
+from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.numeric.vector import cross, dot
+from cbdsl.sensing.forward import bend_point, place_point
+from cbdsl.sensing.refresh import MIXTURE, TIP, WRITTEN, stand_off
+
+Integers = NDArray[np.int64]
+Records = NDArray[Any]
+
+
+@compiled
+def has_hessian(slot: Any, table: Records) -> bool:
+    """Whether the task coordinates of a slot's spring bend as the joints move."""
+    kind = table[slot.feedback].kind
+    return bool(kind in (TIP, MIXTURE) or (kind == WRITTEN and slot.carried))
+
+
+@compiled_once
+def write_hessian(
+    slot: Any,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    value: Floats,
+    jacobian: Floats,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+    parameters: Floats,
+    columns: Integers,
+    hessian: Floats,
+) -> None:
+    """Write the Hessian of a slot's task coordinates.
+
+    Args:
+        slot: Slot of a spring whose feedback ``has_hessian``.
+        table, parts, support, value, jacobian, tree, frames, axes: Those of ``refresh``.
+        parameters: Parameters of all potentials.
+        columns: Joint that each of the stack's n is, -1 for one that the slot does not move,
+            shape (n,).
+        hessian: Becomes the second derivatives, shape (k, n, n).
+    """
+    feedback = table[slot.feedback]
+    bends = np.zeros((feedback.rows, jacobian.shape[1], jacobian.shape[1]))
+    if feedback.kind == TIP:
+        _bend_tip(feedback, table, parts, support, tree, frames, axes, 1.0, bends)
+    elif feedback.kind == MIXTURE:
+        _bend_mixture(feedback, table, parts, support, tree, frames, axes, bends)
+    else:
+        _bend_carried(jacobian[feedback.row : feedback.row + 3], tree, axes, bends)
+    slope = _slope(slot, feedback, table, value, parameters)
+    _select(bends, slope, columns, hessian)
+    if slot.spin >= 0:
+        _spin(slot, feedback, value, jacobian, slope, columns, hessian)
+
+
+@compiled
+def _bend_tip(
+    row: Any,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+    weight: float,
+    bends: Floats,
+) -> None:
+    """Add the weighted change of a tip's Jacobian per joint, shape (rows, n, n)."""
+    part, joints = parts[row.part], bends.shape[1]
+    origin, point = np.empty(3), np.empty(3)
+    stand_off(row, table, part, origin)
+    place_point(frames[part.frame], origin, point)
+    change = np.zeros((6, joints, joints))
+    own = support[part.support : part.support + part.joints]
+    bend_point(point, own, tree, frames, axes, change)
+    first = 0 if row.linear else 3
+    for i in range(len(bends)):
+        for j in range(joints):
+            for k in range(joints):
+                bends[i, j, k] += weight * change[first + i, j, k]
+
+
+@compiled
+def _bend_mixture(
+    row: Any,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+    bends: Floats,
+) -> None:
+    """Write the change of a weighted sum of tips, as far as its parts are tips."""
+    for number in range(row.part, row.part + row.parts):
+        part = parts[number]
+        source = table[part.source]
+        if source.kind == TIP:
+            own = bends[part.shift : part.shift + source.rows]
+            _bend_tip(source, table, parts, support, tree, frames, axes, part.weight, own)
+
+
+@compiled
+def _bend_carried(rows: Floats, tree: Records, axes: Floats, bends: Floats) -> None:
+    """Write the change of the Jacobian (3, n) of a point that moves with the last of its joints."""
+    turn, change = np.empty(3), np.empty(3)
+    for last in range(len(tree)):
+        column = tree[last].column
+        if column < 0 or tree[last].ratio == 0.0:
+            continue
+        velocity = rows[:, column].copy()
+        if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
+            continue
+        joint = last
+        while joint >= 0:
+            other = tree[joint].column
+            if not tree[joint].slides and other >= 0:
+                for i in range(3):
+                    turn[i] = tree[joint].ratio * axes[joint, i]
+                cross(turn, velocity, change)
+                for i in range(3):
+                    bends[i, other, column] += change[i]
+                    if joint != last:
+                        bends[i, column, other] += change[i]
+            joint = tree[joint].parent - 1
+
+
+@compiled
+def _slope(slot: Any, feedback: Any, table: Records, value: Floats, parameters: Floats) -> Floats:
+    """Return a slot's task coordinates per row of its feedback, shape (k, rows)."""
+    if slot.identity:
+        return np.eye(slot.size)
+    here = value[feedback.start : feedback.start + feedback.size]
+    there = here[:0]
+    if slot.reference >= 0:
+        reference = table[slot.reference]
+        there = value[reference.start : reference.start + reference.size]
+    own = parameters[slot.parameter : slot.parameter + slot.parameters]
+    residual, slope = np.zeros(slot.size), np.zeros((slot.size, feedback.rows))
+    call_at(slot.address, here, there, own, residual, slope)  # type: ignore[call-arg]
+    return slope
+
+
+@compiled
+def _select(bends: Floats, slope: Floats, columns: Integers, hessian: Floats) -> None:
+    """Write the symmetric part of slope times the change of the rows, in the stack's joints."""
+    joints = len(columns)
+    hessian[:] = 0.0
+    for i in range(len(hessian)):
+        for row in range(len(bends)):
+            weight = 0.5 * slope[i, row]
+            if weight == 0.0:
+                continue
+            for j in range(joints):
+                for k in range(joints):
+                    one, other = columns[j], columns[k]
+                    if one >= 0 and other >= 0:
+                        both = bends[row, one, other] + bends[row, other, one]
+                        hessian[i, j, k] += weight * both
+
+
+@compiled
+def _spin(
+    slot: Any,
+    feedback: Any,
+    value: Floats,
+    jacobian: Floats,
+    slope: Floats,
+    columns: Integers,
+    hessian: Floats,
+) -> None:
+    """Add how a turn about the tip's free axis couples with turns across it."""
+    first = feedback.rows - 3
+    turning = jacobian[feedback.row + first : feedback.row + feedback.rows]
+    start = feedback.start + feedback.size - 9
+    axis, side = np.empty(3), np.empty(3)
+    for i in range(3):
+        axis[i] = value[start + 3 * i + slot.spin]
+    joints = len(columns)
+    along, across = np.zeros(joints), np.zeros(joints)
+    for i in range(len(hessian)):
+        # s . (a x w) = (s x a) . w
+        cross(slope[i, first:].copy(), axis, side)
+        for j in range(joints):
+            along[j] = across[j] = 0.0
+            if columns[j] >= 0:
+                turn = turning[:, columns[j]].copy()
+                along[j], across[j] = dot(axis, turn), dot(side, turn)
+        for j in range(joints):
+            for k in range(joints):
+                hessian[i, j, k] += 0.5 * (along[j] * across[k] + across[j] * along[k])

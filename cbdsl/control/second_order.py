@@ -1,0 +1,203 @@
+"""Second order of the control law: steps of levels that singularities hold back; compiled.
+
+Model. A level asks for a displacement v of its task coordinates x(q) and does a fraction f of the
+way to its target in a tick, so that v / f is its error e, bounded as its speed is. Where its
+Jacobian J, seen through the free directions Z of the levels above, cannot achieve e, a part
+left = e - J dq / f remains. Newton's step for half the square of the error then is
+
+    (Z' J' J Z + S+) y = Z' J' v,   S = - sum_i left_i H_i + sum_j lambda_j H_j
+
+with H_i the Hessians of the level's own coordinates, H_j those of the levels above, and lambda the
+multipliers that balance J' left on the levels above (the curvature of the manifold on which they
+hold). S+ is the positive part of S, so that the step descends. Directions without any stiffness
+keep the damping of first order. A direction that S+ resists is one in which the level is displaced
+by the square of a step: it is kept from the levels below, as the rows of J are. First-order null
+spaces alone let a lower level move along it, and the level above moves back: both swing for ever.
+
+Source: the hierarchical Newton method of Pfeiffer, Escande and Rabaud (2018), with the displacement
+of one tick in place of the whole error. Where a level achieves what it asks for, nothing changes.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.control.eigen import diagonalize
+from cbdsl.control.signal import Floats
+from cbdsl.numeric.compiled import compiled
+from cbdsl.numeric.vector import add, copy, dot, fill, norm
+
+Integers = NDArray[np.int64]
+
+# A level resists a direction whose radius of curvature, relative to its remaining displacement, is
+# above this, m or rad: far below a link's length.
+_RESISTED = 1e-2
+
+# Squared singular values below this do not pass on multipliers: they would explode.
+_SOFT = 1e-6
+
+# Least divisor of a step, in the square of the Jacobians' unit.
+_FLOOR = 1e-24
+
+
+@compiled
+def add_curvature(hessians: Floats, weights: Floats, factor: float, curvature: Floats) -> None:
+    """Add weighted Hessians to a curvature.
+
+    Args:
+        hessians: Second derivatives of k task coordinates, shape (k, n, n).
+        weights: Weights of the coordinates, shape (k,).
+        factor: Common factor of the weights.
+        curvature: Sum so far, shape (n, n).
+    """
+    for i in range(len(weights)):
+        if weights[i] != 0.0:
+            for joint in range(len(curvature)):
+                add(curvature[joint], hessians[i, joint], factor * weights[i])
+
+
+@compiled
+def balance(
+    pull: Floats, basis: Floats, sides: Floats, pins: Integers, count: int, rows: Floats
+) -> Floats:
+    """Return the multipliers of the levels above that balance a pull of a level below.
+
+    The basis makes the rows above block-triangular, so that they are solved for backwards.
+
+    Args:
+        pull: Generalised force of the lower level, shape (n,); becomes what no row balances.
+        basis: Orthonormal directions that are taken, shape (n, n).
+        sides: Parts of all K task rows in each direction, shape (n, K).
+        pins: Joint that each direction stands for because it is locked, or -1, shape (n,).
+        count: Number of directions that are taken.
+        rows: Jacobian of all task coordinates, shape (K, n).
+    """
+    multipliers = np.zeros(len(rows))
+    i = count - 1
+    while i >= 0:
+        along, square, pin = dot(pull, basis[i]), dot(sides[i], sides[i]), pins[i]
+        if pin >= 0:
+            part = basis[i, pin]
+            pull[pin] -= along * part / (part * part + _SOFT)
+        elif square > 0.0:
+            along /= square + _SOFT
+            add(multipliers, sides[i], along)
+            for k in range(len(rows)):
+                if sides[i, k] != 0.0:
+                    add(pull, rows[k], -along * sides[i, k])
+        i -= 1
+    return multipliers
+
+
+@compiled
+def _complete(basis: Floats, first: int) -> None:
+    """Complete the ``first`` orthonormal rows of a square matrix to a basis."""
+    joints = len(basis)
+    for row in range(first, joints):
+        best, largest = 0, -1.0
+        for joint in range(joints):
+            rest = 1.0
+            for i in range(row):
+                rest -= basis[i, joint] * basis[i, joint]
+            if rest > largest:
+                best, largest = joint, rest
+        direction = basis[row]
+        fill(direction, 0.0)
+        direction[best] = 1.0
+        # Twice is enough to be orthogonal to rounding.
+        for _ in range(2):
+            for i in range(row):
+                add(direction, basis[i], -dot(direction, basis[i]))
+            copy(direction, direction, 1.0 / norm(direction))
+
+
+@compiled
+def newton_step(
+    curvature: Floats,
+    basis: Floats,
+    taken: int,
+    below: int,
+    values: Floats,
+    along: Floats,
+    guards: Floats,
+    least: float,
+    change: Floats,
+) -> Floats:
+    """Compute a level's Newton step in its free directions.
+
+    Args:
+        curvature: Symmetric curvature S, shape (n, n).
+        basis: Orthonormal directions, shape (n, n): those that levels above take, those that the
+            level's rows span; becomes complete.
+        taken: Number of directions that levels above take.
+        below: Number of directions with those of the level.
+        values: Singular values of the level's rows, shape (rank,).
+        along: Requested displacement along each of them, shape (rank,).
+        guards: Those of ``composition.compose``.
+        least: Stiffness above which a direction counts as resisted.
+        change: Becomes the step, rad, shape (n,).
+
+    Returns:
+        Resisted directions, as long as the square roots of their stiffness, shape (r, n).
+    """
+    _complete(basis, below)
+    free, damping, threshold = basis[taken:], guards[0], guards[1]
+    size = len(free)
+    positive, resisted = _positive_part(_restrict(curvature, free), free, least)
+    for i in range(len(values)):
+        positive[i, i] += values[i] * values[i]
+    vectors = np.empty((size, size))
+    diagonalize(positive, vectors)
+    fill(change, 0.0)
+    for i in range(size):
+        stiffness, pull = max(positive[i, i], 0.0), 0.0
+        for j in range(len(values)):
+            pull += vectors[i, j] * values[j] * along[j]
+        weight = max(0.0, 1.0 - stiffness / (threshold * threshold))
+        step = pull / max(stiffness + damping * weight, _FLOOR)
+        for j in range(size):
+            add(change, free[j], step * vectors[i, j])
+    return resisted
+
+
+@compiled
+def least_resisted(requested: float, fraction: float) -> float:
+    """Return the stiffness above which a level that asks for a displacement resists a direction."""
+    return _RESISTED * requested / fraction + 1e-15
+
+
+@compiled
+def _restrict(matrix: Floats, free: Floats) -> Floats:
+    """Return a symmetric matrix (n, n) in some orthonormal directions (m, n), shape (m, m)."""
+    size = len(free)
+    inner, image = np.empty((size, size)), np.empty(len(matrix))
+    for i in range(size):
+        for joint in range(len(matrix)):
+            image[joint] = dot(matrix[joint], free[i])
+        for j in range(i + 1):
+            inner[i, j] = inner[j, i] = dot(free[j], image)
+    return inner
+
+
+@compiled
+def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, Floats]:
+    """Return the positive part of a matrix (m, m), and the directions (r, n) that it resists."""
+    size = len(inner)
+    vectors, positive = np.empty((size, size)), np.zeros((size, size))
+    resisted, count = np.zeros((size, free.shape[1])), 0
+    diagonalize(inner, vectors)
+    for i in range(size):
+        stiffness = inner[i, i]
+        if stiffness <= 0.0:
+            continue
+        for j in range(size):
+            for k in range(size):
+                positive[j, k] += stiffness * vectors[i, j] * vectors[i, k]
+        if stiffness > least:
+            for j in range(size):
+                add(resisted[count], free[j], math.sqrt(stiffness) * vectors[i, j])
+            count += 1
+    return positive, resisted[:count]

@@ -1,0 +1,150 @@
+"""Second order of the law: stacks come to rest at every target, and no level spoils those above."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from cbdsl.control.law import Law, LawSettings
+from cbdsl.control.level import Level
+from cbdsl.control.rotation import exp, log
+from cbdsl.control.signal import Floats
+from tests.control.chain import Chain
+
+PERIOD = 1 / 60  # s
+FRACTION = 8.0 * PERIOD / 2  # gain of 8 /s
+STEP = 1.5 * PERIOD  # rad
+STILL = np.radians(0.02)  # a tick
+STACKS = ("p", "pr", "prq", "pq", "rp", "rpq", "zpq", "pzrq")
+
+
+class Stretched(NamedTuple):
+    """An arm, a target of its tip, and the controllers that act, highest priority first.
+
+    Their letters are those of the tip's position, rotation and height, and of the joints.
+    """
+
+    chain: Chain
+    start: Floats
+    position: Floats
+    rotation: Floats
+    stack: str
+    limit: float
+
+
+def stretched(seed: int) -> Stretched:
+    """A planar or spatial arm of 3 to 9 joints; half of the targets are out of reach."""
+    rng = np.random.default_rng(seed)
+    joints = int(rng.integers(3, 10))
+    length = rng.uniform(0.6, 1.3)
+    if rng.random() < 0.5:
+        chain = Chain.planar(joints, length)
+    else:
+        chain = Chain.random(joints, rng)
+        chain = Chain(chain.axes, chain.links * length / np.linalg.norm(chain.links, axis=1).sum())
+    goal = rng.uniform(-1.5, 1.5, joints)
+    position, rotation, _ = chain.pose(goal)
+    if seed % 2:
+        way = rng.normal(size=3) * (1.0, 1.0, float(np.ptp(chain.axes[:, 2]) > 0.0))
+        position = length * rng.uniform(1.0, 1.5) * way / np.linalg.norm(way)
+    limit = 10.0 if rng.random() < 0.5 else 2.0
+    start = rng.uniform(-0.6, 0.6, joints)
+    return Stretched(chain, start, position, rotation, str(rng.choice(STACKS)), limit)
+
+
+def capped(vector: Floats, largest: float) -> Floats:
+    return vector * min(1.0, largest / max(float(np.linalg.norm(vector)), 1e-12))
+
+
+def levels(case: Stretched, q: Floats, *, bent: bool = True) -> list[Level]:
+    position, rotation, jacobian = case.chain.pose(q)
+    hessian = case.chain.hessian(q)
+    away = capped(FRACTION * (case.position - position), 0.35 * PERIOD)
+    turn = capped(FRACTION * log(case.rotation @ rotation.T), 1.5 * PERIOD)
+    own = {
+        "p": (jacobian[:3], away, hessian[:3]),
+        "z": (jacobian[1:2], away[1:2], hessian[1:2]),
+        "r": (jacobian[3:], turn, hessian[3:]),
+        "q": (np.eye(len(q)), np.clip(-FRACTION * q, -0.8 * PERIOD, 0.8 * PERIOD), None),
+    }
+    return [
+        Level(name, rows, wanted, second if bent else None, FRACTION)
+        for name, (rows, wanted, second) in ((letter, own[letter]) for letter in case.stack)
+    ]
+
+
+class Outcome(NamedTuple):
+    """How the last second went.
+
+    Attributes:
+        motion: Largest motion of a joint, rad a tick.
+        swing: Largest way of a joint back and forth, rad a tick.
+        error: Error of the first level, m or rad.
+    """
+
+    motion: float
+    swing: float
+    error: float
+
+
+def settle(case: Stretched, *, bent: bool = True, seconds: float = 15.0) -> Outcome:
+    q, motions = case.start, []
+    bound = np.full(len(q), case.limit)
+    law = Law(-bound, bound, LawSettings(joint_step=STEP))
+    for _ in range(int(seconds / PERIOD)):
+        moved = law.solve(levels(case, q, bent=bent), q).displacement
+        q = q + moved
+        motions.append(moved)
+    position, rotation, _ = case.chain.pose(q)
+    errors = {
+        "p": np.linalg.norm(case.position - position),
+        "z": abs(case.position[1] - position[1]),
+        "r": np.linalg.norm(log(case.rotation @ rotation.T)),
+    }
+    last = np.array(motions[-60:])
+    swing = (np.abs(last).sum(axis=0) - np.abs(last.sum(axis=0))).max() / len(last)
+    return Outcome(float(np.abs(last).max()), float(swing), float(errors[case.stack[0]]))
+
+
+def test_stacks_on_random_arms_do_not_swing() -> None:
+    swings = [settle(stretched(seed), seconds=10.0).swing for seed in range(8)]
+    assert max(swings) <= STILL / 4
+
+
+@pytest.mark.slow
+def test_nearly_all_stacks_on_random_arms_come_to_rest() -> None:
+    """Few leave a saddle of the error after 15 s, ever faster; none of the others moves."""
+    outcomes = [settle(stretched(seed)) for seed in range(1000, 1150)]
+    assert np.mean([outcome.swing <= STILL / 4 for outcome in outcomes]) >= 0.97
+    assert np.mean([outcome.motion <= STILL for outcome in outcomes]) >= 0.92
+
+
+@pytest.mark.parametrize("share", [0.95, 0.999, 1.001, 1.02, 1.3])
+def test_planar_arm_at_the_end_of_its_reach_rests_at_the_nearest_point(share: float) -> None:
+    chain = Chain.planar(3, 0.7)
+    turned = exp(np.array([0.0, 0.0, 0.5]))
+    aim = share * 0.7 * np.array([np.cos(0.4), np.sin(0.4), 0.0])
+    case = Stretched(chain, np.array([0.3, 0.4, 0.2]), aim, turned, "prq", 10.0)
+    outcome = settle(case, seconds=8.0)
+    assert outcome.motion <= STILL
+    assert outcome.error == pytest.approx(max(0.0, (share - 1.0) * 0.7), abs=1e-3)
+
+
+def test_first_order_alone_swings_where_the_second_rests() -> None:
+    """Else the tests above would pass by themselves."""
+    chain, turned = Chain.planar(3, 0.7), exp(np.array([0.0, 0.0, 0.5]))
+    aim = np.array([0.9, 0.4, 0.0])
+    case = Stretched(chain, np.array([0.3, 0.4, 0.2]), aim, turned, "pr", 10.0)
+    swinging, resting = settle(case, bent=False, seconds=8.0), settle(case, seconds=8.0)
+    assert swinging.motion > 50 * STILL
+    assert resting.motion <= STILL
+    assert resting.error < swinging.error
+
+
+@pytest.mark.parametrize("seed", range(1, 13, 4))
+def test_lower_levels_leave_an_unreachable_level_where_it_rests_alone(seed: int) -> None:
+    case = stretched(seed)._replace(stack="prq")
+    together, alone = settle(case), settle(case._replace(stack="p"))
+    assert together.error <= alone.error + 2e-3
