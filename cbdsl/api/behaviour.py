@@ -21,7 +21,8 @@ class ProgramBehaviour(Behaviour):
     """Program as a behaviour: each tick of the tree is one control tick of the robot.
 
     Several programs share one body by ``OpenRobot.with_program``, opened with ``persistent=True``:
-    each begins where the one before left the robot and the world.
+    each begins where the one before left the robot and the world. They run one at a time: one that
+    begins interrupts the other. Two in a ``Parallel`` are an error; compose them in one program.
 
     Args:
         robot: with the program that runs.
@@ -41,10 +42,18 @@ class ProgramBehaviour(Behaviour):
     def initialise(self) -> None:
         """Begin the program anew."""
         self._leave()
+        self._robot.interrupt(
+            f"behaviour '{self.name}' has begun, and programs of one robot run one at a time; "
+            "to run both at once, compose them in one program, as in 'a ◁ b'"
+        )
         self._ticks = self._robot.ticks(self._seed)
 
     def update(self) -> Status:
-        """Run one control tick."""
+        """Run one control tick.
+
+        Raises:
+            UsageError: Another behaviour of the same robot has begun since, or the robot is closed.
+        """
         assert self._ticks is not None, "the tree begins a behaviour before it updates it"
         try:
             predicate = next(self._ticks).run.predicate

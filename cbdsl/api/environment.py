@@ -23,6 +23,8 @@ from cbdsl.types.policy import DeferredPolicy
 
 #: Predicates by the number that an observation has for them.
 LETTERS = "X-01"
+#: Name for ``gymnasium.make``, behind the name of this module.
+ID = "cbdsl/Program-v0"
 _SEEDS = 2**31
 
 States = NDArray[np.int64]
@@ -32,8 +34,10 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
     """Program as an environment: whoever acts chooses its next action at each change of state.
 
     A step runs an action until the state changes, or until it ran out of time. Its reward is that
-    of the program (Eq 4.4). An episode terminates with the reward, or with a state of success or
-    failure, and is truncated when the program's limits end it.
+    of the program (Eq 4.4), and at least 1 for a state of success. An episode terminates with the
+    reward, or with a state of success or failure. It is truncated when the program's limits end it.
+
+    ``gymnasium.make("cbdsl.api.environment:cbdsl/Program-v0", program="reach")`` makes one, too.
 
     Args:
         program: what ``load`` gave, or a file or name for it.
@@ -60,7 +64,7 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         cameras: str | None = None,
         context: str | None = None,
     ) -> None:
-        self._open = ExitStack()
+        self._open, self._is_open = ExitStack(), True
         self._robot = self._open.enter_context(
             open_robot(program, backend=backend, cameras=cameras)
         )
@@ -83,7 +87,11 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         Args:
             seed: of this episode and those after it.
             options: none is known.
+
+        Raises:
+            gymnasium.error.ClosedEnvironmentError: The environment is closed.
         """
+        self._require_open()
         super().reset(seed=seed)
         self._leave()
         drawn = int(self.np_random.integers(_SEEDS))
@@ -99,21 +107,34 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
 
         Raises:
             gymnasium.error.ResetNeeded: no episode runs.
+            gymnasium.error.InvalidAction: there is no action of this number.
+            gymnasium.error.ClosedEnvironmentError: The environment is closed.
         """
+        self._require_open()
         if self._ticks is None or self._tick is None:
             raise gymnasium.error.ResetNeeded("reset begins an episode")
+        if not self.action_space.contains(action):
+            known = f"0 to {len(self.actions) - 1}"
+            raise gymnasium.error.InvalidAction(f"{action!r} is no action; known: {known}")
         before, run = len(self._passed), self._tick.run
         run.decide(self.actions[int(action)])
         self._advance()
         reward = sum(transition.reward for transition in self._passed[before:])
+        if run.outcome == "success":
+            reward = max(reward, 1)
         ended = run.predicate != "0"
         terminated = ended and (run.rewarded or bool(run.outcome))
         return self._observed(), float(reward), terminated, ended and not terminated, self._info()
 
     def close(self) -> None:
-        """End the episode and close the robot."""
+        """End the episode and close the robot; nothing can run afterwards."""
+        self._is_open = False
         self._leave()
         self._open.close()
+
+    def _require_open(self) -> None:
+        if not self._is_open:
+            raise gymnasium.error.ClosedEnvironmentError("this environment is closed; make another")
 
     def _advance(self) -> None:
         """Run until a choice is to be made, or the episode is over."""
@@ -141,3 +162,7 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         if self._ticks is not None:
             self._ticks.close()
             self._ticks = None
+
+
+# Gymnasium finds the module by the name before the colon, and this name in its registry.
+gymnasium.register(ID, entry_point=f"{__name__}:{ProgramEnvironment.__name__}")

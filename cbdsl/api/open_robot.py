@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from cbdsl.api.body import Body, BodyEpisode
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
@@ -25,15 +27,35 @@ class OpenRobot:
         kinematics: of the robot.
 
     Attributes:
-        request, backend, kinematics: as given.
+        request, kinematics: as given.
     """
 
     def __init__(self, request: RunRequest, backend: Backend, kinematics: Kinematics) -> None:
-        self.request, self.backend, self.kinematics = request, backend, kinematics
+        self.request, self.kinematics = request, kinematics
+        self._body = Body(backend)
         # Runners of this program, each with the policy that chooses its actions.
         self._runners: list[tuple[Policy | None, Runner]] = []
-        # The runner of the last episode, of whichever program of the same body.
-        self._last: list[Runner] = []
+
+    @property
+    def backend(self) -> Backend:
+        """Backend of the robot.
+
+        Raises:
+            UsageError: The robot is closed.
+        """
+        return self._body.backend
+
+    def close(self) -> None:
+        """Interrupt the episode that runs; nothing can run on this body afterwards."""
+        self._body.close()
+
+    def interrupt(self, reason: str = "it was interrupted") -> None:
+        """Interrupt the episode that runs on this body, if any, and halt the robot.
+
+        Args:
+            reason: Cause, as a clause, for those who continue the episode.
+        """
+        self._body.interrupt(reason)
 
     def with_program(self, program: str | Path | RunRequest) -> OpenRobot:
         """The same body with another program, on the same stage.
@@ -42,7 +64,8 @@ class OpenRobot:
 
         Raises:
             DiagnosticsError: a document has errors.
-            UsageError: the program is another robot's, or cannot be loaded.
+            UsageError: the program is another robot's, or cannot be loaded, or the robot is
+                closed.
         """
         from dataclasses import replace
 
@@ -50,13 +73,14 @@ class OpenRobot:
         from cbdsl.api.run_request import RunRequest
         from cbdsl.errors.errors import UsageError
 
+        self._body.require_open()
         other = program if isinstance(program, RunRequest) else load(program)
         own = self.request
         if other.robot != own.robot:
             names = f"{other.program.name} is for '{other.robot.name}'"
             raise UsageError(f"{names}, and this robot is '{own.robot.name}'")
         shared = OpenRobot(replace(other, stage=own.stage), self.backend, self.kinematics)
-        shared._last = self._last
+        shared._body = self._body
         return shared
 
     def runner(self, policy: Policy | None = None) -> Runner:
@@ -88,7 +112,8 @@ class OpenRobot:
             on_tick: is told each control tick, with the observation and the signals.
 
         Raises:
-            UsageError: the stage has no such context, or the episode cannot go on.
+            UsageError: the stage has no such context, the episode cannot go on, another one runs
+                on this body, or the robot is closed.
         """
         from cbdsl.errors.errors import UsageError
 
@@ -96,10 +121,14 @@ class OpenRobot:
         if context is not None and context not in stage.contexts:
             what = f"context of stage '{stage.name}'"
             raise UsageError.unknown(what, context, stage.contexts)
-        goes_on = self._is_taken_over()
-        return self._next().run(
-            stage, seed, context, on_transition or _ignore, on_tick, undisturbed=goes_on
-        )
+        episode = self._episode(None, seed, context, on_transition or _ignore, on_tick)
+        with closing(episode):
+            while True:
+                try:
+                    next(episode)
+                except StopIteration as ended:
+                    result: EpisodeResult = ended.value
+                    return result
 
     def ticks(
         self,
@@ -109,23 +138,42 @@ class OpenRobot:
         context: str | None = None,
         on_transition: Callable[[Transition], None] | None = None,
     ) -> Generator[Tick, None, EpisodeResult]:
-        """Run one episode control tick by control tick; see ``Runner.ticks``."""
-        stage, goes_on = self.request.stage, self._is_taken_over()
-        return self._next(policy).ticks(
-            stage, seed, context, on_transition or _ignore, undisturbed=goes_on
-        )
+        """Run one episode control tick by control tick; see ``Runner.ticks``.
+
+        It begins with the first tick, and raises ``UsageError`` if another episode runs on this
+        body by then, or if the robot is closed.
+        """
+        return self._episode(policy, seed, context, on_transition or _ignore, None)
+
+    def _episode(
+        self,
+        policy: Policy | None,
+        seed: int,
+        context: str | None,
+        on_transition: Callable[[Transition], None],
+        on_tick: TickListener | None,
+    ) -> BodyEpisode:
+        def begin() -> Generator[Tick, None, EpisodeResult]:
+            stage, goes_on = self.request.stage, self._is_taken_over()
+            return self._next(policy).ticks(
+                stage, seed, context, on_transition, on_tick, undisturbed=goes_on
+            )
+
+        self._body.require_open()
+        return BodyEpisode(self._body, self.request.program.name, begin)
 
     def _is_taken_over(self) -> bool:
         """Whether another program's episode goes on, which the experimenter leaves as it is."""
         own = [runner for _, runner in self._runners]
-        return bool(self._last) and self._last[-1] not in own
+        return self._body.last is not None and self._body.last not in own
 
     def _next(self, policy: Policy | None = None) -> Runner:
         """The runner of the next episode, which goes on where the last one ended."""
         runner = self.runner(policy)
-        if self._last and self._last[-1] is not runner:
-            runner.take_over(self._last[-1])
-        self._last[:] = [runner]
+        last = self._body.last
+        if last is not None and last is not runner:
+            runner.take_over(last)
+        self._body.last = runner
         return runner
 
 
@@ -165,7 +213,9 @@ def open_robot(
     chosen = default_engine() if backend is None else backend
     simulated = embody(chosen, request.robot, request.urdf, gui=gui, cameras=cameras)
     with closing_backend(simulated):
-        yield OpenRobot(request, simulated, Kinematics(request.robot, request.urdf))
+        robot = OpenRobot(request, simulated, Kinematics(request.robot, request.urdf))
+        with closing(robot):
+            yield robot
 
 
 def _persistent(request: RunRequest) -> RunRequest:

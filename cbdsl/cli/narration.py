@@ -15,7 +15,7 @@ def narrate(transition: Transition) -> None:
     reward = f"  reward {transition.reward}" if transition.reward else ""
     unchanged = "  (no change)" if transition.state == transition.next_state else ""
     print(
-        f"  {transition.time:6.2f} s  {indent}{transition.program}  "
+        f"  {transition.time:6.2f} s  {indent}{transition.title}  "
         f"{transition.state} -> {transition.next_state}  {transition.action}{reward}{unchanged}",
         flush=True,
     )

@@ -22,6 +22,7 @@ class Transition:
         rewarding: the members that earned it.
         allocation: of a schema's action; empty where there is none.
         features: by name, in SI, when the action was chosen; those that were defined.
+        use: Names of the actions that lead to the program, parted by dots; empty for the main one.
     """
 
     program: str
@@ -35,3 +36,21 @@ class Transition:
     rewarding: tuple[str, ...] = ()
     allocation: str = ""
     features: Mapping[str, float] = field(default_factory=dict)
+    use: str = ""
+
+    @property
+    def title(self) -> str:
+        """Name of the program, and of its use if that differs."""
+        return title_of(self.program, self.use)
+
+
+def title_of(program: str, use: str) -> str:
+    """Return the name of a program, and of its use if that differs.
+
+    Args:
+        program: Name of the program.
+        use: Names of the actions that lead to it, parted by dots; empty for the main program.
+    """
+    if use in ("", program):
+        return program
+    return use if use.endswith(f".{program}") else f"{use} ({program})"

@@ -23,6 +23,7 @@ import numpy as np
 from mcap.writer import Writer
 from numpy.typing import NDArray
 
+from cbdsl.program.transition import title_of
 from cbdsl.reporting.link_pose import placed
 from cbdsl.reporting.mcap_schemas import SCHEMAS
 from cbdsl.reporting.model import DrawnLink, read_links
@@ -143,7 +144,7 @@ class _Messages:
         lines = [
             (
                 each["time"],
-                each["program"],
+                title_of(each["program"], each.get("use", "")),
                 f"{each['state']} -> {each['next_state']}  {each['action']}"
                 + (f"  reward {each['reward']}" if each["reward"] else ""),
             )

@@ -11,7 +11,7 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.own_policy import own_policy
 from cbdsl.program.schema_policy import ContextPolicy
-from cbdsl.program.transition import Transition
+from cbdsl.program.transition import Transition, title_of
 from cbdsl.runtime.action_levels import ActionLevels, Active
 from cbdsl.runtime.context import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
@@ -44,8 +44,10 @@ class ProgramRun:
         plan: ControllerPlan,
         period: float,
         depth: int = 0,
+        use: str = "",
     ) -> None:
         self.program = program
+        self._use, self._title = use, title_of(program.name, use)
         self._signals = signals
         self._period = period
         self._depth = depth
@@ -57,9 +59,9 @@ class ProgramRun:
         make = ControllerRuns(signals, plan, period)
         self._levels = ActionLevels(program, make)
         self.runs: tuple[ControllerRun, ...] = make.all
-        self.children = self._make_children(signals, plan, period)
+        self.children = self._make_children(signals, plan)
         looks = {
-            feature: ProgramRun(look.program, signals, plan, period, depth + 1)
+            feature: self._inner(look.program, signals, plan, f"look for {feature}")
             for feature, look in program.looks.items()
         }
         self._looks = FeatureLooks(looks, self._context)
@@ -197,9 +199,7 @@ class ProgramRun:
         self._composed, self.state = None, "X" * len(self.program.members)
         self._choose(changed=True)
 
-    def _make_children(
-        self, signals: Signals, plan: ControllerPlan, period: float
-    ) -> dict[str, ProgramRun]:
+    def _make_children(self, signals: Signals, plan: ControllerPlan) -> dict[str, ProgramRun]:
         """Runs of the programs by action; one for all actions that run it for the same member."""
         made: dict[tuple[str, str], ProgramRun] = {}
         children = {}
@@ -208,9 +208,16 @@ class ProgramRun:
                 continue
             key = action.part, action.allocation
             if key not in made:
-                made[key] = ProgramRun(action.program, signals, plan, period, self._depth + 1)
+                made[key] = self._inner(action.program, signals, plan, action.part)
             children[action.name] = made[key]
         return children
+
+    def _inner(
+        self, program: CheckedProgram, signals: Signals, plan: ControllerPlan, name: str
+    ) -> ProgramRun:
+        """Make the run of a program that is used under a name."""
+        use = f"{self._use}.{name}" if self._use else name
+        return ProgramRun(program, signals, plan, self._period, self._depth + 1, use)
 
     def leads(self, action: Action) -> list[ControllerRun]:
         """The leading controllers of an action's primitives, highest priority first."""
@@ -229,8 +236,7 @@ class ProgramRun:
             self._act(self._action)
         limit = self.program.episode_time
         if limit is not None and self.predicate == "0" and self._all_ticks * self._period >= limit:
-            name = self.program.name
-            self._end("1" if self.rewarded else "-", f"the {limit:g} s of {name} were over")
+            self._end("1" if self.rewarded else "-", f"the {limit:g} s of {self._title} were over")
 
     def _withdraw(self) -> None:
         """Wait until the background is at rest, then choose again."""
@@ -319,6 +325,7 @@ class ProgramRun:
                 rewarding,
                 self._action.allocation,
                 self._features,
+                self._use,
             )
         )
         self.state = state
@@ -328,7 +335,7 @@ class ProgramRun:
         if rewarding and self._reward_ends:
             self._end("1", "")
         elif self.transitions >= self.program.transitions:
-            self._end("-", f"{self.program.name} used up its {self.transitions} transitions")
+            self._end("-", f"{self._title} used up its {self.transitions} transitions")
         else:
             self._choose(changed=changed)
 
@@ -422,9 +429,9 @@ class ProgramRun:
 
     def _no_action(self, changed: bool) -> str:
         if isinstance(self._policy, ReasonedPolicy) and self._policy.reason:
-            return f"{self.program.name}: {self._policy.reason}"
+            return f"{self._title}: {self._policy.reason}"
         if changed:
-            return f"{self.program.name} has no action for state {self.state}"
+            return f"{self._title} has no action for state {self.state}"
         seconds = self._ticks * self._period
         assert self._action is not None
         return f"{self._action.name} changed nothing in {seconds:.0f} s (state {self.state})"

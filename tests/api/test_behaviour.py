@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 import cbdsl
+from cbdsl.errors.errors import UsageError
 
 py_trees = pytest.importorskip("py_trees")
 from py_trees.common import Status  # noqa: E402
@@ -77,3 +78,52 @@ def test_what_is_interrupted_halts_and_begins_anew(robot: cbdsl.OpenRobot) -> No
     assert behaviour.status is Status.INVALID and behaviour.result is None
     ticked(behaviour)
     assert behaviour.status is Status.SUCCESS
+
+
+@pytest.mark.parametrize("backend", ["kinematic", "mujoco"])
+def test_two_behaviours_of_one_robot_in_a_parallel_are_an_error(backend: str) -> None:
+    with cbdsl.open_robot(
+        "searchtrack", backend=backend, cameras="ideal", persistent=True
+    ) as robot:
+        posture = robot.with_program(cbdsl.load("posture", stage="table_right"))
+        children = [ProgramBehaviour(robot, seed=11), ProgramBehaviour(posture, seed=11)]
+        policy = py_trees.common.ParallelPolicy.SuccessOnAll()
+        tree = py_trees.composites.Parallel("both", policy=policy, children=children)
+        with pytest.raises(UsageError, match=r"behaviour 'posture' has begun.*compose them"):
+            ticked(tree)
+
+
+def test_a_selector_takes_the_robot_from_a_lower_priority(robot: cbdsl.OpenRobot) -> None:
+    """The higher one begins before the lower one is told that it is interrupted."""
+    posture = robot.with_program(cbdsl.load("posture", stage="table_right"))
+    is_urgent = [False]
+
+    class Urgent(py_trees.behaviour.Behaviour):
+        def update(self) -> Status:
+            return Status.SUCCESS if is_urgent[0] else Status.FAILURE
+
+    look, move = ProgramBehaviour(robot, seed=11), ProgramBehaviour(posture, seed=11)
+    urgent = py_trees.composites.Sequence("urgent", memory=False, children=[Urgent("?"), move])
+    tree = py_trees.composites.Selector("tree", memory=False, children=[urgent, look])
+    for _ in range(5):
+        tree.tick_once()
+    assert look.status is Status.RUNNING
+    is_urgent[0] = True
+    tree.tick_once()
+    assert (move.status, look.status) == (Status.RUNNING, Status.INVALID)
+    ticked(tree)
+    assert move.status is Status.SUCCESS
+    is_urgent[0] = False
+    ticked(tree)
+    assert look.status is Status.SUCCESS
+
+
+def test_a_behaviour_of_a_closed_robot_is_an_error() -> None:
+    with cbdsl.open_robot("searchtrack", backend="kinematic") as robot:
+        behaviour = ProgramBehaviour(robot, seed=11)
+        behaviour.tick_once()
+    with pytest.raises(UsageError, match="its robot was closed"):
+        behaviour.tick_once()
+    behaviour.stop(Status.INVALID)
+    with pytest.raises(UsageError, match="this robot is closed"):
+        behaviour.tick_once()

@@ -12,7 +12,7 @@ import cbdsl
 gymnasium = pytest.importorskip("gymnasium")
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
-from cbdsl.api.environment import LETTERS, ProgramEnvironment  # noqa: E402
+from cbdsl.api.environment import ID, LETTERS, ProgramEnvironment  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -77,6 +77,58 @@ def test_equal_seeds_and_actions_give_equal_episodes(environment: ProgramEnviron
         return passed
 
     assert episode(8) == episode(8) != episode(9)
+
+
+@pytest.mark.filterwarnings("error")
+def test_make_knows_the_environment_by_its_id() -> None:
+    made = gymnasium.make(f"cbdsl.api.environment:{ID}", program="searchtrack")
+    assert isinstance(made.unwrapped, ProgramEnvironment)
+    check_env(made.unwrapped, skip_render_check=True)
+    first, _ = made.reset(seed=4)
+    again, _ = gymnasium.make(ID, program="searchtrack").reset(seed=4)
+    assert list(first) == list(again)
+    made.close()
+
+
+def test_a_state_of_success_is_paid_and_one_of_failure_is_not() -> None:
+    request = cbdsl.load("posture", stage="absent")
+    for pattern, paid in (("success", 1.0), ("failure", 0.0)):
+        program = request.program._replace(**{pattern: ("1",)})
+        environment = ProgramEnvironment(_with(request, program))
+        environment.reset(seed=1)
+        passed = [environment.step(np.int64(0)) for _ in range(2)]
+        assert [reward for _, reward, *_ in passed] == [0.0, paid]
+        assert [terminated for _, _, terminated, *_ in passed] == [False, True]
+        environment.close()
+
+
+def test_a_success_that_is_rewarded_is_paid_once() -> None:
+    request = cbdsl.load("searchtrack")
+    program = request.program._replace(success=("*1",))
+    environment = ProgramEnvironment(_with(request, program))
+    environment.reset(seed=4)
+    action = np.int64(environment.actions.index("search ◁ track"))
+    total, terminated = 0.0, False
+    while not terminated:
+        _, reward, terminated, truncated, _ = environment.step(action)
+        assert not truncated
+        total += reward
+    assert total == 1.0
+    environment.close()
+
+
+def test_a_closed_environment_and_an_unknown_action_are_told() -> None:
+    environment = ProgramEnvironment("searchtrack")
+    environment.reset(seed=1)
+    for action in (-1, len(environment.actions)):
+        with pytest.raises(gymnasium.error.InvalidAction, match="known: 0 to 3"):
+            environment.step(np.int64(action))
+    environment.close()
+    environment.close()
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+        environment.reset(seed=1)
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+        environment.step(np.int64(0))
 
 
 def _with(request: cbdsl.RunRequest, program: object) -> cbdsl.RunRequest:

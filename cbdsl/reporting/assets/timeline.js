@@ -65,17 +65,24 @@ function makeTimeline(data, seek) {
   };
 }
 
-// One row for the actions of each program and one for each letter of its state.
+// Name of a program, and of its use if that differs.
+function titleOf({ program, use = "" }) {
+  if (use === "" || use === program) return program;
+  return use.endsWith(`.${program}`) ? use : `${use} (${program})`;
+}
+
+// One row for the actions of each use of a program and one for each letter of its state.
 function makeStrip(data, parent) {
   const end = data.arrays.time.at(-1), rows = [];
-  const programs = new Map();
+  const uses = new Map();
   for (const each of data.transitions) {
-    if (!programs.has(each.program)) programs.set(each.program, []);
-    programs.get(each.program).push(each);
+    const use = titleOf(each);
+    if (!uses.has(use)) uses.set(use, []);
+    uses.get(use).push(each);
   }
-  const ordered = [...programs].sort(([, a], [, b]) => a[0].depth - b[0].depth);
-  for (const [program, passed] of ordered) {
-    const actions = addRow(parent, program, `action program`), spans = [];
+  const ordered = [...uses].sort(([, a], [, b]) => a[0].depth - b[0].depth);
+  for (const [use, passed] of ordered) {
+    const actions = addRow(parent, use, `action program`), spans = [];
     for (const [index, each] of passed.entries()) {
       const begin = beginOf(each, passed[index - 1]);
       actions.add(begin, each.time, each.action, `${each.action}: ${each.state} → ${each.next_state} at ${each.time.toFixed(2)} s`);
@@ -85,7 +92,7 @@ function makeStrip(data, parent) {
     const last = passed[passed.length - 1];
     if (last.depth === 0) spans.push([last.time, 2 * end + 1, last.next_state]);
     rows.push(actions);
-    data.members[program].forEach((member, place) => {
+    data.members[last.program].forEach((member, place) => {
       const own = addRow(parent, member, "member");
       for (const [from, to, letter] of runsOf(spans, place)) own.add(from, to, letter, `${member}: ${letter}`, `p-${letter}`);
       rows.push(own);

@@ -86,7 +86,7 @@ class LiveView:
     def note_transition(self, transition: Transition) -> None:
         """See ``EpisodeWatcher.note_transition``."""
         content = {
-            "program": transition.program,
+            "program": transition.title,
             "depth": transition.depth,
             "time": round(transition.time, 6),
             "state": transition.state,
