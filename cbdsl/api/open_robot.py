@@ -7,7 +7,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.api.body import Body, BodyEpisode
+from cbdsl.api.shared_body import BodyEpisode, SharedBody
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
@@ -32,7 +32,7 @@ class OpenRobot:
 
     def __init__(self, request: RunRequest, backend: Backend, kinematics: Kinematics) -> None:
         self.request, self.kinematics = request, kinematics
-        self._body = Body(backend)
+        self._body = SharedBody(backend)
         # Runners of this program, each with the policy that chooses its actions.
         self._runners: list[tuple[Policy | None, Runner]] = []
 

@@ -1,9 +1,10 @@
 """The program document: controllers, actions and a policy over predicate states."""
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticKnownError
 
 from cbdsl.documents.document import (
     AnyAcceleration,
@@ -238,6 +239,19 @@ class GuardsSection(Section):
     """Largest torque, of all joints of an arm together, that contacts anywhere on it may cause."""
 
 
+# Stands for a key that is not there; nothing that can be written equals it.
+_ABSENT: Any = object()
+
+
+def _required_without_use(value: Any, info: ValidationInfo) -> Any:
+    """Let a program that uses others have no controllers of its own."""
+    if value is not _ABSENT:
+        return value
+    if not info.data.get("use", True):
+        raise PydanticKnownError("missing")
+    return {}
+
+
 class ProgramDocument(Document):
     """Behaviour: controllers, and a policy over their states."""
 
@@ -256,8 +270,12 @@ class ProgramDocument(Document):
     """Other programs, usable as actions."""
     models: dict[Name, Name] = {}
     """Internal models that references can be drawn from, as ``<effector>.<name>``."""
-    controllers: dict[Name, ControllerSection | Text]
-    """Triples, or compositions of them that are used as one controller."""
+    controllers: Annotated[
+        dict[Name, ControllerSection | Text],
+        Field(default_factory=lambda: _ABSENT, validate_default=True),
+        BeforeValidator(_required_without_use),
+    ]
+    """Triples, or compositions of them that are used as one controller; needed without ``use``."""
     background: Text | None = None
     """Composition that runs below every action, with the remaining freedom."""
     actions: Annotated[tuple[Text, ...], Field(min_length=1)]

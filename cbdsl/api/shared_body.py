@@ -1,4 +1,4 @@
-"""Body of an open robot: one episode at a time, until it is closed."""
+"""Shared body of an open robot: one episode at a time, until it is closed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
 
 
-class Body:
+class SharedBody:
     """Body that programs share.
 
     Args:
@@ -107,7 +107,10 @@ class BodyEpisode(Generator["Tick", None, "EpisodeResult"]):
     """
 
     def __init__(
-        self, body: Body, program: str, begin: Callable[[], Generator[Tick, None, EpisodeResult]]
+        self,
+        body: SharedBody,
+        program: str,
+        begin: Callable[[], Generator[Tick, None, EpisodeResult]],
     ) -> None:
         self._body, self.program, self._begin = body, program, begin
         self._ticks: Generator[Tick, None, EpisodeResult] | None = None
