@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
+from cbdsl.cli.standard_streams import read_standard_input
 
 if TYPE_CHECKING:
     from cbdsl.cli.validation_report import ValidationReport
@@ -89,7 +89,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     from cbdsl.yaml_text.library import Library
 
     words = list(paths)
-    given = {stdin: sys.stdin.buffer.read(MOST_BYTES + 1)} if STANDARD_INPUT in words else {}
+    given = {stdin: read_standard_input(MOST_BYTES + 1)} if STANDARD_INPUT in words else {}
     library = Library(given=given)
     chosen = choose_files(words, stdin, library)
     files = chosen.files

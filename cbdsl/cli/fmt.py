@@ -46,13 +46,12 @@ def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
 
 def _print_formatted() -> int:
     """Format the standard input onto the standard output; the exit code."""
-    import sys
-
+    from cbdsl.cli.standard_streams import read_standard_input
     from cbdsl.yaml_text.composer import MOST_BYTES
     from cbdsl.yaml_text.reader import decode
 
     file = Path("stdin.yaml")
-    text = decode(sys.stdin.buffer.read(MOST_BYTES + 1), str(file))
+    text = decode(read_standard_input(MOST_BYTES + 1), str(file))
     print(_formatted(text, file, is_named=True), end="")
     return 0
 

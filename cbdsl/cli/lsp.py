@@ -8,6 +8,7 @@ def lsp() -> None:
 
     Editors start it; see docs/how_to/set_up_an_editor.md. It ends with the editor.
     """
+    import os
     import sys
     from importlib.metadata import version
     from pathlib import Path
@@ -20,4 +21,6 @@ def lsp() -> None:
         raise UsageError(
             f"cb lsp needs {error.name}, which is not installed: pip install 'cbdsl[editor]'"
         ) from error
+    if sys.stdin is None or sys.stdout.name == os.devnull:
+        raise UsageError("cb lsp needs the standard input and output, over which an editor talks")
     build(version("cbdsl"), Path.cwd()).serve(sys.stdin.buffer, sys.stdout.buffer)

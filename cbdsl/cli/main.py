@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from cbdsl.cli.standard_streams import fill_closed_streams
 from cbdsl.cli.words import asks_for_backends, require_words
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ def build_app(names: Iterable[str] = COMMANDS) -> typer.Typer:
 def main() -> None:
     """Run ``cb``: exit 0 when all is well, 1 with findings, 2 for a wrong call or a fault of cb."""
     _start_quickly()
+    fill_closed_streams()
     _print_anything()
     _deliver_lost_interrupts()
     words = sys.argv[1:]

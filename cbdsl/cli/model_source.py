@@ -193,8 +193,12 @@ def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) 
 
 
 def _package_folders(file: Path, named: Mapping[str, str]) -> PackageFolders:
+    from cbdsl.errors.errors import UsageError
     from cbdsl.robot.package_folders import PackageFolders
 
+    for name, path in named.items():
+        if not (path and Path(path).is_dir()):
+            raise UsageError(f"--package {name}={path}: there is no folder '{path}'")
     roots = [Path(root) for root in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if root]
     return PackageFolders({name: Path(path) for name, path in named.items()}, roots, file)
 
@@ -203,14 +207,15 @@ def _pairs(option: str, texts: Sequence[str], separator: str) -> dict[str, str]:
     """Values by name.
 
     Raises:
-        UsageError: a text has no name, or no separator.
+        UsageError: a text has no name or no separator, or two have one name.
     """
     from cbdsl.errors.errors import UsageError
 
-    pairs = {}
+    pairs: dict[str, str] = {}
     for text in texts:
         name, found_separator, value = text.partition(separator)
         if not (name and found_separator):
             raise UsageError(f"{option} {text} is not of the form NAME{separator}VALUE")
-        pairs[name] = value
+        if pairs.setdefault(name, value) != value:
+            raise UsageError(f"{option} gives '{name}' twice: {pairs[name]} and {value}")
     return pairs

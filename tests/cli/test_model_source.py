@@ -261,3 +261,28 @@ def test_a_model_is_never_written_over(folder: Path, monkeypatch: pytest.MonkeyP
     made = ("new", "robot", "arm", "--urdf", "robots/arm.urdf", "--xacro", "--force", *PACKAGE)
     assert cb(monkeypatch, *made) == 2
     assert source.read_text() == MODEL
+
+
+@pytest.mark.parametrize("folder", ["/nope", "", "model.urdf"])
+def test_a_package_without_a_folder_is_refused_whatever_the_model_names(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    folder: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "model.urdf").write_text('<robot name="a"><link name="base"/></robot>', "utf-8")
+    words = ("new", "robot", "a", "--urdf", "model.urdf", "--package", f"other={folder}")
+    assert cb(monkeypatch, *words) == 2
+    assert f"--package other={folder}: there is no folder '{folder}'" in capsys.readouterr().err
+    assert not (tmp_path / "robots").exists()
+
+
+def test_a_package_in_two_folders_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "model.urdf").write_text('<robot name="a"><link name="base"/></robot>', "utf-8")
+    packages = ("--package", "other=.", "--package", "other=/")
+    assert cb(monkeypatch, "new", "robot", "a", "--urdf", "model.urdf", *packages) == 2
+    assert "--package gives 'other' twice: . and /" in capsys.readouterr().err
