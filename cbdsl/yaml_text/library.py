@@ -14,6 +14,7 @@ from cbdsl.documents.ownership import declared_kind
 from cbdsl.errors.errors import UsageError
 from cbdsl.errors.nearest import suggestion
 from cbdsl.yaml_text.composer import MOST_BYTES
+from cbdsl.yaml_text.document_folder import documents_below
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.reader import decode, flawless, read_sound_parts, read_text
 
@@ -168,7 +169,7 @@ class Library:
         builtin = [KINDS.get(name).model for name in KINDS.builtins]
         # Package metadata are read only where they may help.
         files = self._files(word, builtin) or self._files(word, models().values())
-        if path.is_dir() and (not files or any(path.rglob("*.y*ml"))):
+        if path.is_dir() and (not files or documents_below(path).documents):
             return [path]
         if not files:
             raise UsageError(self._nothing_found(word))
