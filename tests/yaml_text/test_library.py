@@ -78,7 +78,7 @@ def test_a_folder_does_not_hide_the_document_of_its_name(
     library = Library(tmp_path)
     assert library.locate(ProgramDocument, "own") == own
     assert library.locate_any("own") == [own]
-    (folder / "other.yaml").write_text("", encoding="utf-8")
+    (folder / "other.yaml").write_text("cbdsl: 1\n", encoding="utf-8")
     assert library.locate_any("own") == [folder]
     Path("empty").mkdir()
     assert library.locate_any("empty") == [Path("empty")]
