@@ -6,9 +6,17 @@ cd "$(dirname "$0")"
 extra="${1:-sim}"
 
 fail() { echo "setup: $1" >&2; exit 1; }
-has_library() { ldconfig -p 2>/dev/null | grep -q "$1"; }
+# An ordinary user's PATH may lack ldconfig.
+has_library() { PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q "$1"; }
 is_supported() {
     "$1" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))' 2>/dev/null
+}
+copy_openmp() {
+    .venv/bin/python -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: --dest .venv/openmp pykdtree &&
+        .venv/bin/python -c 'import sys, zipfile
+wheel = zipfile.ZipFile(sys.argv[1])
+(name,) = (name for name in wheel.namelist() if "/libgomp" in name)
+open(sys.argv[2], "wb").write(wheel.read(name))' .venv/openmp/*.whl "$1" && rm -r .venv/openmp
 }
 
 # The Python that is asked for, else the first that is supported.
@@ -20,29 +28,31 @@ for candidate; do
 done
 [ -n "$python" ] || fail "no supported Python in '${PYTHON:-PATH}': install 3.11 to 3.14, or name one: PYTHON=/path/to/python $0 $extra"
 
-needed=""
-faster=""
-"$python" -c 'import ensurepip, venv' 2>/dev/null || needed="python3-venv"
-if command -v ldconfig >/dev/null 2>&1; then
-    { has_library libEGL.so.1 && has_library libGL.so.1; } || faster="libegl1 libgl1 libgl1-mesa-dri"
+can_make_environments() { "$python" -c 'import ensurepip, venv' 2>/dev/null; }
+packages=""
+can_make_environments || packages="python3-venv"
+has_library libgomp.so.1 || packages="$packages libgomp1"
+# Without these, slower renderers take over.
+{ has_library libEGL.so.1 && has_library libGL.so.1; } ||
+    packages="$packages libegl1 libgl1 libgl1-mesa-dri"
+if [ -n "$packages" ] && command -v apt-get >/dev/null 2>&1 && [ "$(id -u)" = 0 ]; then
+    echo "setup: apt-get install $packages"
+    # shellcheck disable=SC2086 -- one word per package
+    { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages; } >/dev/null 2>&1 ||
+        echo "setup: apt-get could not install $packages; continuing without" >&2
+elif [ -n "$packages" ]; then
+    echo "setup: continuing without $packages (names in Debian)" >&2
 fi
-if [ -n "$needed$faster" ]; then
-    if command -v apt-get >/dev/null 2>&1 && [ "$(id -u)" = 0 ]; then
-        echo "setup: apt-get install $needed $faster"
-        # shellcheck disable=SC2086 -- one word per package
-        { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $needed $faster; } >/dev/null 2>&1 ||
-            echo "setup: apt-get could not install $needed $faster; continuing without" >&2
-    elif [ -n "$faster" ]; then
-        echo "setup: images are rendered faster with $faster (names in Debian)" >&2
-    fi
-fi
-"$python" -c 'import ensurepip, venv' 2>/dev/null ||
-    fail "$python cannot make virtual environments: install its package python3-venv"
+can_make_environments || fail "$python cannot make virtual environments: install its package python3-venv"
 
 "$python" -m venv .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check -e ".[$extra]"
-if .venv/bin/python -c 'import numba, pinocchio' 2>/dev/null; then
-    # Whatever prevents it is printed, and costs nothing but time later.
+for library in .venv/lib/python3.*/site-packages/cmeel.prefix/lib; do
+    [ -d "$library" ] || continue
+    # Pinocchio needs OpenMP and does not bring it; the wheel of pykdtree holds a copy.
+    has_library libgomp.so.1 || [ -e "$library/libgomp.so.1" ] || copy_openmp "$library/libgomp.so.1" ||
+        echo "setup: libgomp.so.1 is missing and could not be copied: install libgomp1" >&2
+    # Its problems are printed, and only cost time later.
     .venv/bin/cb warm || true
-fi
+done
 echo "setup: ready; try .venv/bin/cb run reachtouch"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import settings
 
-from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -16,7 +18,35 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 
+if TYPE_CHECKING:
+    from cbdsl.backends.bullet.backend import BulletBackend
+
 ROOT = Path(__file__).parents[1]
+
+_HAS_BULLET = find_spec("pybullet") is not None
+_NEEDS_BULLET = re.compile(r"^(?:import|from) (?:pybullet|cbdsl\.backends\.bullet)", re.MULTILINE)
+
+#: Files that need Bullet, where it is not installed: it has no wheels from Python 3.14 on.
+collect_ignore = [
+    str(file)
+    for file in ([] if _HAS_BULLET else sorted(Path(__file__).parent.rglob("*.py")))
+    if _NEEDS_BULLET.search(file.read_text("utf-8"))
+]
+
+
+def pytest_report_header() -> str | None:
+    """Say what is left out."""
+    left_out = f"without Bullet: {len(collect_ignore)} files and cases of it are left out"
+    return None if _HAS_BULLET else left_out
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Skip cases of Bullet where it is not installed."""
+    for item in [] if _HAS_BULLET else items:
+        values = getattr(item, "callspec", None)
+        if values is not None and "bullet" in {str(value) for value in values.params.values()}:
+            item.add_marker(pytest.mark.skip(reason="needs Bullet"))
+
 
 Checked = Callable[..., CheckedProgram]
 
@@ -71,6 +101,8 @@ def stage(library: Library) -> Callable[[str], StageDocument]:
 @pytest.fixture(scope="session")
 def bullet(dexter: RobotDocument, urdf: Path) -> Iterator[BulletBackend]:
     """Dexter in PyBullet, with whatever renderer works here."""
+    from cbdsl.backends.bullet.backend import BulletBackend
+
     backend = BulletBackend(dexter, urdf)
     yield backend
     backend.close()

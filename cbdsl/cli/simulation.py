@@ -44,7 +44,10 @@ def needing_simulation() -> Iterator[None]:
         ) from error
     except ImportError as error:
         # A package is there, but not a system library that it needs, such as libgomp.
-        raise UsageError(f"running needs more than is installed: {error}; see README") from error
+        raise UsageError(
+            f"running needs more than is installed: {error}; docs/how_to/install.md lists the "
+            "packages of Debian, such as libgomp1"
+        ) from error
 
 
 @contextmanager

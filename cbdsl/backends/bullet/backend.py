@@ -39,7 +39,7 @@ class BulletBackend(SimulatedBackend[BulletEngine]):
         engine = BulletEngine(robot, model, 1 / robot.control.rate / substeps, gui=gui)
         try:
             own = {"tiny": lambda: TinyRenderer(engine.client)}
-            eyes = make_cameras(cameras or "rendered", robot, model, own)
+            eyes = make_cameras(cameras, robot, model, own)
         except BackendError:
             engine.close()
             raise

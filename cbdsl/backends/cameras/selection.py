@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from cbdsl.backends.backend import BackendError
 from cbdsl.backends.cameras.camera_system import CameraSystem
 from cbdsl.backends.cameras.ideal import IdealCameras
 from cbdsl.backends.cameras.rendered import RenderedCameras
@@ -13,7 +14,7 @@ from cbdsl.robot.urdf import UrdfModel
 
 
 def make_cameras(
-    kind: str,
+    kind: str | None,
     robot: RobotDocument,
     model: UrdfModel,
     own: Mapping[str, Callable[[], Renderer]] | None = None,
@@ -21,7 +22,8 @@ def make_cameras(
     """The camera system of a robot.
 
     Args:
-        kind: ``rendered`` or ``ideal``.
+        kind: ``rendered`` or ``ideal``; rendered without a choice, or ideal if nothing can render
+            here and the robot file asks for no renderer.
         robot: names the cameras.
         model: of the robot.
         own: make the engine's own renderers, by name, if it has any.
@@ -29,6 +31,13 @@ def make_cameras(
     Raises:
         BackendError: nothing can render here.
     """
+    if kind is None and robot.vision.renderer == "auto":
+        try:
+            return make_cameras("rendered", robot, model, own)
+        except BackendError:
+            cameras = IdealCameras(robot, model)
+            cameras.renderer = f"{cameras.renderer}, since OpenGL is missing"
+            return cameras
     if kind == "ideal":
         return IdealCameras(robot, model)
     if not robot.cameras:

@@ -20,7 +20,7 @@ class MujocoBackend(SimulatedBackend[MujocoEngine]):
         robot: what can be sensed and moved.
         urdf: its model.
         gui: whether to open the simulator's window.
-        cameras: ``rendered`` or ``ideal``; rendered without a choice.
+        cameras: ``rendered`` or ``ideal``; rendered without a choice, or ideal without OpenGL.
 
     Raises:
         BackendError: robot file and model do not fit together, the renderer that the robot file
@@ -33,6 +33,6 @@ class MujocoBackend(SimulatedBackend[MujocoEngine]):
         window = Window() if gui else None
         model, substeps = read_fitting(robot, urdf), physics_steps(robot)
         own = {"mujoco": lambda: MujocoRenderer(robot, model)}
-        eyes = make_cameras(cameras or "rendered", robot, model, own)
+        eyes = make_cameras(cameras, robot, model, own)
         engine = MujocoEngine(robot, model, 1 / robot.control.rate / substeps, window)
         super().__init__(robot, model, engine, eyes, robot.control.rate, substeps)

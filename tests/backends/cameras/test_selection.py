@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import BACKENDS, BackendError, embody
+from cbdsl.backends.cameras import opengl
+from cbdsl.backends.cameras.selection import make_cameras
 from cbdsl.cli.main import main
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.channels import Region, Regions
 from cbdsl.sensing.kinematics import Kinematics
@@ -104,3 +107,21 @@ def test_what_is_learned_tells_of_its_cameras(
     assert told is not None
     assert (told.backend, told.renderer) == ("bullet", "ideal cameras")
     assert told.command.endswith("--backend bullet --cameras ideal")
+
+
+def test_make_cameras_without_opengl_takes_ideal_ones_only_without_a_choice(
+    dexter: RobotDocument, urdf: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(model: object) -> None:
+        raise RuntimeError("no EGL")
+
+    monkeypatch.setattr(opengl, "OpenGLRenderer", fail)
+    model = read_urdf(urdf)
+    assert make_cameras(None, dexter, model).renderer == "ideal cameras, since OpenGL is missing"
+    with pytest.raises(BackendError, match="libegl1"):
+        make_cameras("rendered", dexter, model)
+    asked = dexter.model_copy(
+        update={"vision": dexter.vision.model_copy(update={"renderer": "opengl"})}
+    )
+    with pytest.raises(BackendError, match="libegl1"):
+        make_cameras(None, asked, model)
