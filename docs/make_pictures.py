@@ -73,7 +73,7 @@ def _draw(page: Page, time: float, picture: Path) -> None:
 def _palette() -> str:
     hold = f"tpad=stop_mode=clone:stop_duration={PAUSE}"
     return (
-        f"{hold},split[a][b];[a]palettegen=max_colors=64:stats_mode=diff[p];"
+        f"{hold},split[a][b];[a]palettegen=max_colors=96:stats_mode=full[p];"
         "[b][p]paletteuse=dither=none:diff_mode=rectangle"
     )
 
