@@ -8,7 +8,10 @@ import pytest
 
 import cbdsl
 from cbdsl.program.transition import Transition, title_of
+from cbdsl.reporting.page import page
+from cbdsl.reporting.recorded import read_recording
 from tests.cli.test_main import cb
+from tests.reporting.browser import CHROMIUM, browser
 
 TWO = """\
 cbdsl: 1
@@ -76,3 +79,22 @@ def test_title_of_a_use_under_its_own_name_is_short() -> None:
     assert title_of("reach", "") == title_of("reach", "reach") == "reach"
     assert title_of("reach", "a.reach") == "a.reach"
     assert title_of("reach", "overreach") == "overreach (reach)"
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_the_page_of_an_episode_has_rows_for_each_use(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ("run", "two", "--backend", "kinematic", "--record", "kept")
+    assert cb(monkeypatch, *words) == 0
+    (file,) = (here / "kept").glob("episode_*.json")
+    shown = here / "episode.html"
+    shown.write_text(page(read_recording(file)), encoding="utf-8")
+    with browser() as opened:
+        opened.open(shown)
+        rows = opened.value(
+            "[...document.querySelectorAll('.program')].map((row) => row.textContent)"
+        )
+        assert opened.errors == []
+    titles = ("two", "left (posture)", "right (posture)")
+    assert [sum(row.startswith(title) for row in rows) for title in titles] == [1, 1, 1], rows
