@@ -63,8 +63,8 @@ def by_pinocchio(robot: RobotDocument, model: UrdfModel) -> Placing:
         for name, rest in model.rests.items():
             joint = reference.joints[reference.getJointId(name)]
             value, mimic = given.get(name, rest), model.joints[name].mimic
-            if mimic is not None:
-                value = mimic.ratio * given.get(mimic.joint, 0.0) + mimic.offset
+            if mimic is not None and mimic.joint in given:
+                value = mimic.ratio * given[mimic.joint] + mimic.offset
             # A joint that mimics another has no coordinate of its own, where that is known.
             if joint.nq:
                 turn = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]

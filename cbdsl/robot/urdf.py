@@ -115,6 +115,7 @@ class UrdfJoint(NamedTuple):
         velocity, effort: largest rate, rad/s or m/s, and torque or force, N m or N; infinite
             without a limit, or with one of 0, which most models mean by it.
         zero_effort: whether the model says 0 for the effort.
+        leaderless: whether the joint that it mimics is missing, or does not move.
     """
 
     name: str
@@ -130,6 +131,7 @@ class UrdfJoint(NamedTuple):
     velocity: float = math.inf
     effort: float = math.inf
     zero_effort: bool = False
+    leaderless: bool = False
 
     @property
     def movable(self) -> bool:

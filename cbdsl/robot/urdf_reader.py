@@ -179,7 +179,11 @@ def _resolved(joints: Sequence[UrdfJoint]) -> list[UrdfJoint]:
     mimics = {joint.name: joint.mimic for joint in joints}
     for name in mimics:
         _resolve(name, mimics)
-    return [joint._replace(mimic=mimics[joint.name]) for joint in joints]
+    movable = {joint.name for joint in joints if joint.movable}
+    return [
+        joint._replace(mimic=mimic, leaderless=mimic is not None and mimic.joint not in movable)
+        for joint, mimic in zip(joints, mimics.values(), strict=True)
+    ]
 
 
 def _resolve(name: str, mimics: dict[str, Mimic | None]) -> None:

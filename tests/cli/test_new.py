@@ -19,6 +19,7 @@ from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library, shipped
 from tests.cli.test_main import cb
 from tests.robot.test_chains import MODELS
+from tests.robots.small_robot import LIMIT, Hinge, chain
 
 
 @pytest.fixture(autouse=True)
@@ -260,3 +261,26 @@ def test_new_documents_name_no_file_outside_of_their_project(
         assert all((path.parent / file).is_file() for file in named)
         up = "/".join(".." for _ in path.parent.relative_to(folder).parts)
         assert first.startswith(f"# yaml-language-server: $schema={up}/schemas/")
+
+
+@pytest.mark.parametrize(
+    ("mimic", "coupling"),
+    [
+        ('joint="j1" multiplier="-2" offset="0.3"', "{follows: j1, ratio: -2, offset: 0.3}"),
+        ('joint="j2" multiplier="0.5" offset="-0.1"', "{follows: j1, ratio: 0.5, offset: -0.1}"),
+        ('joint="nowhere"', None),
+    ],
+)
+def test_new_robot_with_mimics_writes_couplings_that_validate(
+    mimic: str, coupling: str | None, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    follower = Hinge("revolute", LIMIT + '<mimic joint="j1"/>')
+    text = chain(Hinge(), follower, Hinge("revolute", f"{LIMIT}<mimic {mimic}/>"))
+    (folder / "m.urdf").write_text(text)
+    assert cb(monkeypatch, "new", "robot", "m", "--urdf", "m.urdf") == 0
+    written = (folder / "robots" / "m.yaml").read_text("utf-8")
+    if coupling is None:
+        assert "couplings that it follows" not in written and "mend its <mimic>" in written
+    else:
+        assert f"  j3: {coupling}\n" in written
+    assert cb(monkeypatch, "validate", "--strict", ".") == 0
