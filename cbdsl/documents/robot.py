@@ -250,8 +250,9 @@ class Control(Section):
     tasks: dict[str, TaskSettings]
     """Settings by the type of the feedback."""
     stiffness: Positive = 5.0
-    """Fingertip force per joint angle assumed by force -> displacement, N/rad; N/m of joints that
-    slide."""
+    """Fingertip force per joint angle assumed by force -> displacement, N/rad."""
+    slide_stiffness: Positive = 1500.0
+    """The same of finger joints that slide, N/m."""
     contact_stiffness: Positive = 100.0
     """Force per displacement of the link that feels it assumed by force -> displacement, N/m."""
     contact_torsion: Positive = 1.0

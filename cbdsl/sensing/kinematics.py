@@ -91,6 +91,7 @@ class Kinematics:
         upper: upper joint limits, rad or m, shape (n,); infinity where there is none.
         speed: Largest speed of each joint by the model, rad/s or m/s, shape (n,); infinity where
             there is none.
+        slides: True for joints with a position in m, shape (n,).
         endless: True for joints that turn without limits, shape (n,).
         circular: True for those of them whose whole turns do not count, shape (n,).
         tree: the model's joints, as ``place_joints`` takes them, shape (j,).
@@ -118,6 +119,7 @@ class Kinematics:
         self._still = self._resting()
         self.tree = _tree(model, self.joints, self._still)
         slides = self.tree["slides"][np.array(numbers, dtype=np.int64) - 1]
+        self.slides: Booleans = slides
         self.endless: Booleans = np.isinf(self.lower) & np.isinf(self.upper) & ~slides
         self.circular: Booleans = self.endless & ~self.joints.counted
         self.frames = np.zeros((len(self.tree) + 1, 12))

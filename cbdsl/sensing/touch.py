@@ -266,7 +266,8 @@ class Touch:
         """Forces along the fingers' normals per joint, N/rad or N/m, shape (fingers, n)."""
         rows = np.zeros((len(self._fingers(hand)), len(self._kinematics.joints)))
         rows[np.arange(len(rows)), self.flexing[hand]] = self.closing[hand]
-        return rows * self._robot.control.stiffness
+        control = self._robot.control
+        return rows * np.where(self._kinematics.slides, control.slide_stiffness, control.stiffness)
 
     def _closing(self, hand: str) -> float:
         """The sign of the joints' motion in which the fingers press on."""

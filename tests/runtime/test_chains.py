@@ -100,7 +100,9 @@ class Oracle:
         if isinstance(source, FingerForces):
             touch = self.signals.touch
             rows = np.eye(len(self.positions))[touch.flexing[source.hand]]
-            return control.stiffness * touch.closing[source.hand] * rows
+            slides = self.kinematics.slides[touch.flexing[source.hand]]
+            stiffness = np.where(slides, control.slide_stiffness, control.stiffness)[:, None]
+            return stiffness * touch.closing[source.hand] * rows
         if isinstance(source, NetLoad) and source.part == "torque":
             return self._turned_against(source.hand)
         if isinstance(source, NetLoad) and not isinstance(controller.reference, AlongNormals):
