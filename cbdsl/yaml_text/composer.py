@@ -124,6 +124,10 @@ def unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
     return diagnostic(code, place, character=spelled(match[0]))
 
 
+#: The key that adds the entries of another mapping (YAML 1.1).
+MERGE = "<<"
+
+
 class _Composer:
     """Events to nodes; findings gather in ``findings`` and only a broken text stops it."""
 
@@ -242,6 +246,29 @@ class _Composer:
         for key, pieces in strays.items():
             self._join(key, values[key], pieces)
         node.value = values
+        if (merged := values.pop(MERGE, None)) is not None:
+            self._merge(node, values, merged)
+
+    def _merge(self, node: Node, values: dict[str, Node], merged: Node) -> None:
+        """Add the entries of other mappings that a mapping does not have itself.
+
+        Args:
+            node: Mapping with the merge key.
+            values: Entries of the mapping.
+            merged: Value of the merge key: a mapping, or a list of mappings, the first one ahead.
+        """
+        place = node.keys.pop(MERGE)
+        for source in merged.value if isinstance(merged.value, list) else [merged]:
+            if not isinstance(source.value, dict):
+                if not (source.faulty or merged.faulty):
+                    self._find("CB125", place)
+                node.faulty = True
+                continue
+            for key, value in source.value.items():
+                if key not in values:
+                    self._count(value.weight, place)
+                    values[key], node.keys[key] = value, source.keys[key]
+            node.faulty |= source.faulty
 
     def _stray(self, key: str, place: Place) -> Stray | None:
         """The quantity in the place of a key, if a comma cut it off the value in front of it."""

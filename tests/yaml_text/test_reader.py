@@ -79,6 +79,48 @@ def test_aliases_are_bounded(tmp_path: Path) -> None:
     assert codes(path) == ["CB108"]
 
 
+MERGING = """cbdsl: 1
+kind: program
+name: own
+robot: dexter
+controllers:
+  one: &one
+    {potential: spring, reference: right_arm.ready, feedback: right_arm, effector: right_arm}
+  two: {<<: *one, reference: right_arm.home}
+  three: {<<: [{gain: 3 /s}, *one], gain: 2 /s}
+actions: [one, two, three]
+"""
+
+
+def test_merge_key_adds_the_entries_that_are_not_written(tmp_path: Path) -> None:
+    path = tmp_path / "own.yaml"
+    path.write_text(MERGING, encoding="utf-8")
+    controllers = read(path, ProgramDocument).document.controllers
+    told = {name: (each.reference, each.gain) for name, each in controllers.items()}
+    assert told == {
+        "one": ("right_arm.ready", None),
+        "two": ("right_arm.home", None),
+        "three": ("right_arm.ready", 2.0),
+    }
+    assert [finding.code for finding in check_document(path)] == []
+
+
+@pytest.mark.parametrize("value", ["3", "[3]", "text", "~"])
+def test_merge_key_without_a_mapping_is_one_finding(value: str, tmp_path: Path) -> None:
+    path = tmp_path / "own.yaml"
+    path.write_text(MERGING.replace("{<<: *one, ", f"{{<<: {value}, "), encoding="utf-8")
+    assert codes(path) == ["CB125"]
+
+
+def test_merge_keys_are_bounded(tmp_path: Path) -> None:
+    lines = ["a0: &a0 {x: {y: 1}}"] + [
+        f"a{i}: &a{i} {{p: *a{i - 1}, q: *a{i - 1}, <<: *a{i - 1}}}" for i in range(1, 40)
+    ]
+    path = tmp_path / "bomb.yaml"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    assert codes(path) == ["CB108"]
+
+
 def test_an_alias_of_itself_is_a_finding(tmp_path: Path) -> None:
     path = tmp_path / "loop.yaml"
     path.write_text("kind: &a [*a]\n", encoding="utf-8")
