@@ -358,8 +358,9 @@ class DrivenBackend:
         )
 
     def halt(self) -> None:
-        """Hold the robot: brake, and return to the measured positions."""
-        self.supervisor.hold(HALTED)
+        """Hold a robot that may move: brake, and return to the measured positions."""
+        if self.supervisor.passes:
+            self.supervisor.hold(HALTED)
         self._settle()
 
     def _settle(self) -> None:

@@ -20,7 +20,8 @@ Floats = NDArray[np.float64]
 _SOFTNESS = 0.05
 # Measured speeds are differences of noisy positions, and efforts are rounded.
 _SPEEDS, _EFFORTS = 2.0, 1.05
-# Joint states are frozen if they stay equal for so long, s, while a reference moves so far, rad.
+# Joint states are frozen if they stay equal for so long by their stamps, s, while a reference
+# moves so far, rad.
 _FROZEN, _MOVED = 0.06, 0.02
 
 
@@ -54,7 +55,7 @@ class JointWatch:
         self.efforts = np.full(count, np.nan)
         self._stamps, self._received = np.full(count, -np.inf), np.full(count, -np.inf)
         self._changed = np.full(count, -np.inf)
-        # References at the last change of each driver's states, and the times of these changes.
+        # References at the last change of each driver's states, and the stamps of these changes.
         self._references = np.zeros(count)
         self._compared: dict[str, float] = {}
 
@@ -109,7 +110,7 @@ class JointWatch:
             self.efforts[ours] = efforts
         # Any change shows that the whole driver's measurement goes on.
         if changed.any():
-            self._changed[ours] = now
+            self._changed[ours] = sample.stamp
         self.positions[ours], self.velocities[ours] = positions, velocities
         self._stamps[ours], self._received[ours] = sample.stamp, now
 
@@ -179,7 +180,7 @@ class JointWatch:
             f"its reference, and at most {self._tracking[joint]:.3f} are allowed"
         )
 
-    def frozen(self, references: Floats, now: float) -> str:
+    def frozen(self, references: Floats) -> str:
         """Return the driver whose states stay equal while its references move."""
         for driver, columns in self.columns.items():
             own = np.array(list(columns.values()))
@@ -190,7 +191,7 @@ class JointWatch:
                 self._references[own] = references[own]
                 continue
             moved = np.abs(references[own] - self._references[own])[~self._pressing[own]]
-            still = now - latest
+            still = float(self._stamps[own].max()) - latest
             if still > _FROZEN and moved.size and moved.max() > _MOVED:
                 return (
                     f"joint states of driver '{driver}' are frozen: all equal for "

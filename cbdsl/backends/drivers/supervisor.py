@@ -107,6 +107,7 @@ class SafetySupervisor:
             now: Time of arrival by a monotonic clock, s.
             wall: Time of arrival by this computer's clock, s since the epoch.
         """
+        self._require_prompt(now)
         if problem := self._problem(sample, now, wall):
             if self.state is State.OFF:
                 self._mismatches[problem] = None
@@ -186,20 +187,24 @@ class SafetySupervisor:
         """Hold the robot if a deadline has passed or it does not follow; to be called each tick."""
         if not self.passes:
             return
-        late = 0.0 if self._checked is None else now - self._checked
+        self._require_prompt(now)
         self._checked = now
-        if self.state is State.RUNNING and late > self._period + self._patience:
-            self._hold_if_active(f"this process was suspended for {1e3 * late:.0f} ms")
         if problem := self.joints.overdue(now):
             self._hold_if_active(problem, blind=True)
         if problem := self.sensors.overdue(now):
             self._hold_if_active(problem)
         if self.state is State.RUNNING:
             references = self.limiter.positions
-            if problem := self.joints.frozen(references, now):
+            if problem := self.joints.frozen(references):
                 self._hold_if_active(problem, blind=True)
             if problem := self.joints.lag(references):
                 self._hold_if_active(problem)
+
+    def _require_prompt(self, now: float) -> None:
+        """Hold a robot whose program did nothing for longer than a deadline."""
+        late = 0.0 if self._checked is None else now - self._checked
+        if self.state is State.RUNNING and late > self._period + self._patience:
+            self.hold(f"this process was suspended for {1e3 * late:.0f} ms", blind=True)
 
     def admit(self, reference: Floats, now: float) -> Floats | None:
         """Return the references that may be sent; ``None`` if none may.
@@ -208,6 +213,7 @@ class SafetySupervisor:
             reference: Requested positions, rad or m, shape (n,).
             now: Time by a monotonic clock, s.
         """
+        self._require_prompt(now)
         if not self.passes:
             return None
         broken = np.flatnonzero(~np.isfinite(reference))

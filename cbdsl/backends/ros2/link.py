@@ -29,7 +29,7 @@ from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 
 # Messages that are taken at a time, and seconds between two looks at who is there.
-_MOST, _SURVEYED = 64, 0.05
+_MOST, _SURVEYED = 64, 0.03
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
 
 

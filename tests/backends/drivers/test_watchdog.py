@@ -1,0 +1,79 @@
+"""Watchdog: repeats, holds, and stops."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cbdsl.backends.drivers.limiter import JointLimits
+from cbdsl.backends.drivers.watchdog import Watchdog, WatchdogPhase
+
+PERIOD, DEADLINE = 0.02, 0.05
+LIMITS = JointLimits(*(np.array([value]) for value in (-1.0, 1.0, 2.0, 40.0, math.inf)))
+
+
+def guarding() -> Watchdog:
+    dog = Watchdog(LIMITS, PERIOD, DEADLINE, start=0.05)
+    dog.note_positions(np.zeros(1))
+    dog.request(np.array([0.02]), 0.0)
+    return dog
+
+
+def test_watchdog_waits_for_measured_positions() -> None:
+    dog = Watchdog(LIMITS, PERIOD, DEADLINE, start=0.05)
+    dog.request(np.array([0.0]), 0.0)
+    assert dog.tick(0.0) is None
+    assert dog.phase is WatchdogPhase.WAITING
+
+
+def test_watchdog_repeats_until_the_deadline_and_then_holds() -> None:
+    dog = guarding()
+    assert dog.tick(0.02) is not None
+    assert dog.phase is WatchdogPhase.REPEATING
+    first = dog.tick(0.06)
+    assert dog.phase is WatchdogPhase.HOLDING
+    assert dog.cause == "no reference for 60 ms"
+    held = [dog.tick(0.06 + PERIOD * i) for i in range(1, 10)]
+    assert first is not None
+    assert all(each is not None for each in held)
+    assert held[-1] == held[-2], "it stands"
+
+
+def test_watchdog_stops_and_ignores_a_program_that_returns() -> None:
+    dog = guarding()
+    times = np.arange(0.02, 2.0, PERIOD)
+    sent = [dog.tick(float(now)) for now in times]
+    assert dog.phase is WatchdogPhase.STOPPED
+    assert sent[-1] is None
+    dog.request(np.array([0.5]), 2.0)
+    assert dog.tick(2.0) is None
+
+
+def test_watchdog_refuses_a_first_reference_far_from_the_robot() -> None:
+    dog = Watchdog(LIMITS, PERIOD, DEADLINE, start=0.05)
+    dog.note_positions(np.zeros(1))
+    dog.request(np.array([0.5]), 0.0)
+    assert dog.phase is WatchdogPhase.HOLDING
+    assert dog.tick(0.0) is None
+
+
+requests = st.one_of(st.floats(-3.0, 3.0), st.just(math.nan), st.none())
+
+
+@given(st.lists(requests, max_size=60))
+def test_watchdog_sends_nothing_beyond_limits(asked: list[float | None]) -> None:
+    dog, before, speed = guarding(), 0.0, 0.0
+    for tick, request in enumerate(asked, 1):
+        if request is not None:
+            dog.request(np.array([request]), tick * PERIOD)
+        sent = dog.tick(tick * PERIOD)
+        if sent is None:
+            continue
+        moved = (float(sent[0]) - before) / PERIOD
+        assert -1.0 <= sent[0] <= 1.0
+        assert abs(moved) <= 2.0 + 1e-6
+        assert abs(moved - speed) <= 40.0 * PERIOD + 1e-6
+        before, speed = float(sent[0]), moved

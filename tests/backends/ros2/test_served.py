@@ -1,0 +1,90 @@
+"""Programs on served robots, over DDS: every fault, and the whole robot."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+pytest.importorskip("cyclonedds")
+
+from tests.backends.ros2 import fault_trials
+from tests.conftest import ROOT
+
+pytestmark = pytest.mark.slow
+CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
+
+
+@pytest.fixture(scope="module")
+def environment() -> dict[str, str]:
+    return {**os.environ, "ROS_DOMAIN_ID": "78"}
+
+
+@pytest.mark.parametrize("kind", fault_trials.KINDS)
+def test_robot_is_still_soon_after_a_fault(kind: str) -> None:
+    script = (sys.executable, "-m", "tests.backends.ros2.fault_trials", "--kinds", kind)
+    run = subprocess.run(
+        [*script, "--count", "1", "--out", os.devnull],
+        env={**os.environ, "ROS_DOMAIN_ID": "79"},
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    assert '"passed": true' in run.stdout, run.stdout + run.stderr
+
+
+@contextmanager
+def served(environment: dict[str, str], *options: str) -> Iterator[None]:
+    process = subprocess.Popen(
+        [*CB, "drive", "serve", "dexter", *options], stdout=subprocess.PIPE, text=True,
+        env=environment, cwd=ROOT,
+    )  # fmt: skip
+    try:
+        assert process.stdout is not None
+        assert any("serving dexter" in line for line in process.stdout)
+        yield
+    finally:
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(10) == 0
+
+
+def cb(environment: dict[str, str], *words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*CB, *words], env=environment, cwd=ROOT, capture_output=True, text=True)
+
+
+def test_doctor_examines_a_served_robot_and_a_program_runs_on_it(
+    environment: dict[str, str],
+) -> None:
+    ideal = ("--cameras", "ideal")
+    with served(environment, "--backend", "kinematic", "--stage", "table_right", *ideal):
+        time.sleep(1.0)
+        doctor = cb(environment, "drive", "doctor", "dexter", *ideal)
+        assert doctor.returncode == 0, doctor.stdout + doctor.stderr
+        assert "ready" in doctor.stdout
+        blind = cb(environment, "drive", "doctor", "dexter", "--seconds", "1")
+        assert blind.returncode == 1
+        assert "nothing writes to /left_camera/image_raw" in blind.stdout
+        run = cb(environment, "run", "posture", "--backend", "ros2", "--yes", *ideal)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "move came to rest" in run.stdout
+
+
+def test_run_without_a_robot_names_each_topic(environment: dict[str, str]) -> None:
+    run = cb({**environment, "ROS_DOMAIN_ID": "80"}, "run", "posture", "--backend", "ros2", "--yes")
+    assert run.returncode == 2
+    assert "- nothing writes to /joint_states (driver 'body', states)" in run.stderr
+    assert "- nothing listens to /joint_trajectory_controller/joint_trajectory" in run.stderr
+
+
+def test_run_without_a_terminal_asks_for_consent(environment: dict[str, str]) -> None:
+    with served(environment, "--backend", "kinematic", "--cameras", "ideal"):
+        words = ("run", "posture", "--backend", "ros2", "--cameras", "ideal")
+        run = cb(environment, *words)
+    assert run.returncode == 2
+    assert "give --yes if the answer is yes" in run.stderr
