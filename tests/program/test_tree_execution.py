@@ -8,13 +8,15 @@ from pathlib import Path
 import pytest
 
 import cbdsl
-from cbdsl.program.behavior_tree import behavior_tree
+from cbdsl.program.behavior_tree import LEAVES, behavior_tree
+from tests.conftest import ROOT
 
 behaviortreepy = pytest.importorskip("behaviortreepy")
 from behaviortreepy import NodeStatus  # noqa: E402
 
-from tests.program.tree_player import TreePlayer  # noqa: E402
+from tests.program.tree_player import TreePlayer, with_ports_in_names  # noqa: E402
 
+PROGRAMS = sorted((ROOT / "programs").glob("*.yaml"))
 HEAD = "cbdsl: 1\nkind: program\nname: {name}\nrobot: dexter\nstage: absent\n"
 TWO = """\
 use:
@@ -135,6 +137,19 @@ def test_a_random_policy_ends_as_its_tree(here: Path, seed: int) -> None:
     name = write(here, f"random_{seed}", f"{members}policy:\n{lines}{ends}{limits}")
     run, tree, _ = outcomes(name)
     assert run == tree
+
+
+@pytest.mark.parametrize("file", PROGRAMS, ids=[file.stem for file in PROGRAMS])
+def test_the_tree_of_every_shipped_program_is_built(file: Path) -> None:
+    factory = behaviortreepy.BehaviorTreeFactory()
+    for name, (kind, _) in LEAVES.items():
+        is_condition = kind == "Condition"
+        register = (
+            factory.register_simple_condition if is_condition else factory.register_simple_action
+        )
+        register(name, lambda node: NodeStatus.SUCCESS)
+    xml = behavior_tree(cbdsl.load(file).program)
+    assert factory.create_tree_from_text(with_ports_in_names(xml)) is not None
 
 
 def _unambiguous(policy: dict[str, str]) -> dict[str, str]:

@@ -76,7 +76,7 @@ class TreePlayer:
         factory.register_simple_stateful_action(
             "RunAction", self._leaf("start"), self._leaf("goes_on"), lambda node: None
         )
-        self._tree = factory.create_tree_from_text(_with_ports_in_names(xml))
+        self._tree = factory.create_tree_from_text(with_ports_in_names(xml))
 
     def play(self, most: int = 20_000) -> NodeStatus:
         """Tick the tree until it has ended."""
@@ -161,7 +161,8 @@ def _status(is_met: bool) -> NodeStatus:
     return NodeStatus.SUCCESS if is_met else NodeStatus.FAILURE
 
 
-def _with_ports_in_names(xml: str) -> str:
+def with_ports_in_names(xml: str) -> str:
+    """The same tree with the ports of each leaf in its name."""
     root = ElementTree.fromstring(xml)
     for tree in root.findall("BehaviorTree"):
         for node in tree.iter():
