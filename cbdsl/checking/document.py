@@ -11,6 +11,7 @@ from cbdsl.checking.causes import causes_first
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
+from cbdsl.documents.contents import is_file
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
 from cbdsl.errors.diagnostic import Diagnostic
@@ -79,7 +80,7 @@ def check_schema(loaded: Loaded[SchemaDocument], session: Session, findings: Fin
 def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:
     """Documents on a disk are found by their files' names; those of an editor may have none."""
     name, path = loaded.document.name, loaded.path
-    if name not in (path.stem, UNKNOWN) and path.is_file():
+    if name not in (path.stem, UNKNOWN) and is_file(path):
         findings.add("CB704", loaded.source.place("name"), name=name, file=path.name)
 
 

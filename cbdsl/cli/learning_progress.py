@@ -119,7 +119,11 @@ def _bar(total: int, width: int) -> tuple[Progress, TaskID]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Left
 
+    from cbdsl.cli.terminal import console
+
     status = TextColumn("{task.fields[status]}")
     columns = (MofNCompleteColumn(), BarColumn(bar_width=width), Left(), status)
-    bar = Progress(*columns, refresh_per_second=2)  # drawing it takes time of the episodes
+    bar = Progress(
+        *columns, refresh_per_second=2, console=console()
+    )  # drawing it takes time of the episodes
     return bar, bar.add_task("", total=total, status="")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import gc
-import io
 import os
 import sys
 from collections.abc import Iterable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from cbdsl.cli.legible_output import legible_output
 from cbdsl.cli.standard_streams import fill_closed_streams
 from cbdsl.cli.words import asks_for_backends, require_words
 
@@ -51,9 +51,12 @@ def main() -> None:
     """Run ``cb``: exit 0 when all is well, 1 with findings, 2 for a wrong call or a fault of cb."""
     _start_quickly()
     fill_closed_streams()
-    _print_anything()
     _deliver_lost_interrupts()
-    words = sys.argv[1:]
+    with legible_output():
+        _run(sys.argv[1:])
+
+
+def _run(words: list[str]) -> None:
     try:
         require_words(words)
         if asks_for_backends(words):
@@ -92,13 +95,6 @@ def _start_quickly() -> None:
     gc.set_threshold(100_000)
     # Else pydantic reads the metadata of every installed package.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
-
-
-def _print_anything() -> None:
-    """Have characters that a terminal's encoding lacks escaped, instead of failing on them."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
 
 
 def _deliver_lost_interrupts() -> None:

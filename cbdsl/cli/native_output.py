@@ -8,6 +8,9 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TextIO, cast
+
+from cbdsl.cli.legible_output import LegibleStream
 
 
 @contextmanager
@@ -37,9 +40,8 @@ def _stdout_of_c(target: int) -> Iterator[None]:
     before.flush()
     kept = os.dup(1)
     if _descriptor(before) == 1:
-        sys.stdout = os.fdopen(
-            kept, "w", encoding=before.encoding, errors=before.errors, closefd=False
-        )
+        direct = os.fdopen(kept, "w", encoding=before.encoding, errors=before.errors, closefd=False)
+        sys.stdout = cast(TextIO, LegibleStream(direct))
     os.dup2(target, 1)
     try:
         yield

@@ -5,6 +5,9 @@ from __future__ import annotations
 import sys
 import time
 
+from cbdsl.cli.legible_output import raw
+from cbdsl.errors.legible import legible
+
 #: Commands that are shorter report no progress, s.
 _PATIENCE = 2.0
 # A terminal's line is replaced; elsewhere every line stays.
@@ -37,7 +40,7 @@ class Progress:
     def clear(self) -> None:
         """Clear the line of a terminal; ``note`` shows it again."""
         if self._shown and self._terminal:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+            print("\r\x1b[K", end="", file=raw(sys.stderr), flush=True)
             self._shown = False
 
     def note(self, done: int, total: int) -> None:
@@ -51,7 +54,7 @@ class Progress:
             left = (now - self._began) / done * (total - done)
             text += f", about {left // 60:.0f} min {left % 60:02.0f} s left"
         if self._terminal:
-            print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+            print(f"\r\x1b[K{legible(text)}", end="", file=raw(sys.stderr), flush=True)
         else:
             print(text, file=sys.stderr, flush=True)
 

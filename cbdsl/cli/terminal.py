@@ -8,9 +8,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cbdsl.cli.legible_output import raw
 from cbdsl.cli.text_format import text
 from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.legible import legible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -23,7 +25,8 @@ def console() -> Console:
     """A rich console on the standard output."""
     from rich.console import Console
 
-    return Console(width=None if sys.stdout.isatty() else _WIDTH_OF_PIPES, highlight=False)
+    width = None if sys.stdout.isatty() else _WIDTH_OF_PIPES
+    return Console(width=width, highlight=False, file=raw(sys.stdout))
 
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
@@ -45,7 +48,7 @@ def print_table(title: str, rows: Iterable[Mapping[str, object]]) -> None:
     from rich.table import Table
 
     cells = list(rows)
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
+    table = Table(title=legible(title), title_justify="left", box=box.SIMPLE_HEAD)
     for heading in cells[0] if cells else ():
         table.add_column(heading, overflow="fold")  # a name cut short names nothing
     for row in cells:
@@ -56,7 +59,7 @@ def print_table(title: str, rows: Iterable[Mapping[str, object]]) -> None:
 def _cell(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else ""
-    return str(value)
+    return legible(str(value))
 
 
 def print_problem(message: str) -> None:

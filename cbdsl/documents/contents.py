@@ -30,6 +30,8 @@ def contents(path: Path, most: int) -> bytes:
     """
     try:
         status = path.stat()
+    except ValueError:  # as documents can name files
+        raise OSError(errno.EINVAL, "its name has a character that no file name has") from None
     except FileNotFoundError:
         if path.is_symlink():
             raise FileNotFoundError(
@@ -45,3 +47,19 @@ def contents(path: Path, most: int) -> bytes:
         if len(data) <= most:
             return data
     raise OSError(errno.EFBIG, f"it is larger than {most} bytes", str(path))
+
+
+def is_file(path: Path) -> bool:
+    """Return whether a name that a document gives is that of a file; impossible names are not."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long, or in a folder that may not be searched
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Return whether a name that a document gives is that of a folder; see ``is_file``."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False

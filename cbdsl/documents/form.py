@@ -14,7 +14,7 @@ from pydantic import (
     model_validator,
 )
 
-from cbdsl.documents.contents import contents
+from cbdsl.documents.contents import contents, is_file
 from cbdsl.documents.document import (
     Angle,
     Color,
@@ -285,7 +285,7 @@ class MeshForm(Section):
     @field_serializer("file")
     def _by_its_content(self, file: str, info: FieldSerializationInfo) -> str:
         # What was learned with a mesh holds for this mesh, wherever it lies.
-        if info.context is None or not self.path.is_file():
+        if info.context is None or not is_file(self.path):
             return file
         try:
             return hashlib.sha256(contents(self.path, _MOST_MESH_BYTES)).hexdigest()

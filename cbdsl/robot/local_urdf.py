@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from xml.etree import ElementTree
 
+from cbdsl.documents.contents import is_file
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.robot_xml import xml_root
 from cbdsl.robot.urdf import UrdfError
@@ -46,7 +47,7 @@ def _localized_mesh(
         file = packages.mesh(name, source.resolve().parent)
     except UrdfError as error:
         raise UrdfError(f"{source}: link '{link}' has the mesh {name}: {error}") from None
-    if not file.is_file():
+    if not is_file(file):
         raise UrdfError(f"{source}: link '{link}' has the mesh {name}, and {file} is not there")
     return Path(os.path.relpath(file, folder.resolve())).as_posix()
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from urllib.parse import unquote
 
+from cbdsl.documents.contents import is_file
+
 
 def find_mesh(name: str, folder: Path) -> Path | None:
     """The file that a URDF in ``folder`` names, or ``None`` where it is not there any more.
@@ -14,13 +16,13 @@ def find_mesh(name: str, folder: Path) -> Path | None:
     plain = unquote(name)
     if "://" not in plain:
         file = folder / plain
-        return file if file.is_file() else None
+        return file if is_file(file) else None
     scheme, _, path = plain.partition("://")
     if scheme == "file":
-        return Path(path) if Path(path).is_file() else None
+        return Path(path) if is_file(Path(path)) else None
     inner = path.partition("/")[2]
     for base in (folder, *folder.parents):
         for candidate in (base / path, base / inner):
-            if inner and candidate.is_file():
+            if inner and is_file(candidate):
                 return candidate
     return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from cbdsl.documents.contents import is_folder
 from cbdsl.errors.nearest import suggestion
 from cbdsl.robot.urdf import UrdfError
 
@@ -28,7 +29,7 @@ class PackageFolders:
         Raises:
             UrdfError: nothing says where it is.
         """
-        folder = next((each for each in self._candidates(name) if each.is_dir()), None)
+        folder = next((each for each in self._candidates(name) if is_folder(each)), None)
         if folder is None:
             raise UrdfError(
                 f"package '{name}' is nowhere{suggestion(name, self._named)}; "

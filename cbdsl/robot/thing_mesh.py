@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.documents.contents import is_file
 from cbdsl.errors.errors import UsageError
 from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.triangles import read_triangles
@@ -42,7 +43,7 @@ def read_thing_mesh(file: Path, scale: float) -> ThingMesh:
 
 def changed(file: Path) -> int:
     """When a file was last changed, ns; 0 where it is not there."""
-    return file.stat().st_mtime_ns if file.is_file() else 0
+    return file.stat().st_mtime_ns if is_file(file) else 0
 
 
 @lru_cache(maxsize=32)

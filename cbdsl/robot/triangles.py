@@ -37,14 +37,14 @@ def read_triangles(file: Path, scale: float = 1.0) -> Floats:
     Raises:
         UsageError: there is no such file, it is no mesh, or none of a thing that a hand could hold.
     """
-    if not file.exists():
-        raise UsageError(f"{file}: there is no such mesh")
     readers = {".stl": _stl, ".obj": _obj}
     read = readers.get(file.suffix.lower())
     if read is None:
         raise UsageError(f"{file}: not a mesh of a known format; known: {', '.join(readers)}")
     try:
         triangles = scale * read(contents(file, MOST_BYTES))
+    except FileNotFoundError as error:
+        raise UsageError(f"{file}: there is no such mesh") from error
     except OSError as error:
         raise UsageError(f"{file}: {reason(error)}") from error
     except (ValueError, IndexError, OverflowError) as error:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from cbdsl.documents.contents import contents
+from cbdsl.documents.contents import contents, is_file, is_folder
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of, models
 from cbdsl.documents.ownership import declared_kind
@@ -81,11 +81,11 @@ class Library:
     def _search(self, kind: type[Document], name: str, beside: Path | None) -> Path | None:
         if beside is not None:
             sibling = beside.parent / f"{name}.yaml"
-            if sibling.is_file() and is_of(kind, sibling):
+            if is_file(sibling) and is_of(kind, sibling):
                 return _shortened(sibling)
         for root in self._roots(beside):
             path = root / kind_of(kind).folder / f"{name}.yaml"
-            if path.is_file():
+            if is_file(path):
                 return _shortened(path)
         return None
 
@@ -150,7 +150,7 @@ class Library:
         """
         path = Path(name)
         # A folder may well have the name of a document, such as that of a robot's model.
-        if path.suffix or len(path.parts) > 1 or path.is_file():
+        if path.suffix or len(path.parts) > 1 or is_file(path):
             return path
         file = self.find(kind, str(name), self.here / path)
         if file is None:
@@ -164,12 +164,12 @@ class Library:
             UsageError: no document has this name.
         """
         path = Path(word)
-        if path.suffix or len(path.parts) > 1 or path.is_file():
+        if path.suffix or len(path.parts) > 1 or is_file(path):
             return [path]
         builtin = [KINDS.get(name).model for name in KINDS.builtins]
         # Package metadata are read only where they may help.
         files = self._files(word, builtin) or self._files(word, models().values())
-        if path.is_dir() and (not files or documents_below(path).documents):
+        if is_folder(path) and (not files or documents_below(path).documents):
             return [path]
         if not files:
             raise UsageError(self._nothing_found(word))

@@ -16,6 +16,7 @@ from cbdsl.checking.robot.limits import is_of_another_kind, limit_details, unit_
 from cbdsl.checking.robot.model_agreement import check_bodies, check_mimics, note_rests
 from cbdsl.checking.robot.names import check_names
 from cbdsl.checking.robot.settings import check_settings
+from cbdsl.documents.contents import is_file
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place
@@ -43,7 +44,7 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
         model = None
         if robot.model is not UNKNOWN:
             folder = loaded.path.parent
-            names = [] if (folder / robot.model).is_file() else _models_near(folder)
+            names = [] if is_file(folder / robot.model) else _models_near(folder)
             place = loaded.source.place("model")
             findings.add("CB301", place, names=names, given=robot.model, problem=str(error))
     _RobotCheck(loaded, findings, _unclaimed(robot, model), _unmovable(model)).all()

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cbdsl.checking.findings import Findings
+from cbdsl.documents.contents import is_file, is_folder
 from cbdsl.documents.form import MOST_PIECES, MeshForm
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
@@ -21,12 +22,13 @@ _ENDINGS = (".stl", ".obj")
 def check_meshes(loaded: Loaded[StageDocument], findings: Findings) -> None:
     """Check that each mesh of a stage can be read, and is that of a thing."""
     for steps, form in _meshes(loaded.document):
-        if form.path.is_file():
+        if is_file(form.path):
             _readable(loaded, findings, steps, form)
         else:
             place = loaded.source.place(*steps, "form", "file")
             folder = form.path.parent
-            names = [each.name for each in folder.glob("*") if each.suffix.lower() in _ENDINGS]
+            beside = folder.glob("*") if is_folder(folder) else ()
+            names = [each.name for each in beside if each.suffix.lower() in _ENDINGS]
             findings.add("CB364", place, names=names, name=form.file, folder=_folder(form))
 
 
@@ -77,4 +79,4 @@ def _unfilled(mesh: Mesh) -> str:
 
 def _folder(form: MeshForm) -> str:
     folder = form.path.parent
-    return str(folder) if folder.is_dir() else f"{folder}, which is not there either"
+    return str(folder) if is_folder(folder) else f"{folder}, which is not there either"

@@ -1,0 +1,110 @@
+"""Standard output and error on which texts of documents and names of files cannot do harm.
+
+Whatever a command prints passes here: characters that move a terminal's cursor, change its state or
+show nothing are written as escapes, which are valid in JSON, too.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO, cast
+
+from cbdsl.errors.legible import seen
+
+# Colours of findings, on terminals alone; they are those of cbdsl.errors.rendering.
+_COLORS = ("\033[0m", "\033[1m", "\033[1;31m", "\033[1;33m", "\033[36m")
+
+
+class LegibleStream(io.TextIOBase):
+    """Text stream that escapes unseen characters, except line breaks and tabs.
+
+    Args:
+        stream: Stream that is written to.
+
+    Attributes:
+        raw_stream: The same stream, for texts that are legible and escapes that are intended.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self.raw_stream = stream
+        self._is_terminal = stream.isatty()
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        self.raw_stream.write(_legible_lines(text, colors=self._is_terminal))
+        return len(text)
+
+    def flush(self) -> None:
+        """Flush the stream."""
+        self.raw_stream.flush()
+
+    def isatty(self) -> bool:
+        """Return whether the stream is a terminal."""
+        return self._is_terminal
+
+    def fileno(self) -> int:
+        """Return the stream's descriptor."""
+        return self.raw_stream.fileno()
+
+    def writable(self) -> bool:
+        """Return True."""
+        return True
+
+    def __getattribute__(self, name: str) -> Any:
+        if name in ("encoding", "errors", "newlines", "buffer", "line_buffering", "reconfigure"):
+            return getattr(self.raw_stream, name)
+        return super().__getattribute__(name)
+
+
+def raw(stream: TextIO | None) -> TextIO | None:
+    """Return the stream behind a legible one, for output whose texts are legible already."""
+    return getattr(stream, "raw_stream", stream)
+
+
+@contextmanager
+def legible_output() -> Iterator[None]:
+    """Make everything legible that is printed meanwhile."""
+    streams = sys.stdout, sys.stderr
+    for stream in streams:
+        if isinstance(stream, io.TextIOWrapper):
+            # Characters that a terminal's encoding lacks are escaped, too.
+            stream.reconfigure(errors="backslashreplace")
+    sys.stdout, sys.stderr = (
+        stream if stream is None else cast(TextIO, LegibleStream(stream)) for stream in streams
+    )
+    try:
+        yield
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            _flush(stream)
+        sys.stdout, sys.stderr = streams
+
+
+def _flush(stream: TextIO | None) -> None:
+    if stream is None:
+        return
+    try:
+        stream.flush()
+    except BrokenPipeError:
+        # Whoever read the output has seen enough; nothing may be flushed at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _legible_lines(text: str, *, colors: bool = False) -> str:
+    if text.replace("\n", "").replace("\t", "").isprintable():
+        return text
+    kept = _COLORS if colors else ()
+    pattern = "|".join(map(re.escape, (*kept, "\n", "\t")))
+    pieces = re.split(f"({pattern})", text)
+    # Every other piece is one of those that are kept.
+    pieces[::2] = [seen(piece, _escape) for piece in pieces[::2]]
+    return "".join(pieces)
+
+
+def _escape(character: str) -> str:
+    return f"\\u{ord(character):04x}"
