@@ -26,24 +26,56 @@ class Chain(NamedTuple):
     tip: str
 
 
+_Branches = dict[str, list[UrdfJoint]]
+
+
 def root(model: UrdfModel) -> str:
     """The link that no joint moves; the first by name where there are several."""
     return min(model.links - {joint.child for joint in model.joints.values()}, default="")
 
 
 def chains(model: UrdfModel) -> list[Chain]:
-    """All chains of a model, from the root outwards; they part where several branches move."""
-    all_chains = list(_chains(_branches(model), root(model), ()))
-    if len(all_chains) == 1 and len(all_chains[0].joints) > 2:
-        return [all_chains[0]._replace(name="arm")]
+    """Return all chains of a model, from the root outwards.
+
+    They part where several branches move, and before the joints of a gripper.
+    """
+    branches = _branches(model)
+    all_chains = list(_chains(branches, root(model), ()))
+    is_arm = len(all_chains) == 1 and len(all_chains[0].joints) > 2
     named: dict[str, Chain] = {}
     for chain in all_chains:
-        name = _distinct(chain.name, named)
-        named[name] = chain._replace(name=name)
+        whole = chain._replace(name="arm") if is_arm else chain
+        for part in _parted(branches, whole, "gripper" if is_arm else f"{chain.name}_gripper"):
+            name = _distinct(part.name, named)
+            named[name] = part._replace(name=name)
     return list(named.values())
 
 
-_Branches = dict[str, list[UrdfJoint]]
+# Joints that open and close a gripper, by their names or by those of the links that they move,
+# and words for joints that turn it as a whole.
+_GRIPS = re.compile(r"grip|jaw|claw|finger", re.IGNORECASE)
+_JAWS = re.compile(r"jaw|claw|finger", re.IGNORECASE)
+_TURNS = re.compile(r"yaw|roll|pitch|wrist|rot", re.IGNORECASE)
+# Fewer joints before it make no arm.
+_ARM = 3
+
+
+def _parted(branches: _Branches, chain: Chain, gripper: str) -> Iterator[Chain]:
+    """Yield an arm without the joints of its gripper, and these; or the chain as it is."""
+    tail = list(takewhile(_grips, reversed(chain.joints)))
+    arm = chain.joints[: len(chain.joints) - len(tail)]
+    if not tail or len(arm) < _ARM:
+        yield chain
+        return
+    yield Chain(chain.name, arm, acting_link(branches, arm[-1].child))
+    yield Chain(gripper, chain.joints[len(arm) :], chain.tip)
+
+
+def _grips(joint: UrdfJoint) -> bool:
+    """Whether a joint opens and closes a gripper, by the names of its model."""
+    if _TURNS.search(joint.name):
+        return False
+    return bool(_GRIPS.search(joint.name) or _JAWS.search(joint.child))
 
 
 def _branches(model: UrdfModel) -> _Branches:

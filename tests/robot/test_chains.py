@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.robot.chains import chains, root
 from cbdsl.robot.urdf import UrdfError, UrdfModel
-from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.robot.urdf_reader import parse_urdf, read_urdf
 from cbdsl.yaml_text.library import shipped
 
 
@@ -80,3 +80,49 @@ def test_joints_that_follow_others_are_not_actuated() -> None:
     assert [joint.name for joint in gripper.joints] == ["drive_joint"]
     followers = [joint.mimic.joint for joint in model.joints.values() if joint.mimic]
     assert set(followers) == {"drive_joint"}
+
+
+def row(*names: tuple[str, str]) -> UrdfModel:
+    """Return a model of joints in a row, each given by its name and the link that it moves."""
+    links = ["base", *(link for _, link in names)]
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    joints = [
+        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{link}"/>'
+        f'<axis xyz="0 0 1"/>{limit}</joint>'
+        for parent, (name, link) in zip(links, names, strict=False)
+    ]
+    text = "".join(f'<link name="{link}"/>' for link in links) + "".join(joints)
+    return parse_urdf(f'<robot name="row">{text}</robot>', Path("row.urdf"))
+
+
+ARM = [(f"joint{i}", f"link{i}") for i in range(1, 6)]
+
+
+@pytest.mark.parametrize(
+    "last",
+    [
+        ("gripper", "moving_jaw_so101_v1_link"),
+        ("jointGripper", "gripperMover"),
+        ("joint6", "left_finger"),
+        ("gripper_left_joint", "gripper_left_motor_double_link"),
+    ],
+)
+def test_chains_part_before_the_joint_of_a_gripper(last: tuple[str, str]) -> None:
+    found = {each.name: each for each in chains(row(*ARM, last))}
+    assert [*found] == ["arm", "gripper"]
+    assert [joint.name for joint in found["arm"].joints] == [name for name, _ in ARM]
+    assert found["arm"].tip == "link5"
+    assert [joint.name for joint in found["gripper"].joints] == [last[0]]
+
+
+@pytest.mark.parametrize(
+    "last", [("wrist_roll", "gripper_link"), ("GripperYaw", "palm"), ("joint6", "gripper_base")]
+)
+def test_chains_keep_a_joint_that_turns_a_gripper(last: tuple[str, str]) -> None:
+    (found,) = chains(row(*ARM, last))
+    assert (found.name, len(found.joints)) == ("arm", 6)
+
+
+def test_chains_of_a_gripper_alone_stay_whole() -> None:
+    (found,) = chains(row(("left_finger_1", "a"), ("left_finger_2", "b")))
+    assert len(found.joints) == 2

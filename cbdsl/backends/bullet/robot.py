@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 # Torque of servos without a limit, N m; the simulator knows no infinite one.
 _STRONGEST = 1e6
 
+# Of one body in PyBullet, fixed ones too.
+_MOST_JOINTS = 127
+
 _FLAGS = (
     p.URDF_USE_INERTIA_FROM_FILE
     | p.URDF_USE_SELF_COLLISION
@@ -63,6 +66,11 @@ class BulletRobot:
                 f"the simulator cannot read the model {model.path}: {error}"
             ) from error
         count = p.getNumJoints(self.id, physicsClientId=client)
+        if count > _MOST_JOINTS:
+            raise BackendError(
+                f"{model.path.name} has {count} joints, fixed ones too, and PyBullet reads "
+                f"{_MOST_JOINTS} at most; use the engine mujoco or kinematic"
+            )
         rows = [p.getJointInfo(self.id, index, physicsClientId=client) for index in range(count)]
         self.links = {robot.base: -1} | {row[12].decode(): row[0] for row in rows}
         numbers = {row[1].decode(): row[0] for row in rows}
