@@ -373,6 +373,12 @@ def test_llms_index_names_every_page_of_the_navigation() -> None:
     assert link.findall((DOCS / "llms.txt").read_text("utf-8")) == link.findall(page())
 
 
+def test_how_to_index_links_every_how_to_page() -> None:
+    pages = {page.name for page in (DOCS / "how_to").glob("*.md")} - {"index.md"}
+    linked = re.findall(r"\]\((\w+\.md)\)", (DOCS / "how_to" / "index.md").read_text("utf-8"))
+    assert set(linked) == pages
+
+
 @pytest.mark.parametrize("diagram", ["loop", "layers"])
 def test_diagram_equals_the_generated_one(diagram: str) -> None:
     """``python docs/make_diagrams.py`` writes both again."""
