@@ -24,7 +24,7 @@ class SharedBody:
 
     def __init__(self, backend: Backend) -> None:
         self._backend, self._is_open = backend, True
-        # An episode that nobody holds any more has ended.
+        # An episode without references has ended.
         self._running: ref[BodyEpisode] | None = None
         self.last: Runner | None = None
 

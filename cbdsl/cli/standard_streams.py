@@ -9,8 +9,8 @@ import sys
 def fill_closed_streams() -> None:
     """Let closed streams lead nowhere.
 
-    The next file that a command opens would have the number of a closed stream: a line that a
-    library in C prints would be written into it.
+    The next file that a command opens would have the number of a closed stream. The output of
+    libraries in C would then be written into that file.
     """
     for number in range(3):
         try:

@@ -12,8 +12,8 @@ from pygls.uris import from_fs_path, to_fs_path, urlparse
 class Addresses:
     """Files that stand for the documents of an editor.
 
-    A document that was never saved, or is of a version control, has no file: one that does not
-    exist stands for it, in the folder of the editor, where the documents that it names are found.
+    A document that was never saved has no file, nor has an old version of a saved one. A path in
+    the folder of the editor stands for it, from which the documents that it names are found.
 
     Args:
         here: Folder of the editor.

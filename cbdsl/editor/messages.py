@@ -1,4 +1,4 @@
-"""Messages of an editor: their headers, read leniently, and what has none refused."""
+"""Messages of an editor, with lenient headers and an answer to bytes without one."""
 
 from __future__ import annotations
 

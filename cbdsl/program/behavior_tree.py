@@ -1,9 +1,8 @@
 """Behavior trees: a policy as XML of BehaviorTree.CPP, version 4.
 
-A tree is ticked at the control rate. It is reactive, as a program is: with each tick its conditions
-are judged again, in the order in which a program judges a new state. That order is success,
-failure, reward, used-up transitions, used-up time, the policy. The patterns of one action are one
-branch, so that the action goes on while the state changes among them.
+A tree is ticked at the control rate. It is reactive: each tick judges all conditions again. Their
+order is that of a program: success, failure, reward, transitions, time, policy. The patterns of one
+action are one branch, so that the action goes on while the state changes among them.
 """
 
 from __future__ import annotations
@@ -130,7 +129,7 @@ def _uses(use: _Use) -> Iterator[_Use]:
 
 
 def _tree(use: _Use) -> Element:
-    """Return the tree of one use: success, or else what follows from failure, reward and policy."""
+    """Return the tree of one use of a program."""
     program = use.program
     tree = Element("BehaviorTree", ID=use.name)
     outcome = SubElement(tree, "ReactiveFallback", name=program.name)
