@@ -18,7 +18,7 @@ KEEP ?=
 SECONDS ?= 60
 TARGET ?=
 
-.PHONY: check format lint types layers spelling documents pages tests properties mutants fuzz first-day site dist sbom fix
+.PHONY: check format lint types layers spelling documents pages tests properties mutants fuzz first-day site constraints dist sbom fix
 
 check: format lint types layers spelling documents pages tests
 
@@ -71,6 +71,14 @@ first-day:
 site:
 	$(PYTHON) docs/make_gallery.py
 	NO_MKDOCS_2_WARNING=1 $(BIN)mkdocs build --strict --site-dir site
+
+# The versions that CI installs, for every supported Python; needs uv.
+constraints:
+	(echo "# Versions that CI installs, for Python 3.11 to 3.14: pip install -c constraints.txt ..."; \
+	echo "# make constraints renews them."; \
+	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --upgrade \
+	--extra dev --extra release --extra fuzz pyproject.toml) > build/constraints.txt
+	mv build/constraints.txt constraints.txt
 
 # A wheel and an sdist in dist/, checked where nothing else is installed.
 dist:

@@ -36,12 +36,12 @@ has_library libgomp.so.1 || packages="$packages libgomp1"
 { has_library libEGL.so.1 && has_library libGL.so.1; } ||
     packages="$packages libegl1 libgl1 libgl1-mesa-dri"
 if [ -n "$packages" ] && command -v apt-get >/dev/null 2>&1 && [ "$(id -u)" = 0 ]; then
-    echo "setup: apt-get install $packages"
+    echo "setup: apt-get install ${packages# }"
     # shellcheck disable=SC2086 -- one word per package
     { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages; } >/dev/null 2>&1 ||
-        echo "setup: apt-get could not install $packages; continuing without" >&2
+        echo "setup: apt-get could not install ${packages# }; continuing without" >&2
 elif [ -n "$packages" ]; then
-    echo "setup: continuing without $packages (names in Debian)" >&2
+    echo "setup: continuing without ${packages# } (names in Debian)" >&2
 fi
 can_make_environments || fail "$python cannot make virtual environments: install its package python3-venv"
 

@@ -1,0 +1,98 @@
+"""Files for hosts and tools state the same versions as the project."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Iterator
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+from tests.conftest import ROOT
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+EXTRAS = PROJECT["optional-dependencies"]
+PREFIX = "Programming Language :: Python :: 3."
+VERSIONS = sorted(
+    (each.split(" :: ")[-1] for each in PROJECT["classifiers"] if each.startswith(PREFIX)),
+    key=lambda version: int(version.split(".")[1]),
+)
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+
+
+def read(path: Path) -> Any:
+    return yaml.safe_load(path.read_text("utf-8"))
+
+
+def test_workflow_tests_every_stated_python() -> None:
+    matrix = read(ROOT / ".github/workflows/tests.yml")["jobs"]["fast"]["strategy"]["matrix"]
+    assert matrix["python"] == VERSIONS
+
+
+def test_setup_and_ci_name_every_stated_python() -> None:
+    assert f"for version in {' '.join(VERSIONS)}; do" in (ROOT / ".ci/run").read_text("utf-8")
+    setup = (ROOT / "setup.sh").read_text("utf-8")
+    lowest, highest = (f"({each.replace('.', ', ')})" for each in (VERSIONS[0], VERSIONS[-1]))
+    assert f"{lowest} <= sys.version_info[:2] <= {highest}" in setup
+    assert all(f"python{each}" in setup for each in VERSIONS)
+
+
+@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.stem)
+def test_workflow_has_least_permissions_and_bounded_jobs(workflow: Path) -> None:
+    content = read(workflow)
+    assert content["permissions"] == {"contents": "read"}
+    for job in content["jobs"].values():
+        granted = job.get("permissions", {})
+        assert "timeout-minutes" in job or "id-token" in granted
+        assert "id-token" not in granted or "environment" in job
+
+
+def test_citation_has_the_version_of_the_project() -> None:
+    assert read(ROOT / "CITATION.cff")["version"] == PROJECT["version"] == version("cbdsl")
+
+
+def required(extras: Iterable[str], python: str) -> Iterator[Requirement]:
+    """Requirements of extras on a version of Python, those of nested extras too."""
+    place = {
+        "python_version": python, "python_full_version": f"{python}.9", "sys_platform": "linux",
+        "platform_machine": "x86_64",
+    }  # fmt: skip
+    texts = [*PROJECT["dependencies"], *(text for extra in extras for text in EXTRAS[extra])]
+    for requirement in map(Requirement, texts):
+        if requirement.marker is not None and not requirement.marker.evaluate(place):
+            continue
+        if requirement.name == "cbdsl":
+            yield from required(requirement.extras, python)
+        else:
+            yield requirement
+
+
+@pytest.mark.parametrize("python", VERSIONS)
+def test_constraints_hold_every_requirement_of_developers(python: str) -> None:
+    place = {"python_full_version": f"{python}.9", "python_version": python}
+    lines = (ROOT / "constraints.txt").read_text("utf-8").splitlines()
+    pinned = {}
+    for line in lines:
+        if line and not line.startswith("#"):
+            constraint = Requirement(line)
+            if constraint.marker is None or constraint.marker.evaluate(place):
+                (specifier,) = constraint.specifier
+                pinned[canonicalize_name(constraint.name)] = specifier.version
+    for requirement in required(["dev"], python):
+        name = canonicalize_name(requirement.name)
+        assert name in pinned, f"make constraints: {name} is not in constraints.txt"
+        assert requirement.specifier.contains(pinned[name]), f"make constraints: {name}"
+
+
+def test_pre_commit_hooks_run_commands_of_the_checks() -> None:
+    (repository,) = read(ROOT / ".pre-commit-config.yaml")["repos"]
+    checks = (ROOT / "Makefile").read_text("utf-8")
+    for hook in repository["hooks"]:
+        command = re.sub(r"^\.venv/bin/", "", hook["entry"])
+        assert f"$(BIN){command}" in checks, hook["id"]
