@@ -55,6 +55,7 @@ class JointWatch:
         self.efforts = np.full(count, np.nan)
         self._stamps, self._received = np.full(count, -np.inf), np.full(count, -np.inf)
         self._changed = np.full(count, -np.inf)
+        self._sources = np.zeros(count, dtype=np.uint64)
         # References at the last change of each driver's states, and the stamps of these changes.
         self._references = np.zeros(count)
         self._compared: dict[str, float] = {}
@@ -87,12 +88,23 @@ class JointWatch:
         if not named:
             return ""
         ours, theirs = (np.array(side) for side in zip(*named, strict=True))
+        if problem := self._second_source(sample, ours, now):
+            return problem
         fresh = sample.stamp > self._stamps[ours]
         ours, theirs = ours[fresh], theirs[fresh]
         if not len(ours):
             return ""
         self._take(sample, ours, theirs, now)
         return self._implausible(sample.driver, ours)
+
+    def _second_source(self, sample: JointSample, ours: Floats, now: float) -> str:
+        """Return the joint that another publisher reports at the same time."""
+        recent = now - self._received[ours] <= self._drivers[sample.driver].deadline
+        other = ours[recent & (self._sources[ours] != sample.source)]
+        self._sources[ours] = sample.source
+        if not len(other):
+            return ""
+        return f"two publishers send states of joint '{self.names[other[0]]}'"
 
     def _take(self, sample: JointSample, ours: Floats, theirs: Floats, now: float) -> None:
         positions = np.array(sample.positions)[theirs]

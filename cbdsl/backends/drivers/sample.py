@@ -22,6 +22,7 @@ class JointSample(NamedTuple):
         positions: rad or m, one per joint.
         velocities: rad/s or m/s, one per joint; empty if the robot measures none.
         efforts: N m or N, one per joint; empty if the robot measures none.
+        source: Number of the publisher; 0 if the transport has none.
     """
 
     driver: str
@@ -30,6 +31,7 @@ class JointSample(NamedTuple):
     positions: tuple[float, ...]
     velocities: tuple[float, ...] = ()
     efforts: tuple[float, ...] = ()
+    source: int = 0
 
 
 class WrenchSample(NamedTuple):

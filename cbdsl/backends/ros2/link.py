@@ -231,6 +231,7 @@ def _joints(driver: str, message: msg.JointState) -> JointSample:
         tuple(message.position),
         tuple(message.velocity),
         tuple(message.effort),
+        message.sample_info.publication_handle,
     )
 
 

@@ -115,6 +115,10 @@ FAULTS: dict[str, tuple[Callable[[Peer], None], str]] = {
         lambda peer: setattr(peer, "alter", lambda s: [s._replace(positions=(0.0,))]),
         "sends 1 positions for 2 joints",
     ),
+    "two publishers": (
+        lambda peer: setattr(peer, "alter", lambda s: [s, s._replace(source=2)]),
+        "two publishers send states of joint 'first'",
+    ),
     "other robot": (
         lambda peer: setattr(peer, "alter", lambda s: [s, DescriptionSample("arm", "<robot/>")]),
         "the robot's description",
