@@ -236,16 +236,16 @@ class Trial:
         begun = time.time()
         match self._kind.removeprefix("guarded "):
             case "program killed":
-                os.kill(program, signal.SIGKILL)
+                _signal(program, signal.SIGKILL)
             case "robot killed":
-                os.kill(served, signal.SIGKILL)
+                _signal(served, signal.SIGKILL)
             case "program suspended" | "robot suspended":
                 child = served if self._kind.startswith("robot") else program
-                os.kill(child, signal.SIGSTOP)
+                _signal(child, signal.SIGSTOP)
                 time.sleep(SUSPENDED)
-                os.kill(child, signal.SIGCONT)
+                _signal(child, signal.SIGCONT)
             case "robot restarted":
-                os.kill(served, signal.SIGKILL)
+                _signal(served, signal.SIGKILL)
                 children.append(fork(lambda: self._serve(restarted=True)))
                 time.sleep(0.5)
             case "two commanders":
@@ -338,9 +338,15 @@ def _ended(child: int) -> bool:
         return True
 
 
+def _signal(child: int, number: signal.Signals) -> None:
+    """Send a signal to a process that may have ended."""
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(child, number)
+
+
 def _kill(child: int) -> None:
-    with contextlib.suppress(ProcessLookupError, ChildProcessError):
-        os.kill(child, signal.SIGKILL)
+    _signal(child, signal.SIGKILL)
+    with contextlib.suppress(ChildProcessError):
         os.waitpid(child, 0)
 
 
