@@ -52,6 +52,7 @@ class ControllerRun:
     Attributes:
         controller: what runs.
         own: indices of the effector's joints among all actuated ones, shape (m,).
+        slides: True if all of these joints slide, so that positions are in m.
         slot: its number in the plan.
         rows: of the signal table that it compares.
         needs: all rows that it reads.
@@ -68,6 +69,7 @@ class ControllerRun:
         self.controller, self._signals, self._plan = controller, signals, plan
         self._period = period
         own = self.own = signals.joints.pick(controller.joints)
+        self.slides = bool(signals.kinematics.slides[own].all())
         rows = bind_rows(controller, signals)
         quiescence, limits = controller.quiescence, signals.kinematics
         is_seen_twice = isinstance(controller.feedback.source, Headings)

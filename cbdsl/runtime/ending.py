@@ -11,6 +11,9 @@ from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Origin
 
+# Configurations of joints that slide.
+_SLIDE = "slide"
+
 # How errors of these types are told: factor from SI, and unit.
 _UNITS = {
     "position": (100.0, "cm"),
@@ -19,6 +22,7 @@ _UNITS = {
     "heading": (180 / math.pi, "deg"),
     "orientation": (180 / math.pi, "deg"),
     "configuration": (180 / math.pi, "deg"),
+    _SLIDE: (1000.0, "mm"),
 }
 
 #: Error beyond which what came to rest has not arrived, in SI, where no tolerance says it.
@@ -27,6 +31,7 @@ _FAR = {
     "heading": math.radians(5),
     "orientation": math.radians(5),
     "configuration": math.radians(5),
+    _SLIDE: 0.005,
 }
 
 _VERDICTS = {"success": "Succeeded", "failure": "Failed"}
@@ -162,7 +167,7 @@ def _clause(lead: ControllerRun) -> str:
         verb = "came to rest far from its goal,"
     if controller.reference is None:
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
-    factor, unit = _UNITS.get(controller.task.name, (1.0, ""))
+    factor, unit = _UNITS.get(_quantity(lead), (1.0, ""))
     # The residual of a field is bounded: far from the goal the goal is farther away than that.
     is_field = POTENTIALS[controller.potential].field
     at_least = "at least " if is_field and lead.phi > _NEAR else ""
@@ -176,7 +181,13 @@ def is_far(lead: ControllerRun) -> bool:
         return True
     if lead.controller.quiescence.tolerance is not None:
         return False
-    return lead.error > _FAR.get(lead.controller.task.name, math.inf)
+    return lead.error > _FAR.get(_quantity(lead), math.inf)
+
+
+def _quantity(lead: ControllerRun) -> str:
+    """Return the name of the error's type; that of joints which slide has its own unit."""
+    kind = lead.controller.task.name
+    return _SLIDE if kind == "configuration" and lead.slides else kind
 
 
 def _goal(controller: Controller) -> str:

@@ -25,7 +25,7 @@ def lead(error: float, **other: Any) -> Any:
     controller = Made(**own | {name: other.pop(name) for name in own if name in other})
     runs = {
         "error": error, "predicate": "1", "phi": 0.5, "settled": True, "exhausted": False,
-        "engaged": False, "preparation": Made(no_path=""),
+        "engaged": False, "preparation": Made(no_path=""), "slides": False,
     }  # fmt: skip
     return Made(controller=controller, **runs | other)
 
