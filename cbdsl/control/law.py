@@ -13,6 +13,9 @@ from cbdsl.control.level import Level
 from cbdsl.control.signal import Floats, SignalError, require_finite
 from cbdsl.control.stack import Stack
 
+# Share of its displacement below which a level gets no nearer to its target.
+_STUCK = 0.02
+
 
 @dataclass(frozen=True)
 class LawSettings:
@@ -44,12 +47,15 @@ class LevelReport:
             levels move the task away, above 1 where they carry it further than it wants.
         rank: independent task coordinates that higher levels and limits leave.
         singular_value: the smallest singular value among them, 0 where none is left.
+        stuck: True if the level requests a displacement and its free joints bring it no nearer:
+            it is at the nearest point that they and the levels above allow.
     """
 
     name: str
     share: float
     rank: int
     singular_value: float
+    stuck: bool = False
 
 
 @dataclass(slots=True)
@@ -109,7 +115,8 @@ class Step:
         wanted = float(level.velocity @ level.velocity)
         share = float(level.velocity @ achieved) / wanted if wanted else 1.0
         smallest = float(values.min()) if len(values) else 0.0
-        return LevelReport(level.name, share, len(values), smallest)
+        stuck = wanted > 0.0 and abs(share) < _STUCK
+        return LevelReport(level.name, share, len(values), smallest, stuck)
 
 
 class Law:

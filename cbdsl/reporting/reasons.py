@@ -92,6 +92,8 @@ def _cause(recorded: Recorded, tick: int, column: int) -> str:
     holder = int(arrays["level_held_by"][tick, column])
     if holder == len(names):
         return "because joints were at their limits"
+    if holder > len(names):
+        return "because its target was out of reach: it was at the nearest point"
     if holder >= 0:
         return f"because {names[holder]} above it needed the same joints"
     if arrays["level_rank"][tick, column] == 0:

@@ -160,6 +160,11 @@ class Actuation:
                     batch.begin()
         return self._last
 
+    def stuck(self) -> tuple[str, ...]:
+        """Levels that were at the nearest point to their targets, highest priority first."""
+        reports = () if self.step is None else self.step.reports
+        return tuple(report.name for report in reports if report.stuck)
+
     def at_limits(self) -> tuple[str, ...]:
         """The joints that their limits held back in the last tick."""
         if self._last is None or self.step is None:

@@ -41,7 +41,11 @@ _NEAR = 1e-2
 
 
 def describe(
-    run: ProgramRun, seconds: float, at_limits: Sequence[str], guards: Sequence[str] = ()
+    run: ProgramRun,
+    seconds: float,
+    at_limits: Sequence[str],
+    guards: Sequence[str] = (),
+    stuck: Sequence[str] = (),
 ) -> str:
     """Sentence on how a program ended and what its controllers had to do with it.
 
@@ -50,6 +54,7 @@ def describe(
         seconds: how long it ran.
         at_limits: joints that their limits held back at the end.
         guards: a clause for each guard that the motion gave way to.
+        stuck: Levels at the nearest point to their targets, highest priority first.
     """
     verdict = _VERDICTS.get(run.outcome, "Done" if run.predicate == "1" else "Not rewarded")
     if run.rewarded and not run.outcome:
@@ -57,7 +62,7 @@ def describe(
     # Rewards on the way say nothing of what the program is for.
     if run.program.success and not run.outcome and not run.program.reward_ends:
         verdict = "Neither succeeded nor failed"
-    reasons = _evidence(run)
+    reasons = _evidence(run, stuck)
     if at_limits and not (run.rewarded or run.outcome == "success"):
         reasons.append(f"at their limits were {', '.join(at_limits)}")
     if run.predicate != "1" or run.rewarded:
@@ -108,20 +113,20 @@ def stayed_far(run: ProgramRun) -> tuple[str, ...]:
     return tuple(lead.controller.name for lead in leads if lead.predicate == "1" and is_far(lead))
 
 
-def _evidence(run: ProgramRun) -> list[str]:
+def _evidence(run: ProgramRun, stuck: Sequence[str]) -> list[str]:
     """A clause for each member that its last action involved, highest priority first."""
     action = run.action
     if action is None:
         return []
     if action.program is not None:
         child = run.children[action.name]
-        return [*_evidence(child), child.ending]
+        return [*_evidence(child, stuck), child.ending]
     lacking: dict[str, list[str]] = {}
     clauses = []
     for lead in run.leads(action):
         required = _lacked(lead, run)
         if required is None:
-            clauses.append(_clause(lead))
+            clauses.append(_clause(lead, stuck))
         else:
             lacking.setdefault(_absence(required), []).append(lead.controller.name)
     for absence, names in lacking.items():
@@ -154,7 +159,7 @@ def _absence(required: ControllerRun) -> str:
     return _clause(required)
 
 
-def _clause(lead: ControllerRun) -> str:
+def _clause(lead: ControllerRun, stuck: Sequence[str] = ()) -> str:
     controller = lead.controller
     if lead.exhausted:
         return f"{controller.name} closed on nothing"
@@ -165,6 +170,8 @@ def _clause(lead: ControllerRun) -> str:
     verb = "came to rest" if lead.predicate == "1" else "was still"
     if lead.predicate == "1" and is_far(lead):
         verb = "came to rest far from its goal,"
+        if controller.name in stuck:
+            verb = f"came to rest {_nearest(lead, stuck)},"
     if controller.reference is None:
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
     factor, unit = _UNITS.get(_quantity(lead), (1.0, ""))
@@ -173,6 +180,12 @@ def _clause(lead: ControllerRun) -> str:
     at_least = "at least " if is_field and lead.phi > _NEAR else ""
     distance = f"{at_least}{factor * lead.error:.{1 if unit else 3}f} {unit}".rstrip()
     return f"{controller.name} {verb} {distance} from {_goal(controller)}"
+
+
+def _nearest(lead: ControllerRun, stuck: Sequence[str]) -> str:
+    """Return where a level is that gets no nearer to its target."""
+    is_first = lead.controller.name == stuck[0]
+    return "at the nearest point within reach" if is_first else "as near as higher levels allow"
 
 
 def is_far(lead: ControllerRun) -> bool:

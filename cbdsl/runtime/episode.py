@@ -312,7 +312,10 @@ class Runner:
             sim_seconds=round(self._seconds, 6),
             wall_seconds=time.perf_counter() - begun.time,
             renderer=self._backend.renderer,
-            ending=ending or describe(run, self._seconds, self._actuation.at_limits(), guards),
+            ending=ending
+            or describe(
+                run, self._seconds, self._actuation.at_limits(), guards, self._actuation.stuck()
+            ),
             outcome=run.outcome,
             guards=guards,
             far=stayed_far(run),

@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 #: What a level is held by where joints at their limits took its freedom.
 LIMITS = "joint limits"
 
+#: What a level is held by where its target is out of reach.
+REACH = "reach"
+
 # A level that achieves less of what it wants is asked who took the rest.
 _SMALL_SHARE = 0.5
 # A level that achieves more than this share is asked who pushes it on.
@@ -43,8 +46,8 @@ class LevelExplanation:
         predicted: change of phi that the step of the tick before was to make by now, to first
             order; NaN where that is not known.
         measured: change of phi since the tick before; NaN where there was none.
-        held_by: the level above, or ``LIMITS``, that took most of its freedom; empty where it
-            achieves what it wants, or nobody else is the cause.
+        held_by: Level above, or ``LIMITS``, that takes most of its freedom; ``REACH`` if none does
+            and it is at the nearest point to its target; empty otherwise.
         pushed_by: the level whose motion carries it further than it wants, if its share is far
             above 1; empty otherwise.
     """
@@ -177,15 +180,18 @@ def _holder(step: Step, place: int, names: Sequence[str]) -> str:
     level = step.levels[place]
     wish = np.linalg.pinv(level.jacobian) @ level.velocity
     size = float(wish @ wish)
+    stuck = step.reports[place].stuck
     if size == 0.0:
-        return ""
+        return REACH if stuck else ""
     taken = {
         names[above]: float(np.square(_projected(step.levels[above].jacobian, wish)).sum()) / size
         for above in range(place)
     }
     taken[LIMITS] = float(np.square(wish[step.locked]).sum()) / size
     holder = max(taken, key=lambda name: taken[name])
-    return holder if taken[holder] > _TAKEN else ""
+    if taken[holder] > _TAKEN:
+        return holder
+    return REACH if stuck else ""
 
 
 def _projected(jacobian: Floats, displacement: Floats) -> Floats:

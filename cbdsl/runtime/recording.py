@@ -20,7 +20,7 @@ from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.simplified_mesh import simplified
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
-from cbdsl.runtime.explanation import LIMITS, Explanation, LevelExplanation, named_runs
+from cbdsl.runtime.explanation import LIMITS, REACH, Explanation, LevelExplanation, named_runs
 from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Centroid, Resource, StereoPosition, Tip
@@ -242,7 +242,7 @@ class Recording:
 
 def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[float, ...]:
     """A level as ``_LEVEL`` has it; who held it by index, the limits behind all controllers."""
-    holders = [*names, LIMITS]
+    holders = [*names, LIMITS, REACH]
     held_by = holders.index(level.held_by) if level.held_by else -1
     return (priority, level.share, level.rank, level.singular_value, level.predicted, held_by)
 

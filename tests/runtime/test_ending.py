@@ -149,3 +149,22 @@ def test_stops_are_told_with_their_cause() -> None:
     assert describe_stop(run, 1.0, fault) == "Failed after 1.0 s in state X1: inner."
     late = describe_lateness(run, 1.0, 0.0252, 0.016)
     assert "took 25.2 ms" in late and "deadline is 16 ms" in late
+
+
+@pytest.mark.parametrize(
+    ("stuck", "clause"),
+    [
+        (("reach",), "reach came to rest at the nearest point within reach, 28.5 cm from"),
+        (("turn", "reach"), "reach came to rest as near as higher levels allow, 28.5 cm from"),
+        (("turn",), "reach came to rest far from its goal, 28.5 cm from"),
+        ((), "reach came to rest far from its goal, 28.5 cm from"),
+    ],
+)
+def test_ending_of_an_unreachable_target_names_the_nearest_point(
+    stuck: tuple[str, ...], clause: str
+) -> None:
+    assert clause in describe(ended(lead(0.285)), 3.24, (), (), stuck)
+
+
+def test_ending_of_a_level_near_its_goal_names_no_nearest_point() -> None:
+    assert "nearest" not in describe(ended(lead(0.01)), 3.24, (), (), ("reach",))

@@ -14,7 +14,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
-from cbdsl.runtime.explanation import LIMITS, Explanation
+from cbdsl.runtime.explanation import LIMITS, REACH, Explanation
 from cbdsl.runtime.recording import Recording, is_place, members, triple
 from cbdsl.sensing.reading import Reading
 from cbdsl.types.resource import Origin
@@ -105,7 +105,7 @@ def test_levels_are_kept_as_they_were_explained(
     summary = json.loads(file.read_text("utf-8"))
     assert summary["cbdsl"] == 1
     names, joints = summary["controllers"], summary["joints"]
-    holders = ["", *names, LIMITS]
+    holders = ["", *names, LIMITS, REACH]
     with np.load(file.with_suffix(".npz")) as arrays:
         kept = {key: arrays[key] for key in arrays}
     for index, tick in enumerate(told):
