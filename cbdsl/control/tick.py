@@ -23,12 +23,15 @@ from cbdsl.control.reference import NEEDS_HESSIANS, NOT_FINITE, move
 from cbdsl.control.signal import Floats
 from cbdsl.control.stack import TICKS
 from cbdsl.numeric.compiled import compiled, compiled_once
-from cbdsl.numeric.vector import copy, fill, norm, scale
+from cbdsl.numeric.vector import copy, dot, fill, norm, scale
 from cbdsl.sensing.refresh import DEFINED, UNDEFINED, displace_value, refresh
 
 Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 Records = NDArray[Any]
+
+# How much longer a stride gets in a tick, and how much shorter at most.
+_LONGER, _SHORTEST = 1.05, 0.2
 
 _DESCENT, _RESIDUAL = int(Rule.DESCENT), int(Rule.RESIDUAL)
 
@@ -92,6 +95,8 @@ SLOT = np.dtype(
         # tip about which the task lets it turn, -1 for none.
         ("carried", np.bool_),
         ("spin", np.int64),
+        # Share of its step that a scalar potential takes, by how far the last ones went too far.
+        ("stride", np.float64),
     ]
 )
 
@@ -181,7 +186,11 @@ def tick(
             if slot.forgotten:
                 fill(displacement, 0.0)
             continue
-        if not _act(slot, table, value, jacobian, parameters, own, level, displacement):
+        last = rows[newest - 1, ends[place] - slot.size : ends[place]]
+        if not _act(
+            slot, table, value, jacobian, parameters, own, level, displacement, last,
+            total, ages[place] > 0,
+        ):  # fmt: skip
             return place
         copy(wanted[ends[place] - slot.size : ends[place]], displacement, 1.0)
         levels.fractions[place] = _fraction(slot)
@@ -367,6 +376,9 @@ def _act(
     columns: Integers,
     level: Floats,
     before: Floats,
+    last: Floats,
+    total: Floats,
+    again: bool,
 ) -> bool:
     """Evaluate a slot's potential and write its level; returns whether all numbers were finite.
 
@@ -375,6 +387,9 @@ def _act(
         level: becomes task coordinates per joint, shape (k, n).
         before: displacement of the task coordinates in the tick before, shape (k,); becomes this
             tick's.
+        last: Level of the tick before, shape (k, n).
+        total: Displacement of the tick before, rad, shape (n,).
+        again: True if the slot acted in the tick before.
     """
     feedback = table[slot.feedback]
     here = value[feedback.start : feedback.start + feedback.size]
@@ -395,7 +410,8 @@ def _act(
         copy(step, residual, 0.5)
     else:
         error, unit = _follow_gradient(slot.rule, residual, level[0])
-        step[0] = residual[0]
+        slot.stride = _stride(slot.stride, last[0], level[0], total) if again else 1.0
+        step[0] = slot.stride * residual[0]
     if not (math.isfinite(phi) and _is_finite(level)):
         return False
     if not displace(step, residual, level, unit, slot.bounds, before):
@@ -421,6 +437,25 @@ def _follow_gradient(rule: int, residual: Floats, gradient: Floats) -> tuple[flo
     unit = 1.0 / length if length > 0.0 else 0.0
     scale(gradient, unit)
     return abs(residual[0]), unit
+
+
+@compiled
+def _stride(stride: float, last: Floats, gradient: Floats, total: Floats) -> float:
+    """Return the share of its step that a scalar potential takes now.
+
+    The slope along the last displacement says whether that one went beyond the lowest point on its
+    way: by the secant, it was too long by the share of the slope that has changed its sign.
+
+    Args:
+        stride: Share in the tick before.
+        last: Gradient there, of unit length, shape (n,).
+        gradient: Gradient here, of unit length, shape (n,).
+        total: Displacement in between, rad, shape (n,).
+    """
+    slope, now = dot(last, total), dot(gradient, total)
+    if slope < 0.0 < now:
+        return stride * max(slope / (slope - now), _SHORTEST)
+    return min(_LONGER * stride, 1.0)
 
 
 @compiled

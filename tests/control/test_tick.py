@@ -14,7 +14,7 @@ from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.load_guard import LOAD_GUARD
 from cbdsl.control.manipulability import of_jacobian
 from cbdsl.control.plan import ControllerPlan, Search, SlotForm
-from cbdsl.control.potential import Potential, Rule, potential
+from cbdsl.control.potential import Potential, Rule, interpreted, potential
 from cbdsl.control.predicate import PREDICATE, PREDICATES, settings_of
 from cbdsl.control.range import between
 from cbdsl.control.rate import bounds_of, displace
@@ -22,7 +22,7 @@ from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Floats
 from cbdsl.control.spring import spring
 from cbdsl.control.stack import Stack
-from cbdsl.control.tick import IDLE, MOVED, RESTED, SEARCH, TRACK, UNSOUND, tick
+from cbdsl.control.tick import IDLE, MOVED, RESTED, SEARCH, TRACK, UNSOUND, _stride, tick
 from cbdsl.program.controller import Controller
 from cbdsl.sensing.forward import JOINT
 from cbdsl.sensing.reading import Reading
@@ -393,3 +393,22 @@ def test_another_potential_runs_without_compiling_the_tick_again(
     own.plan.parameters[0] = -1.0
     with pytest.raises(ValueError, match="a weight is negative"):
         own.tick()
+
+
+@pytest.mark.parametrize(
+    ("slope", "now", "stride", "expected"),
+    [
+        (-1.0, -0.5, 0.5, 0.525),  # short of the lowest point: longer
+        (-1.0, -0.5, 1.0, 1.0),
+        (-1.0, 1.0, 1.0, 0.5),  # as far beyond it as it was before it: half
+        (-1.0, 0.25, 0.5, 0.4),
+        (-0.01, 1.0, 1.0, 0.2),  # at most by a factor of 5
+        (0.5, 1.0, 0.4, 0.42),  # moved away by others: no verdict
+    ],
+)
+def test_stride_shortens_by_the_secant_where_a_step_went_too_far(
+    slope: float, now: float, stride: float, expected: float
+) -> None:
+    way = np.array([0.0, 2.0])
+    last, gradient = np.array([7.0, slope / 2]), np.array([-3.0, now / 2])
+    assert interpreted(_stride)(stride, last, gradient, way) == pytest.approx(expected)
