@@ -63,6 +63,7 @@ def calibrate(
     made.
     """
     from cbdsl.cli.native_output import shown_on_failure
+    from cbdsl.cli.termination import termination_interrupts
     from cbdsl.errors.errors import UsageError
     from cbdsl.yaml_text.writer import make_room
 
@@ -75,7 +76,7 @@ def calibrate(
         raise UsageError(f"--out {target}: {error.strerror}") from error
     origin = _origin(context, request, target)
     journal = target.with_suffix(".jsonl")
-    with shown_on_failure():
+    with shown_on_failure(), termination_interrupts():
         estimates = _estimates(request, seed, backend, cameras, journal, origin)
     document = _document(request, estimates, target.stem, origin)
     _write(document, request, estimates, target)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from cbdsl.cli.start_contacts import Postures, StartContacts, start_contacts
 from cbdsl.errors.counting import count, some
 from cbdsl.errors.errors import UsageError
+from cbdsl.errors.legible import legible, seen
 from cbdsl.robot.chains import chains, root
 from cbdsl.robot.ready_posture import ReadyPosture, at_first
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
@@ -122,7 +123,7 @@ def _effector(name: str, effector: SemanticGroup, offset: Numbers, postures: Pos
     tip = f"  tip: {{link: {_scalar(effector.tip or '')}, offset: [{lengths}]}}"
     lines = [
         f"{name}:",
-        *(f"  # {joint.name}: {_limits(joint)}" for joint in effector.joints),
+        *(f"  # {legible(joint.name)}: {_limits(joint)}" for joint in effector.joints),
         f"  joints: [{', '.join(_scalar(joint.name) for joint in effector.joints)}]",
         *([] if effector.tip is None else [_TIP, tip]),
         *_postures(effector.joints, postures),
@@ -294,7 +295,7 @@ def _comment(idle: Mapping[UnsupportedJoint, Sequence[UrdfJoint]]) -> str:
     lines = ["", "# Joints of the model that programs cannot move:"]
     for why, joints in idle.items():
         cure = f" (to move them, {why.cure})" if why.cure else ""
-        text = f"{', '.join(joint.name for joint in joints)}: {why.trait}{cure}"
+        text = legible(f"{', '.join(joint.name for joint in joints)}: {why.trait}{cure}")
         lines += _COMMENT.wrap(text)
     return "\n".join(lines) + "\n"
 
@@ -317,4 +318,6 @@ def _word(why: UnsupportedJoint) -> str:
 
 def _scalar(text: str) -> str:
     """A text as YAML; what is valid JSON is."""
-    return text if _PLAIN.match(text) else json.dumps(text, ensure_ascii=False)
+    if _PLAIN.match(text):
+        return text
+    return seen(json.dumps(text, ensure_ascii=False), lambda sign: f"\\u{ord(sign):04x}")

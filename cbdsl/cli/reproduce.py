@@ -240,6 +240,7 @@ def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
     from cbdsl.backends.quiet import quiet_stderr
     from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.progress import Progress
+    from cbdsl.cli.termination import termination_interrupts
     from cbdsl.cli.trial_jobs import run_jobs
     from cbdsl.errors.errors import UsageError
 
@@ -254,7 +255,8 @@ def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
     except ImportError as error:
         # A package is there, but not a system library that it needs, such as libgomp.
         raise UsageError(f"{experiment.name} needs more than is installed: {error}") from error
-    with shown_on_failure(), Progress(experiment.name) as progress:
+    interruptible = termination_interrupts()
+    with interruptible, shown_on_failure(), Progress(experiment.name) as progress:
         reported = replace(settings, progress=progress.note)
         if workers > 1 and experiment.learns:
             run_jobs(experiment, reported, workers)

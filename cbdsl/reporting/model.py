@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,6 +15,7 @@ from cbdsl.reporting.skeleton import skeleton
 from cbdsl.robot.mesh_file import find_mesh
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
 from cbdsl.robot.urdf_reader import parse_urdf
+from cbdsl.yaml_text.library import shipped
 
 _GREY = (0.7, 0.7, 0.7)
 _KINDS = {"revolute": "turn", "continuous": "turn", "prismatic": "slide"}
@@ -45,7 +48,9 @@ class DrawnLink(NamedTuple):
     shapes: tuple[LinkShape, ...]
 
 
-def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[DrawnLink]:
+def read_links(
+    robot: Mapping[str, Any], joints: Sequence[str], *, is_recorded: bool = True
+) -> list[DrawnLink]:
     """The links of a recorded robot, each behind the one that it hangs on.
 
     Where nothing of the robot can be shown, it is a skeleton.
@@ -54,11 +59,16 @@ def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[DrawnLin
         robot: as the recording has it: ``urdf`` (text), ``folder`` (where meshes are looked for)
             and ``couplings``.
         joints: names of the recorded joints.
+        is_recorded: Whether a recording says where meshes are; it may come from elsewhere, and
+            shows meshes from nearby folders alone.
     """
     folder = Path(robot["folder"])
     model = parse_urdf(robot["urdf"], folder / "model.urdf")
     above = {joint.child: joint for joint in model.joints.values()}
-    seen = {name: tuple(_shapes(body.visuals, folder)) for name, body in model.bodies.items()}
+    seen = {
+        name: tuple(_shapes(body.visuals, folder, is_recorded))
+        for name, body in model.bodies.items()
+    }
     shown = seen if any(seen.values()) else skeleton(model.joints.values())
     links: list[DrawnLink] = []
     places: dict[str, int] = {}
@@ -110,12 +120,24 @@ def _driven(
     return -1, 1.0, rest
 
 
-def _shapes(visuals: Sequence[UrdfShape], folder: Path) -> Iterator[LinkShape]:
+def _is_nearby(file: Path) -> bool:
+    """Return whether a recording may name a file: below the current folder or what is installed.
+
+    A page that is sent on would else hold what a hostile recording names elsewhere.
+    """
+    packages = os.environ.get("ROS_PACKAGE_PATH", "").split(":")
+    roots = (Path.cwd(), shipped(), Path(sys.prefix), *(Path(each) for each in packages if each))
+    return any(file.resolve().is_relative_to(root.resolve()) for root in roots)
+
+
+def _shapes(visuals: Sequence[UrdfShape], folder: Path, is_recorded: bool) -> Iterator[LinkShape]:
     """The shapes of a link that can be shown; a mesh that is not there cannot."""
     for visual in visuals:
         kind, size, mesh = visual.kind, visual.size, None
         if kind == "mesh":
             file = find_mesh(visual.file, folder)
+            if file is not None and is_recorded and not _is_nearby(file):
+                file = None
             mesh = None if file is None else read_mesh(file, size)
             if mesh is None:
                 continue

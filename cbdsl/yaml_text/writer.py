@@ -6,6 +6,7 @@ import errno
 import os
 import tempfile
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from glob import escape
 from pathlib import Path
 from typing import Any
@@ -109,11 +110,24 @@ def write_bytes(contents: bytes, path: Path) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(contents)
+            file.flush()
+            os.fsync(file.fileno())  # before its name replaces that of the old contents
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     except BaseException:
         os.unlink(temporary)
         raise
+    _sync_folder(path.parent)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Have the names in a folder survive a power failure, where its file system can."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def _require_replaceable(path: Path) -> None:

@@ -286,3 +286,27 @@ def test_a_package_in_two_folders_is_refused(
     packages = ("--package", "other=.", "--package", "other=/")
     assert cb(monkeypatch, "new", "robot", "a", "--urdf", "model.urdf", *packages) == 2
     assert "--package gives 'other' twice: . and /" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("sign", ["&#10;", "&#13;", "&#x85;", "&#x2028;", "&#9;"])
+def test_new_robot_from_names_with_line_breaks_writes_no_keys_of_them(
+    sign: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name = f"j{sign}base: evil{sign}owned: 1"
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    links = "".join(f'<link name="{link}"/>' for link in ("a", "b", "c", "d"))
+    joints = "".join(
+        f'<joint name="{name}{k}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f"{limit}</joint>"
+        for k, (kind, parent, child) in enumerate(
+            [("revolute", "a", "b"), ("revolute", "b", "c"), ("floating", "a", "d")]
+        )
+    )
+    (folder / "odd.urdf").write_text(f'<robot name="odd">{links}{joints}</robot>', "utf-8")
+    cb(monkeypatch, "new", "robot", "arm", "--urdf", "odd.urdf")
+    written = folder / "robots" / "arm.yaml"
+    if written.exists():
+        import yaml
+
+        data = yaml.safe_load(written.read_text("utf-8"))
+        assert "owned" not in data and data["base"] == "a"

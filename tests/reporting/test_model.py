@@ -142,3 +142,26 @@ def test_read_links_of_a_joint_that_nothing_drives_shows_it_at_rest() -> None:
       <limit lower="0.5" upper="1" effort="1" velocity="1"/></joint></robot>"""
     last = read_links({"urdf": text, "folder": ".", "couplings": {}}, [])[-1]
     assert (last.column, last.offset) == (-1, 0.5)
+
+
+def test_read_links_of_a_recording_shows_no_mesh_from_elsewhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ball = (ROOT / "robots").rglob("*.stl")
+    data = next(iter(ball), None)
+    secret = tmp_path / "private" / "part.stl"
+    secret.parent.mkdir()
+    text = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+    secret.write_bytes(data.read_bytes() if data else f"{text}endloop\nendfacet\nendsolid".encode())
+    here = tmp_path / "here"
+    here.mkdir()
+    for name in (str(secret), "../private/part.stl", f"file://{secret}"):
+        link = (
+            f"<link name='a'><visual><geometry><mesh filename='{name}'/></geometry></visual></link>"
+        )
+        robot = {"urdf": f"<robot name='r'>{link}</robot>", "folder": str(here), "couplings": {}}
+        monkeypatch.chdir(here)
+        (recorded,), (own,) = read_links(robot, []), read_links(robot, [], is_recorded=False)
+        assert not recorded.shapes and own.shapes
+        monkeypatch.chdir(tmp_path)
+        assert read_links(robot, [])[0].shapes

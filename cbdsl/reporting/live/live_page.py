@@ -34,7 +34,10 @@ def live_page(
     header: Mapping[str, object] = {
         "token": token,
         "composes": composes,
-        "links": [drawn_link(link, bundle) for link in read_links(_model(robot, urdf), joints)],
+        "links": [
+            drawn_link(link, bundle)
+            for link in read_links(_model(robot, urdf), joints, is_recorded=False)
+        ],
     }
     text = bundle.text(header)
     return filled("live.html", title, _STYLES, _SCRIPTS, text, {}, connects=True)

@@ -158,11 +158,16 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND, "requests go to /request")
             return
         try:
-            answer = site.answer(self._content())
+            answer = json.dumps(site.answer(self._content()))
         except RequestError as error:
             self._refuse(HTTPStatus.CONFLICT, str(error))
             return
-        self._send_json(HTTPStatus.OK, answer)
+        except (ValueError, TypeError, ArithmeticError, LookupError, RecursionError) as error:
+            # Numbers beyond those of floats, lone surrogates: a request always has an answer.
+            reason = f"the request has a value that cannot be used ({type(error).__name__})"
+            self._refuse(HTTPStatus.BAD_REQUEST, reason)
+            return
+        self._send(HTTPStatus.OK, "application/json", answer.encode())
 
     def _content(self) -> Mapping[str, Any]:
         """The JSON object that was sent.
@@ -210,7 +215,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send_json(status, {"problem": why})
 
     def _send_json(self, status: HTTPStatus, content: Mapping[str, Any]) -> None:
-        text = json.dumps(content, ensure_ascii=False).encode()
+        text = json.dumps(content).encode()
         self._send(status, "application/json", text)
 
     def _send(self, status: HTTPStatus, kind: str, content: bytes) -> None:

@@ -146,6 +146,18 @@ def test_what_makes_no_sense_is_refused_in_words(served: Served, content: Any, w
     assert words in answer["problem"]
 
 
+@pytest.mark.parametrize(
+    "value", ["1" + "0" * 400, "1e999", "-1e999", "NaN", '"\\ud800"', "[[[[]]]]"]
+)
+@pytest.mark.parametrize("key", ["do", "value", "ticks", "name", "stack"])
+def test_request_with_an_odd_value_has_an_answer(served: Served, key: str, value: str) -> None:
+    doing = ("play", "speed", "step", "compose")
+    requests = [f'{{"do": "{do}", "{key}": {value}}}' for do in doing]
+    for request in (*requests, f'{{"{key}": {value}}}', value):
+        status, answer = served.request(request.encode("utf-8", "surrogatepass"))
+        assert status in (200, 400, 409) and isinstance(answer, dict)
+
+
 def test_other_paths_and_methods_are_refused(served: Served) -> None:
     assert served.ask("GET", "/../../etc/passwd").status == 404
     assert served.ask("PUT", "/").status == 501
