@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
 
 Yes = Annotated[
@@ -52,17 +53,25 @@ class TerminalPerson:
         return typer.confirm(question[0].upper() + question[1:], err=True)
 
 
-def attend(backend: Backend, *, yes: bool, interface: str | None) -> None:
-    """Name the person at the terminal to a backend of a real robot.
+def attend(backend: Backend, request: RunRequest, *, yes: bool, interface: str | None) -> None:
+    """Name the person at the terminal to a backend of a real robot, and rehearse the program.
+
+    Args:
+        backend: Backend, real or simulated.
+        request: Program to rehearse.
+        yes: True if the person agreed in advance.
+        interface: Network interface; loopback only if ``None``.
 
     Raises:
         UsageError: The backend is simulated, and --yes or --interface is given.
     """
+    from cbdsl.api.rehearsal import rehearse
     from cbdsl.backends.backend import AttendedBackend
     from cbdsl.errors.errors import UsageError
 
     if isinstance(backend, AttendedBackend):
         backend.attend(TerminalPerson(yes=yes), interface)
+        rehearse(request)
     elif yes or interface is not None:
         option = "--yes" if yes else "--interface"
         raise UsageError(f"{option} is for a real robot, such as with --backend ros2")

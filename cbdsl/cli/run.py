@@ -163,7 +163,7 @@ def run(
         within.enter_context(shown_on_failure())
         within.enter_context(termination_interrupts())
         embodied, kinematics = within.enter_context(opened)
-        attend(embodied, yes=yes, interface=interface)
+        attend(embodied, request, yes=yes, interface=interface)
         runner = _runner(request, kinematics, embodied)
         seeds = range(seed, seed + episodes)
         folder = within.enter_context(recorded_for(page, record, tells=not as_json))

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from cbdsl.api.load import load
 from cbdsl.cli.attendance import TerminalPerson, attend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
@@ -50,7 +51,8 @@ def test_options_of_real_robots_are_refused_in_simulation(
     from cbdsl.backends.backend import embody
 
     simulated = embody("kinematic", sightless(dexter), URDF)
+    request = load("posture")
     with pytest.raises(UsageError, match="is for a real robot"):
-        attend(simulated, yes=yes, interface=interface)
-    attend(simulated, yes=False, interface=None)
+        attend(simulated, request, yes=yes, interface=interface)
+    attend(simulated, request, yes=False, interface=None)
     simulated.close()
