@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -11,9 +12,10 @@ from stopwatch import Stages
 from cbdsl.checking.program import check_program
 from cbdsl.control.composition import compose
 from cbdsl.control.law import Law, LawSettings, Step
+from cbdsl.control.level import Level
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.signal import Floats
-from cbdsl.control.stack import Stack
+from cbdsl.control.stack import TICKS, Stack
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.actuation import Actuation
@@ -32,6 +34,9 @@ CYCLES = 90  # a restart: 1.5 s, before the program changes its action
 
 #: A Jacobian (k, n) and a displacement of its task coordinates (k,), highest priority first.
 Rows = Sequence[tuple[Floats, Floats]]
+
+#: The same with the second derivatives of the task coordinates (k, n, n).
+Bent = Sequence[tuple[Floats, Floats, Floats]]
 
 #: The methods that ``control_cycle.py`` clocks.
 CYCLE_STAGES: Stages = {
@@ -73,6 +78,31 @@ def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
             wanted[span] = displacement
         compose(q, stack.newest, stack.arrays, True, *arrays, *results)
         return step.displacement
+
+    return solve
+
+
+def law_with_hessians(
+    sizes: Sequence[int], fraction: float, *, curved: bool
+) -> Callable[[Bent, Floats], Floats]:
+    """Return the law for one stack, with the second derivatives of its task coordinates.
+
+    Args:
+        sizes: Number of task coordinates of each level, highest priority first; the last one's
+            is the number of joints.
+        fraction: Share of the way to its target that each level requests.
+        curved: False for the law of first order.
+    """
+    free = np.full(sizes[-1], math.inf)
+    rule = Law(-free, free, LawSettings(joint_step=1.5 / 60))
+    stack = Stack([(str(place), size) for place, size in enumerate(sizes)], sizes[-1])
+
+    def solve(levels: Bent, q: Floats) -> Floats:
+        stack.clock[0] = (stack.clock[0] + 1) % TICKS
+        for place, (jacobian, displacement, hessian) in enumerate(levels):
+            second = hessian if curved else None
+            stack.put(place, Level(str(place), jacobian, displacement, second, fraction))
+        return rule.compose(stack, q).displacement
 
     return solve
 

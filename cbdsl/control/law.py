@@ -175,7 +175,18 @@ class Law:
         Raises:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
-        stack = Stack.of(levels, len(q))
+        return self.compose(Stack.of(levels, len(q)), q)
+
+    def compose(self, stack: Stack, q: Floats) -> Step:
+        """Compose one tick's displacement of a stack, whose levels may have acted before.
+
+        Args:
+            stack: Levels of this tick and those before.
+            q: Joint positions, rad, shape (n,).
+
+        Raises:
+            SignalError: The posture or a level is not finite.
+        """
         step = Step.of(stack)
         compose(
             q, stack.newest, stack.arrays, True, self._limits, self._steps, self._guards,
