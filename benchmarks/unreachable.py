@@ -111,7 +111,7 @@ def ours(case: Scene, order: int) -> Solver:
     return step
 
 
-def pink(case: Scene, order: int = 0) -> Solver:
+def pink(case: Scene) -> Solver:
     """Weighted tasks in one quadratic program."""
     from pink import Configuration, solve_ik
     from pink.tasks import FrameTask, PostureTask
@@ -145,9 +145,9 @@ def settle(case: Scene, step: Solver) -> tuple[float, float, float]:
     return swing, float(np.abs(last).max()), 1000 * (distance - case.least)
 
 
-def rows(targets: int, seed: int) -> Iterator[dict[str, object]]:
+def rows(targets: int, seed: int) -> Iterator[dict[str, Any]]:
     """Yield a result for each solver and range."""
-    solvers = {
+    solvers: dict[str, Callable[[Scene], Solver]] = {
         "cbdsl": lambda case: ours(case, 2),
         "cbdsl, first order": lambda case: ours(case, 1),
         "pink daqp": pink,
