@@ -28,8 +28,8 @@ from cbdsl.backends.ros2.regions_text import read_regions
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 
-# Messages that are taken at a time, and seconds between two looks at who is there.
-_MOST, _SURVEYED = 64, 0.03
+# Messages that are taken at a time, and seconds between two looks at who is there without news.
+_MOST, _SURVEYED = 64, 0.25
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
 
 

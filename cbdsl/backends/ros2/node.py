@@ -91,6 +91,14 @@ class RosNode:
             for reader in [BuiltinDataReader(self._participant, topic)]
         ]
 
+        unread = ViewState.Any | SampleState.NotRead | InstanceState.Any
+        self._news = [ReadCondition(reader, unread) for reader, _, _ in self._builtin]
+
+    @property
+    def has_news(self) -> bool:
+        """True if readers or writers came or went since ``remotes`` was asked."""
+        return any(condition.is_triggered() for condition in self._news)
+
     def reader(
         self, topic: str, message: type[Any], *, lasting: bool = False, reliable: bool = False
     ) -> DataReader[Any]:
@@ -135,7 +143,8 @@ class RosNode:
     def remotes(self) -> list[Remote]:
         """Return all living readers and writers of ROS topics in the domain."""
         remotes = []
-        for reader, alive, writes in self._builtin:
+        for (reader, alive, writes), unread in zip(self._builtin, self._news, strict=True):
+            reader.read(_MOST_ENDPOINTS, unread)  # which leaves no news
             for endpoint in reader.read(_MOST_ENDPOINTS, alive):
                 if endpoint.topic_name.startswith("rt/"):
                     topic = endpoint.topic_name.removeprefix("rt")
@@ -144,6 +153,7 @@ class RosNode:
 
     def close(self) -> None:
         """Leave the domain."""
+        self._news.clear()
         self._builtin.clear()
         del self._participant, self._domain
 
