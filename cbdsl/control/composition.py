@@ -104,18 +104,18 @@ def compose(
             rank = below - taken
             _unpin(pins, taken, below)
             singular = _is_singular(sizes[:rank], end - start, curved[level], threshold)
-            left = _undone(own, residual, change, total, locked, bounds, steps)
             resisted = basis[:0]
             least = least_resisted(norm(wanted[start:end]), fractions[level])
-            held = delicate or singular or _is_held(sizes[:rank], left, residual, threshold)
-            if second and held:
-                if not bends:
-                    return True
-                scale(left, 1.0 / fractions[level])
-                resisted = newton_step(
-                    _curve(left, basis, taken, sides, pins, middle, start, levels.hessians),
-                    basis, taken, below, sizes[:rank], along[:rank], guards, least, change,
-                )  # fmt: skip
+            if second and (delicate or singular or _is_near(sizes[:rank], threshold)):
+                left = _undone(own, residual, change, total, locked, bounds, steps)
+                if delicate or singular or norm(left) > _ACHIEVED * norm(residual):
+                    if not bends:
+                        return True
+                    scale(left, 1.0 / fractions[level])
+                    resisted = newton_step(
+                        _curve(left, basis, taken, sides, pins, middle, start, levels.hessians),
+                        basis, taken, below, sizes[:rank], along[:rank], guards, least, change,
+                    )  # fmt: skip
             _shorten(change, total, locked, bounds, steps)
             if not _lock(change, total, locked, bounds):
                 add(total, change, 1.0)
@@ -170,10 +170,8 @@ def _is_singular(values: Floats, count: int, curved: bool, threshold: float) -> 
 
 
 @compiled
-def _is_held(values: Floats, left: Floats, residual: Floats, threshold: float) -> bool:
-    """Whether a level near a singularity leaves a part of its residual undone."""
-    if norm(left) <= _ACHIEVED * norm(residual):
-        return False
+def _is_near(values: Floats, threshold: float) -> bool:
+    """Whether a level is so near to a singularity that bounds may leave a part undone."""
     return len(values) > 0 and values.min() < _NEAR_SINGULAR * threshold
 
 
