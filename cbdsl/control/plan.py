@@ -37,6 +37,8 @@ class SlotForm(NamedTuple):
         watches: whether it is defined although no joint displaces its feedback.
         carried: True for the position of an object that moves with the hands that hold it.
         spin: Axis of the tip, 0 to 2, about which the task lets it turn; -1 for none.
+        tolerance: largest error at rest, in the unit of the feedback.
+        share: the same as a share of the reference's norm.
     """
 
     potential: Potential
@@ -54,6 +56,8 @@ class SlotForm(NamedTuple):
     watches: bool = False
     carried: bool = False
     spin: int = -1
+    tolerance: float = math.inf
+    share: float = math.inf
 
     @property
     def carrier(self) -> int:
@@ -129,6 +133,7 @@ class ControllerPlan:
         slot["anchor"], slot["offset"] = form.anchor, form.offset
         slot["watches"] = form.watches
         slot["carried"], slot["spin"] = form.carried, form.spin
+        slot["tolerance"], slot["share"] = form.tolerance, form.share
         slot["turned"], slot["onset"] = form.turned, self._wait(form.onset)
         self.slots = np.concatenate((self.slots, slot))
         self.parameters = np.concatenate((self.parameters, potential.parameters))

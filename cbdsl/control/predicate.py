@@ -85,6 +85,19 @@ def note(phi: float, stamp: int, settings: Floats, values: Floats, notes: Intege
 
 
 @compiled_once
+def require_settled(error: float, bound: float, notes: Integers) -> None:
+    """Take a potential that rests farther from its goal than it may for one on its way.
+
+    Args:
+        error: norm of the residual, in the unit of the feedback.
+        bound: largest error that counts as at rest, in the same unit.
+        notes: as of ``note``.
+    """
+    if notes[PREDICATE] == _QUIESCENT and not error <= bound:
+        notes[PREDICATE] = _TRANSIENT
+
+
+@compiled_once
 def note_undefined(notes: Integers) -> None:
     """Note that a potential cannot be computed."""
     notes[PREDICATE] = _UNDEFINED

@@ -17,7 +17,7 @@ from cbdsl.control.hessian import has_hessian, write_hessian
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.onset import note_load, restart_onset
 from cbdsl.control.potential import Rule, call_at
-from cbdsl.control.predicate import note, note_undefined, reset
+from cbdsl.control.predicate import note, note_undefined, require_settled, reset
 from cbdsl.control.rate import displace
 from cbdsl.control.reference import NEEDS_HESSIANS, NOT_FINITE, move
 from cbdsl.control.signal import Floats
@@ -62,6 +62,10 @@ SLOT = np.dtype(
         ("window", np.int64),
         ("settings", np.float64, 3),
         ("notes", np.int64, 6),
+        # The largest error at rest, and the same as a share of the reference's norm; infinite
+        # without a bound.
+        ("tolerance", np.float64),
+        ("share", np.float64),
         # An approach from above: its height, the lateral error within which it ends, and its slope.
         ("funnel", np.float64, 3),
         # Acting while the feedback is undefined: whether, whether once a leader is near, how near,
@@ -203,6 +207,7 @@ def tick(
                 measured = max(measured, table[slot.reference].stamp)
             window = windows[slot.window : slot.window + slot.notes[5]]
             note(slot.phi, measured, slot.settings, window, slot.notes)
+            require_settled(slot.error, error_bound(slot, table, value), slot.notes)
     if not anything:
         return RESTED
     outcome = move(
@@ -255,6 +260,17 @@ def _bend(
                 slot, table, parts, support, value, jacobian, tree, frames, axes, parameters,
                 columns[place], levels.hessians[end - slot.size : end],
             )  # fmt: skip
+
+
+@compiled_once
+def error_bound(slot: Any, table: Records, value: Floats) -> float:
+    """Return the largest error with which a slot counts as at rest, in its feedback's unit."""
+    bound: float = slot.tolerance
+    if slot.reference >= 0 and slot.share < math.inf:
+        reference = table[slot.reference]
+        there = value[reference.start : reference.start + reference.size]
+        bound = min(bound, slot.share * norm(there))
+    return bound
 
 
 @compiled

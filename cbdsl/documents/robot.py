@@ -215,9 +215,9 @@ class QuiescenceSection(Section):
     window: Duration
     """How long phi is watched."""
     within: Positive | None = None
-    """Largest residual that earns a reward, as a share of the reference's norm."""
+    """Largest residual at rest, as a share of the reference's norm; beyond it, 0 is read."""
     tolerance: Tolerance | None = None
-    """Largest residual that earns a reward, in the feedback's unit."""
+    """Largest residual at rest, in the feedback's unit; beyond it, the predicate is 0."""
 
 
 class TaskSettings(Section):

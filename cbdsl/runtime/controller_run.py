@@ -15,6 +15,7 @@ from cbdsl.control.rate import bounds_of
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import SignalError, require_finite
+from cbdsl.control.tick import error_bound
 from cbdsl.program.controller import Controller, Relative
 from cbdsl.runtime.controller_rows import anchor_of, bind_rows
 from cbdsl.runtime.preparation import Preparation
@@ -89,12 +90,13 @@ class ControllerRun:
             rows.reference,
             watches=isinstance(controller.feedback.source, RELATIVE),
             carried=isinstance(controller.feedback.source, StereoPosition),
+            tolerance=_tolerance(controller),
+            share=_share(controller),
         )._replace(**anchor_of(controller, signals, rows)._asdict())
         form = modified(plain, SlotSetting(controller, signals, period))
         self.rows = rows._replace(feedback=form.feedback, reference=form.reference)
         self._potential = form.potential
         self.preparation = Preparation(controller, signals, self.rows, self._potential)
-        self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
         self.needs = tuple([row for row in (*self.rows, form.carrier) if row >= 0])
         self.slot = plan.add(form)
         # Row of a reference that is held by hand, once there was one.
@@ -224,7 +226,7 @@ class ControllerRun:
 
     @property
     def settled(self) -> bool:
-        """Whether it is defined and its error small enough to earn a reward."""
+        """Whether it is defined, and its error small enough to count as at rest."""
         return self.error <= self._bound()
 
     def evaluate(self) -> Evaluation | None:
@@ -269,12 +271,23 @@ class ControllerRun:
         )
 
     def _bound(self) -> float:
-        """The largest error that earns a reward."""
-        within = self.controller.quiescence.within
-        if within is None:
-            return self._tolerance
-        reference = self.controller.reference
-        values = self._values()[1].tolist()
-        if isinstance(reference, Relative):
-            values = reference.offset
-        return min(self._tolerance, within * math.hypot(*values))
+        """The largest error at rest, in the unit of the feedback."""
+        table = self._signals.table
+        return float(error_bound(self._record, table.records, table.value))
+
+
+def _tolerance(controller: Controller) -> float:
+    """Return the largest error at rest that a constant bounds, in the unit of the feedback."""
+    quiescence, reference = controller.quiescence, controller.reference
+    bounds = [math.inf if quiescence.tolerance is None else quiescence.tolerance]
+    if quiescence.within is not None and isinstance(reference, Relative):
+        # The reference itself follows the feedback; its displacement is constant.
+        bounds.append(quiescence.within * math.hypot(*reference.offset))
+    return min(bounds)
+
+
+def _share(controller: Controller) -> float:
+    """Return the largest error at rest as a share of the reference's norm."""
+    within = controller.quiescence.within
+    is_constant = isinstance(controller.reference, Relative)
+    return math.inf if within is None or is_constant else within

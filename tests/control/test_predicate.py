@@ -17,6 +17,7 @@ from cbdsl.control.predicate import (
     Predicate,
     note,
     note_undefined,
+    require_settled,
     reset,
     restart,
     room_of,
@@ -143,3 +144,23 @@ def test_reset_forgets() -> None:
 def test_rate_and_window_are_positive(rate: float, window: float) -> None:
     with pytest.raises(ValueError, match="positive"):
         Monitor(rate, window, TICK)
+
+
+@pytest.mark.parametrize(
+    ("error", "bound", "predicate"),
+    [(0.1, math.inf, "1"), (0.1, 0.1, "1"), (0.1001, 0.1, "0"), (math.nan, 0.1, "0")],
+)
+def test_require_settled_beyond_the_bound_reads_as_transient(
+    error: float, bound: float, predicate: str
+) -> None:
+    monitor = Monitor(1.0, 5 * TICK, TICK)
+    assert watch(monitor, [0.3] * 20, every_tick)[-1] == "1"
+    require_settled(error, bound, monitor.notes)
+    assert monitor.predicate == predicate
+
+
+def test_require_settled_leaves_an_undefined_potential_undefined() -> None:
+    monitor = Monitor(1.0, 5 * TICK, TICK)
+    note_undefined(monitor.notes)
+    require_settled(1.0, 0.1, monitor.notes)
+    assert monitor.predicate == "-"

@@ -268,6 +268,25 @@ def test_it_has_settled_within_its_tolerance(
     assert run.settled == (tolerance == 10.0)
 
 
+@pytest.mark.parametrize(("tolerance", "predicate"), [(0.01, "0"), (10.0, "1")])
+def test_controller_run_at_constant_potential_is_quiescent_only_within_its_tolerance(
+    reachtouch: CheckedProgram,
+    signals: Signals,
+    start: Start,
+    tolerance: float,
+    predicate: str,
+) -> None:
+    approach = approach_of(reachtouch)
+    quiescence = approach.quiescence._replace(tolerance=tolerance)
+    signals.vision.memories["sat_10"].position = np.array([0.5, -0.2, -0.3])
+    started = start(replace(approach, quiescence=quiescence))
+    # Nothing moves between the ticks, so that the potential is constant.
+    for _ in range(100):
+        signals.clock[0] += 1
+        started.tick()
+    assert started.run.predicate == predicate
+
+
 def test_without_a_reference_it_is_undefined_and_wants_nothing(
     reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
 ) -> None:
