@@ -110,9 +110,18 @@ class BlobSignals:
         return self._reading(constellation_of(*blobs).value)
 
     def offset(self, source: StereoOffset) -> Reading | None:
-        """Where the centre of one silhouette is from that of another one, m, world axes."""
-        first, second = (self._vision.meeting(each) for each in (source.channel, source.other))
+        """Return the displacement of a silhouette's centre from another object, m, world axes.
+
+        The other object is where it is remembered, since the first one may hide a part of it.
+        """
+        first, second = self._vision.meeting(source.channel), self._placed(source.other)
         return None if first is None or second is None else self._reading(first - second)
+
+    def _placed(self, channel: str) -> Floats | None:
+        """Return where a channel's object is remembered or, failing that, seen, m."""
+        memory = self._vision.memory(channel)
+        remembered = None if memory is None else memory.position
+        return self._vision.meeting(channel) if remembered is None else remembered
 
     def feature(self, source: StereoSignal) -> Reading | None:
         """The velocity of what stereo sees, m/s, or its volume, m^3.

@@ -29,6 +29,8 @@ _NEARLY = 0.9
 # the ellipse with their moments; a rectangle fills 0.955 of it.
 _LONG = 1.3
 _FILLED = 0.92
+# A region of another channel that is larger than a thing by this is behind it.
+_BACKGROUND = 5.0
 
 
 class Instances:
@@ -60,6 +62,7 @@ class Instances:
     def reset(self) -> None:
         """Forget everything."""
         self.attended, self._exposed = 0, 0.0
+        self._others: Sightings = ()
         self.sightings: list[dict[int, Sighting]] = [{} for _ in range(self._cameras)]
         self._candidates: list[Floats] = []
         self._place: Floats | None = None
@@ -100,15 +103,16 @@ class Instances:
         azimuth = math.atan2(offset[1], offset[0])
         return (-azimuth if selection == "leftmost" else azimuth), number
 
-    def look(self, time: float, exposed: float, seen: Sightings) -> None:
+    def look(self, time: float, exposed: float, seen: Sightings, others: Sightings = ()) -> None:
         """Take in the newest images.
 
         Args:
             time: s.
             exposed: when the images were taken, s.
             seen: by camera, the sightings of the channel's regions, the largest first.
+            others: by camera, the sightings of the other channels' regions.
         """
-        self._exposed = exposed
+        self._exposed, self._others = exposed, others
         for each in self.sightings:
             each.clear()
         known = self.known
@@ -152,12 +156,23 @@ class Instances:
         if sighting is not None and (memory.position is not None or self._is_whole(number)):
             position, _, sizes = sighting
             aside = self._aside(number)
-            if memory.has_shrunk(sizes, aside) and not self._field.is_hidden_by_hand(position):
+            if memory.has_shrunk(sizes, aside) and not self._may_be_hidden(number, position):
                 memory.forget_size(sizes, aside)
             if memory.see(time, position + memory.moved_since(self._exposed), sizes):
                 return
         if memory.position is not None:
             memory.miss(time, explained=self._explains(time, number))
+
+    def _may_be_hidden(self, number: int, position: Floats) -> bool:
+        """Return whether a hand or another object may hide a part of what is seen of an object.
+
+        Args:
+            number: of the object.
+            position: where it is seen now, m, shape (3,).
+        """
+        if self._field.is_hidden_by_hand(position):
+            return True
+        return self.memories[number].position is not None and any(self._covered(number))
 
     def _aside(self, number: int) -> list[float]:
         """How far each line of sight to a thing passes where it is remembered, m."""
@@ -226,7 +241,28 @@ class Instances:
             for other in self.memories
             if other is not memory and other.position is not None
         ]
-        return self._field.hidden_by((memory.position, memory.radius), others)
+        hidden = self._field.hidden_by((memory.position, memory.radius), others)
+        return [
+            hides or covers for hides, covers in zip(hidden, self._covered(number), strict=True)
+        ]
+
+    def _covered(self, number: int) -> list[bool]:
+        """Whether a region of another channel covers the middle of a thing, by camera.
+
+        A region that is much larger, such as that of a table, is a background, and covers nothing.
+        """
+        memory = self.memories[number]
+        assert memory.position is not None
+        position, most = memory.position, _BACKGROUND * memory.radius
+        if not self._others:
+            return [False] * self._cameras
+        return [
+            any(
+                sighting.distance(position) < sighting.radius(position) < most
+                for sighting in sightings
+            )
+            for sightings in self._others
+        ]
 
     def _tell_apart(self, time: float, seen: Sightings, known: Sequence[int]) -> None:
         """Take in images with several regions, or with a thing that is not the one known."""

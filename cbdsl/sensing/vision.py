@@ -240,7 +240,8 @@ class Vision:
                 ]
             self.field.place(row, name, frame)
         for channel, sightings in by_channel.items():
-            self.instances[channel].look(self._image_time, self._exposed, sightings)
+            others = _others(by_channel, channel, len(self._cameras))
+            self.instances[channel].look(self._image_time, self._exposed, sightings, others)
         self._linger(turned)
 
     def _linger(self, turned: Collection[str]) -> None:
@@ -274,3 +275,11 @@ class Vision:
         """Whether a camera has turned since its last image; also before its first."""
         before = self.field.frames.get(camera)
         return before is None or not np.allclose(frame.rotation, before.rotation, atol=_STILL)
+
+
+def _others(
+    by_channel: Mapping[str, Sequence[Sequence[Sighting]]], channel: str, cameras: int
+) -> list[list[Sighting]]:
+    """Return the sightings of all other channels' objects, by camera; motion hides nothing."""
+    names = [name for name in by_channel if name not in (channel, "motion")]
+    return [[each for name in names for each in by_channel[name][row]] for row in range(cameras)]
