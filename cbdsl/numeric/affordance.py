@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cbdsl.numeric.sample_statistics import SampleStatistics
 
 Floats = NDArray[np.float64]
-Measure = Literal["sum", "trace", "determinant"]
+Measure = Literal["sum", "trace", "determinant", "spread"]
 
 # Deviations of a prior that counts for something in a robot's workspace, by unit.
 _WORKSPACE: Mapping[str, float] = {
@@ -37,11 +37,14 @@ def _determinant(covariance: Floats) -> float:
     return math.exp(float(logarithm) / len(covariance)) if sign > 0 else 0.0
 
 
-#: How much a covariance varies, as one number: the source adds all of its elements up.
+#: How much a covariance varies, as one number: the source adds all of its elements up. That sum
+#: depends on the signs of the axes, and each of the first three on the frame's origin, because the
+#: prior's mean is there. A spread is the trace for a prior whose mean is that of the samples.
 MEASURES: Mapping[str, Callable[[Floats], float]] = {
     "sum": _sum,
     "trace": _trace,
     "determinant": _determinant,
+    "spread": _trace,
 }
 
 
@@ -96,6 +99,8 @@ class AffordanceModel:
     def variance(self, measure: str = "sum") -> float:
         """Variance of Pr(f | reward, a) in units of the scale, which habituates (Eq 6.3)."""
         samples = _scaled(self.rewarded, self.scale)
+        if measure == "spread":
+            samples = replace(samples, mean=np.zeros(len(self.scale)))
         return MEASURES[measure](_prior(len(self.scale), self.prior).merged(samples).covariance)
 
     @property

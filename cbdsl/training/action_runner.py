@@ -108,7 +108,11 @@ class ActionRunner:
     def _inspect(
         self, action: Explorable, known: Sequence[str], seed: int, undisturbed: bool
     ) -> ActionOutcome:
-        """Run an action that turns out to be another one where a channel answers."""
+        """Run an action that looks for a mark of one of several channels.
+
+        Rewarded or not, it counts as the action that was chosen. The marks that it shows become
+        actions, which count from when they are chosen themselves.
+        """
         open_marks = [m for m, each in action.marks.items() if each.name not in known]
         if not open_marks:
             open_marks = list(action.marks)
@@ -119,7 +123,7 @@ class ActionRunner:
         result = self._episode(own, reader, seed, undisturbed, [*own.observed, *action.observed])
         seen = {m for m, seconds in reader.seconds.items() if seconds >= _BELIEVED}
         new = tuple(each.name for m, each in action.marks.items() if m in seen)
-        outcome = _outcome(own.name if mark in seen else action.name, result, reader)
+        outcome = _outcome(action.name, result, reader)
         return outcome._replace(opened=new, rewarded=outcome.rewarded and mark in seen)
 
     def _episode(

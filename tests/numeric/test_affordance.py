@@ -108,3 +108,26 @@ def test_an_action_that_never_failed_is_predicted_by_its_rate() -> None:
     for _ in range(8):
         model = model.updated(np.zeros(1), rewarded=True)
     assert model.reward_given(np.full(1, 50.0)) == 0.9
+
+
+@given(
+    arrays(float, (6, 3), elements=st.floats(-1.0, 1.0)),
+    arrays(float, 3, elements=st.floats(-2.0, 2.0)),
+    arrays(float, 3, elements=st.sampled_from([-1.0, 1.0])),
+)
+def test_variance_spread_does_not_depend_on_origin_and_axis_signs(
+    samples: np.ndarray, origin: np.ndarray, signs: np.ndarray
+) -> None:
+    model = moved = AffordanceModel.fresh(np.full(3, 0.03))
+    for sample in samples:
+        model = model.updated(sample, rewarded=True)
+        moved = moved.updated(signs * (sample - origin), rewarded=True)
+        assert moved.variance("spread") == pytest.approx(model.variance("spread"), rel=1e-6)
+
+
+@pytest.mark.parametrize("measure", ["sum", "trace", "determinant"])
+def test_variance_of_the_other_measures_depends_on_the_origin(measure: str) -> None:
+    """The prior's mean is at the origin."""
+    fresh = AffordanceModel.fresh(np.full(3, 0.03))
+    near, far = (fresh.updated(np.full(3, x), rewarded=True) for x in (0.0, 1.0))
+    assert far.variance(measure) > 10 * near.variance(measure)

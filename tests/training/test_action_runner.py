@@ -1,0 +1,109 @@
+"""Action runner: each execution counts once, under the action that was chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cbdsl.backends.kinematic.backend import KinematicBackend
+from cbdsl.documents.digest import ProgramDigest
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.learning.model_exploration import ModelConstants, ModelExploration
+from cbdsl.robot.resources import resources
+from cbdsl.runtime.episode import EpisodeResult
+from cbdsl.runtime.feature_reader import FeatureReader
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.training.action_runner import ActionRunner
+from cbdsl.training.explorable import OPEN, Explorable, explorable, with_marks
+from tests.backends.conftest import stage_named
+from tests.conftest import Checked
+
+DIGEST = ProgramDigest("0" * 64, {})
+HUE = "visualinspect_blue"
+
+Inspect = Callable[..., ActionOutcome]
+
+
+@pytest.fixture
+def inspection(checked: Checked, dexter: RobotDocument) -> Explorable:
+    """VISUALINSPECT of a mark of any hue."""
+
+    def bind(name: str, values: Any) -> Explorable:
+        made = explorable(name, checked("visualinspect", **values), DIGEST, resources(dexter))
+        assert made is not None
+        return made
+
+    opened = with_marks("visualinspect", {"feature": "red", "mark": OPEN}, bind, dexter)
+    return Explorable(
+        **{**opened.__dict__, "marks": {"blue": opened.marks["blue"]}},
+    )
+
+
+@pytest.fixture
+def inspect(
+    inspection: Explorable,
+    checked: Checked,
+    dexter: RobotDocument,
+    kinematics: Kinematics,
+    urdf: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> Inspect:
+    """Runs an open inspection whose episode ends as given."""
+    backend = KinematicBackend(dexter, urdf)
+    runner = ActionRunner(
+        dexter,
+        kinematics,
+        backend,
+        stage_named("table_right"),
+        [inspection],
+        checked("let_go"),
+        5.0,
+    )
+
+    def act(*, rewarded: bool, seconds: float) -> ActionOutcome:
+        def episode(_: Any, reader: FeatureReader, *rest: Any, **options: Any) -> EpisodeResult:
+            reader.seconds["blue"] = seconds
+            reader.values["place"] = (0.6, 0.1, -0.3)
+            return EpisodeResult(
+                "visualinspect", "", "", 0, rewarded, (), (), 0, 1.0, 1.0, "", "an ending"
+            )
+
+        monkeypatch.setattr(runner, "_episode", lambda action, reader, *_: episode(action, reader))
+        monkeypatch.setattr(runner, "_come_back", lambda *_, **__: ({}, 0.0))
+        return runner.run("visualinspect", ["visualinspect"], 1)
+
+    return act
+
+
+@pytest.mark.parametrize(
+    ("rewarded", "seconds", "counts"),
+    [(True, 1.0, True), (True, 0.0, False), (False, 1.0, False), (False, 0.0, False)],
+)
+def test_inspect_is_rewarded_only_where_its_hue_was_seen(
+    inspect: Inspect, rewarded: bool, seconds: float, counts: bool
+) -> None:
+    outcome = inspect(rewarded=rewarded, seconds=seconds)
+    assert outcome.rewarded == counts
+    assert outcome.opened == ((HUE,) if seconds else ())
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_inspect_counts_each_execution_under_the_open_action(
+    inspect: Inspect, inspection: Explorable, share: float
+) -> None:
+    """The predicted probability of an open inspection is that of its own executions."""
+    exploration = ModelExploration({"visualinspect": inspection.forms}, ModelConstants())
+    for number in range(20):
+        rewarded = number < 20 * share
+        outcome = inspect(rewarded=rewarded, seconds=1.0 if rewarded else 0.0)
+        exploration.add({name: inspection.marks["blue"].forms for name in outcome.opened})
+        exploration.note(outcome)
+    affordance = exploration.affordances["visualinspect"]
+    assert (affordance.tried, affordance.successes) == (20, round(20 * share))
+    assert affordance.reward_probability() == pytest.approx((20 * share + 1) / 22)
+    others = [each for name, each in exploration.affordances.items() if name != "visualinspect"]
+    assert sum(each.tried for each in others) == 0

@@ -1,0 +1,60 @@
+"""Pair task: a pair is rewarded where its program succeeds and nothing stayed far from its goal."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import pytest
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.runtime.episode import EpisodeResult
+from cbdsl.training.explorable_pair import ExplorablePair
+from cbdsl.training.pair_task import PairTask
+
+
+class Ended:
+    """A runner whose episode ends as given."""
+
+    def __init__(self, outcome: str, far: tuple[str, ...]) -> None:
+        self._outcome, self._far = outcome, far
+
+    def run(self, *_: object) -> EpisodeResult:
+        return EpisodeResult(
+            "stand", "pairs", "a_on_b", 1, False, (), (), 0, 1.0, 1.0, "", "an ending",
+            outcome=self._outcome, far=self._far,
+        )  # fmt: skip
+
+
+class Refused:
+    """A runner whose backend cannot set up the world."""
+
+    def run(self, *_: object) -> EpisodeResult:
+        raise BackendError("there is no room")
+
+
+@pytest.fixture
+def task() -> PairTask:
+    pair = ExplorablePair("a", "b", "a_on_b", cast(Any, None), cast(Any, None), {})
+    given: dict[str, Any] = dict.fromkeys(PairTask.__dataclass_fields__)
+    return PairTask(**{**given, "pairs": {"a_on_b": pair}})
+
+
+@pytest.mark.parametrize(
+    ("outcome", "far", "rewarded"),
+    [
+        ("success", (), True),
+        ("success", ("above",), False),
+        ("failure", (), False),
+        ("", (), False),
+    ],
+)
+def test_act_rewards_only_success_near_the_goal(
+    task: PairTask, outcome: str, far: tuple[str, ...], rewarded: bool
+) -> None:
+    done = task._act("a_on_b", {"a_on_b": cast(Any, Ended(outcome, far))}, 1)
+    assert (done.rewarded, done.failed) == (rewarded, False)
+
+
+def test_act_without_a_world_fails_unrewarded(task: PairTask) -> None:
+    done = task._act("a_on_b", {"a_on_b": cast(Any, Refused())}, 1)
+    assert (done.rewarded, done.failed, done.ending) == (False, True, "there is no room")
