@@ -59,7 +59,7 @@ def test_a_missing_peer_has_a_reason(python: str, reason: str) -> None:
 JUDGES = (
     "scenes", "find_the_other", "touch_table", "hover_follow", "calibration", "success_rates",
     "episode_speed", "holding", "placing", "force", "gripper", "both_hands", "handover",
-    "find_by_touch", "insertion",
+    "find_by_touch", "insertion", "claims",
 )  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.triple import check_triple
@@ -59,18 +59,26 @@ class Compositions:
             controllers = self._built.get(key)
             if controllers is None:
                 continue
-            can = {each.name: each.rewarded for each in controllers}
-            for i, part in enumerate(parts):
-                if not can.get(part, False):
-                    names = [name for name, is_rewarded in can.items() if is_rewarded]
-                    why = (
-                        "reads nothing of the environment"
-                        if part in can
-                        else f"is no part of '{key}'"
-                    )
-                    place = source.place("rewards", key, i)
-                    problem = f"'{part}' {why}"
-                    self._context.add("CB482", place, name=part, names=names, problem=problem)
+            self._check_earning(key, parts, {each.name: each.rewarded for each in controllers})
+
+    def _check_earning(self, key: str, parts: Sequence[str], rewarded: Mapping[str, bool]) -> None:
+        """Check the parts of a composition that its reward depends on.
+
+        Args:
+            key: name of the composition.
+            parts: names of the parts.
+            rewarded: whether each controller of the composition reads the environment, by name.
+        """
+        for i, part in enumerate(parts):
+            if part not in rewarded:
+                self._refuse_part(key, i, part, f"is no part of '{key}'", list(rewarded))
+        if parts and not any(rewarded.get(part, True) for part in parts):
+            names = [name for name, is_rewarded in rewarded.items() if is_rewarded]
+            self._refuse_part(key, 0, parts[0], "reads nothing of the environment", names)
+
+    def _refuse_part(self, key: str, i: int, part: str, why: str, names: Sequence[str]) -> None:
+        place = self._context.source.place("rewards", key, i)
+        self._context.add("CB482", place, name=part, names=names, problem=f"'{part}' {why}")
 
     def checked(self) -> list[tuple[str, Controller]]:
         """The controllers without faults, each with its key in the document."""

@@ -199,6 +199,7 @@ class _ProgramCheck:
             idle_time=document.limits.idle_time,
             episode_time=document.limits.episode_time,
             reward_ends=document.limits.reward_ends,
+            lost_time=document.limits.lost_time,
             success=document.success,
             failure=document.failure,
             guards=Guards(

@@ -23,6 +23,20 @@ def program_text(program: CheckedProgram) -> str:
     return "\n\n".join(parts) + "\n"
 
 
+def claims(program: CheckedProgram) -> dict[str, str]:
+    """Return the conditions under which a program succeeds and fails, each as a phrase."""
+    if program.success:
+        success = f"in state {' or '.join(program.success)}"
+    elif earning := [name for name, each in program.primitives.items() if each.rewarded]:
+        success = f"when {' or '.join(earning)} is rewarded"
+    else:
+        success = "when its last action comes to rest"
+    failure = f"in state {' or '.join(program.failure)}" if program.failure else "by no state"
+    if program.lost_time is not None:
+        failure += f", or when an object is lost for {program.lost_time:g} s"
+    return {"success": success, "failure": failure}
+
+
 def reference_text(reference: Reference | None, unit: str) -> str:
     """A reference as people read it.
 
@@ -72,6 +86,8 @@ def _program(program: CheckedProgram) -> Iterator[str]:
     yield from _item("state", ", ".join(program.members))
     yield from _item("background", str(program.background or "none"))
     yield from _item("limits", f"{count(program.transitions, 'transition')}, {limit}")
+    for key, text in claims(program).items():
+        yield from _item(key, text)
     yield from _item("resources", ", ".join(resource.name for resource in resources(program)))
     yield "\nControllers"
     for controller in controllers(program):
@@ -139,6 +155,10 @@ def _action(program: CheckedProgram, action: Action) -> Iterator[str]:
         below = "  background" if level.background else ""
         yield f"    {level.controller.name:{width}}  {numbers}{below}"
     yield from _item("rewarded", f"when {earning} comes to rest" if earning else "never", 4)
+    for primitive in action.composition.primitives if action.composition else ():
+        if primitive.earners and primitive.conditions:
+            names = " and ".join(each.name for each in (*primitive.earners, *primitive.conditions))
+            yield from _item("", f"{primitive.name} is at rest when {names} are", 4)
 
 
 def _policy(program: CheckedProgram) -> Iterator[str]:

@@ -203,7 +203,7 @@ def _run_all(
             print(_heading(seed, index, len(seeds), results))
         results.append(_episode(runner, request, seed, context, telling))
     if len(seeds) > 1 and not telling.as_json:
-        _summarise(results)
+        _summarise(results, states_success=bool(request.program.success))
     return results
 
 
@@ -325,11 +325,15 @@ def _heading(seed: int, index: int, episodes: int, results: list[EpisodeResult])
     return f"{heading}, about {left // 60:.0f} min {left % 60:02.0f} s left"
 
 
-def _summarise(results: list[EpisodeResult]) -> None:
-    rewarded = sum(result.rewarded for result in results)
+def _summarise(results: list[EpisodeResult], *, states_success: bool) -> None:
+    """Print how many episodes succeeded or, of a program without such states, were rewarded."""
+    if states_success:
+        count, verb = sum(result.outcome == "success" for result in results), "succeeded"
+    else:
+        count, verb = sum(result.rewarded for result in results), "rewarded"
     simulated = sum(result.sim_seconds for result in results)
     wall = sum(result.wall_seconds for result in results)
     print(
-        f"{rewarded} of {len(results)} episodes rewarded; {simulated:.0f} s simulated "
+        f"{count} of {len(results)} episodes {verb}; {simulated:.0f} s simulated "
         f"in {wall:.0f} s, {simulated / wall:.1f} times real time"
     )

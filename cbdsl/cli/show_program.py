@@ -50,6 +50,7 @@ def show_program(
 
 def program_data(program: CheckedProgram) -> dict[str, object]:
     """A program as JSON has it, with the programs that it uses."""
+    from cbdsl.cli.program_text import claims
     from cbdsl.program.dry_run import controllers, coverage, resources
 
     shares = coverage(program)
@@ -64,6 +65,7 @@ def program_data(program: CheckedProgram) -> dict[str, object]:
             "transition_time": program.transition_time,
             "idle_time": program.idle_time,
         },
+        "claims": claims(program),
         "resources": [
             {
                 "resource": r.name,

@@ -3,6 +3,13 @@
 What a hand holds weighs on its load cells until something else bears it. The mean of the load is
 that weight. The change from it, low-pass filtered, counts as contact once it has lasted, and only
 while the hand moves slowly: a load that is accelerated changes, too.
+
+A hand that presses on a table, drags an object, or slips off it, feels a changed load as well.
+Three conditions tell a support from these. Before the change the hand bore a load against its
+direction, as the weight of an object that hangs in the hand. The load had no component across the
+direction: a load that only the hand bears is vertical, and one that something else bears, too, is
+not. And the hand has carried the load against the direction by some distance. Until all hold, the
+mean follows. Measured on objects that hang freely, the component across stays below 0.07 N.
 """
 
 from __future__ import annotations
@@ -19,6 +26,10 @@ from cbdsl.numeric.vector import copy
 #: Time in which a change is filtered, and in which the mean forgets, s.
 _QUICK, _SLOW = 0.05, 0.5
 
+# Largest load across the direction of the change, as a share of the least load borne and of the
+# load itself.
+_ACROSS, _SLANT = 0.5, 0.02
+
 #: The state of a slot that waits for a change of its load.
 ONSET = np.dtype(
     [
@@ -27,13 +38,18 @@ ONSET = np.dtype(
         ("lasting", np.int64),  # ticks
         ("pace", np.float64),  # most displacement of the tip in a tick
         ("tip", np.int64),  # row of the tip that carries the hand; -1 for none
+        ("borne", np.float64),  # smallest mean load against the direction; -inf for any
+        ("lifted", np.float64),  # how far the tip has to carry it against the direction
         ("shares", np.float64, 2),  # of a new value, in the filtered load and in the mean
         ("drift", np.float64),  # most that the mean follows in a tick
-        # The load, filtered and in the mean; where the tip was; for how many ticks there has been a
-        # load, and for how many it has been another.
+        # The load, filtered and in the mean; where the tip was; the lowest place of the tip since
+        # the load is borne, and how far it has risen from there; for how many ticks there has been
+        # a load, and for how many it has been another.
         ("filtered", np.float64, 3),
         ("mean", np.float64, 3),
         ("last", np.float64, 3),
+        ("lowest", np.float64),
+        ("risen", np.float64),
         ("ticks", np.int64),
         ("changed", np.int64),
     ]
@@ -50,6 +66,8 @@ class OnsetForm(NamedTuple):
         pace: speed of the tip above which no change counts, m/s.
         tip: number of the row of the tip's position; -1 for none.
         period: of the control ticks, s.
+        borne: smallest mean load against ``along`` before the change, N or N m; -inf for any.
+        lifted: how far the tip has to have carried such a load against ``along``, m.
     """
 
     change: float
@@ -58,6 +76,8 @@ class OnsetForm(NamedTuple):
     pace: float
     tip: int
     period: float
+    borne: float = -math.inf
+    lifted: float = 0.0
 
     def record(self) -> tuple[Any, ...]:
         """An ``ONSET`` at rest."""
@@ -65,8 +85,9 @@ class OnsetForm(NamedTuple):
         shares = tuple(1.0 - math.exp(-self.period / time) for time in (_QUICK, _SLOW))
         still = (0.0, 0.0, 0.0)
         return (
-            self.change, tuple(self.along), lasting, self.pace * self.period, self.tip, shares,
-            self.change * self.period, still, still, still, 0, 0,
+            self.change, tuple(self.along), lasting, self.pace * self.period, self.tip,
+            self.borne, self.lifted, shares, self.change * self.period, still, still, still,
+            0.0, 0.0, 0, 0,
         )  # fmt: skip
 
 
@@ -91,6 +112,7 @@ def note_load(onset: Any, load: Floats, tip: Floats) -> bool:
         # A load that is there from the beginning has not changed, however large it is.
         copy(onset.filtered, load, 1.0)
         copy(onset.mean, load, 1.0)
+        onset.risen, onset.lowest = 0.0, math.inf
         return False
     # At first a plain mean: it has nothing to forget.
     quick = max(onset.shares[0], 1.0 / onset.ticks)
@@ -99,13 +121,36 @@ def note_load(onset: Any, load: Floats, tip: Floats) -> bool:
     for i in range(3):
         onset.filtered[i] += quick * (load[i] - onset.filtered[i])
         change += onset.along[i] * (onset.filtered[i] - onset.mean[i])
-    if onset.ticks > 1 and change >= onset.change and moved <= onset.pace * onset.pace:
+    is_carried = _is_carried(onset, tip)
+    if is_carried and change >= onset.change and moved <= onset.pace * onset.pace:
         onset.changed += 1
         return bool(onset.changed >= onset.lasting)
     onset.changed = 0
-    # The nearer to contact, the less the mean follows what may become one. Jolts it follows slowly.
-    slow *= min(max(1.0 - change / onset.change, 0.0), 1.0)
+    if is_carried:
+        # The nearer to contact, the less the mean follows what may become one.
+        slow *= min(max(1.0 - change / onset.change, 0.0), 1.0)
+    # Jolts it follows slowly.
     drift = onset.drift if slow <= onset.shares[1] else math.inf
     for i in range(3):
         onset.mean[i] += min(max(slow * (load[i] - onset.mean[i]), -drift), drift)
     return False
+
+
+@compiled
+def _is_carried(onset: Any, tip: Floats) -> bool:
+    """Note how far a load is carried; return whether it hangs in the hand, and was lifted."""
+    bears, height, across = 0.0, 0.0, 0.0
+    for i in range(3):
+        bears -= onset.along[i] * onset.mean[i]
+    for i in range(3):
+        across += (onset.mean[i] + bears * onset.along[i]) ** 2
+    for i in range(len(tip)):
+        height -= onset.along[i] * tip[i]
+    if bears < onset.borne:
+        onset.lowest, onset.risen = math.inf, 0.0
+        return False
+    onset.lowest = min(onset.lowest, height)
+    onset.risen = max(onset.risen, height - onset.lowest)
+    if onset.borne > 0.0 and math.sqrt(across) > _ACROSS * onset.borne + _SLANT * bears:
+        return False
+    return bool(onset.risen >= onset.lifted)

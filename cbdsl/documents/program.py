@@ -83,6 +83,12 @@ class OnsetSection(Section):
     """For how long it has to last."""
     pace: Speed = 0.1
     """Speed of the hand above which no change counts: a load that is accelerated changes, too."""
+    borne: Tolerance | None = None
+    """Smallest load that the hand alone bears against the change before it, such as the weight of
+    an object that hangs in it; a hand that presses on a table, or drags an object, has none."""
+    lifted: Length = 0.0
+    """How far the hand has to have carried that load against the change, as when it lifted an
+    object that is then put down."""
 
 
 class ObstacleSection(Section):
@@ -224,6 +230,9 @@ class Limits(Section):
     """The same while no predicate of the state is 0 and nothing is sought, if that is less."""
     episode_time: Duration | None = None
     """Simulated time after which an episode ends in any case."""
+    lost_time: Duration | None = None
+    """Simulated time after which a program fails whose object was seen, and is remembered nowhere:
+    not in view, and neither behind a hand nor where no camera looks."""
     reward_ends: bool = True
     """Whether the first reward ends an episode. While it is learned from, it always does."""
 
@@ -287,8 +296,8 @@ class ProgramDocument(Document):
     failure: tuple[str, ...] = ()
     """Patterns of states in which it has failed and ends."""
     rewards: dict[Name, tuple[Text, ...]] = {}
-    """By composition that is used as one controller, those of its parts whose rest is rewarded;
-    nothing else in it is."""
+    """By composition that is used as one controller, those of its parts that have to be at rest for
+    a reward: at least one that reads the environment, and others as conditions."""
     guards: GuardsSection = GuardsSection.model_construct()
     limits: Limits = Limits.model_construct()
 

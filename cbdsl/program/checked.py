@@ -106,6 +106,8 @@ class CheckedProgram(NamedTuple):
         failure: patterns of states in which it has failed.
         guards: bounds on what it may press with.
         is_learned: whether its policy was learned.
+        lost_time: longest time for which an object that was seen may be remembered nowhere, s;
+            ``None`` for no limit.
         looks: what defines features of its schema, by their names, in the order in which it is
             done.
     """
@@ -130,6 +132,7 @@ class CheckedProgram(NamedTuple):
     guards: Guards = NO_GUARDS
     is_learned: bool = False
     looks: Mapping[str, PriorLook] = {}
+    lost_time: float | None = None
 
     @property
     def all_guards(self) -> Guards:

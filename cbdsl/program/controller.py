@@ -58,8 +58,8 @@ class Quiescence(NamedTuple):
     Attributes:
         rate: largest range of phi over the window, per second of the window.
         window: s.
-        within: largest residual that earns a reward, as a share of the reference's norm.
-        tolerance: largest residual that earns a reward, in the feedback's unit.
+        within: largest residual at rest, as a share of the reference's norm.
+        tolerance: largest residual at rest, in the feedback's unit.
     """
 
     rate: float
@@ -99,11 +99,15 @@ class Onset(NamedTuple):
         change: of the filtered load since the activation, towards the reference, N or N m.
         window: for how long it has to last, s.
         pace: speed of the hand above which no change counts, m/s.
+        borne: smallest load against the change before it, N or N m; ``None`` for any.
+        lifted: distance by which the hand has carried that load against the change, m.
     """
 
     change: float
     window: float
     pace: float
+    borne: float | None = None
+    lifted: float = 0.0
 
 
 class Box(NamedTuple):
@@ -242,7 +246,8 @@ class Primitive(NamedTuple):
     Attributes:
         name: as the program calls it, with its arguments.
         controllers: in written order; the last has priority and gives the predicate.
-        earning: names of those whose rest is rewarded although they were composed.
+        earning: names of those whose rest is rewarded although they were composed, and of those
+            that have to be at rest for it.
     """
 
     name: str
@@ -265,9 +270,18 @@ class Primitive(NamedTuple):
 
     @property
     def earners(self) -> tuple[Controller, ...]:
-        """The controllers that all have to be at rest for a reward; empty where none is."""
+        """The controllers whose rest is rewarded once all are at rest; empty where none is."""
         if len(self.controllers) == 1:
             return self.controllers if self.lead.rewarded else ()
+        return tuple(each for each in self._named if each.rewarded)
+
+    @property
+    def conditions(self) -> tuple[Controller, ...]:
+        """The controllers that have to be at rest for a reward, and earn none."""
+        return tuple(each for each in self._named if not each.rewarded)
+
+    @property
+    def _named(self) -> tuple[Controller, ...]:
         return tuple(each for each in self.controllers if each.name in self.earning)
 
 

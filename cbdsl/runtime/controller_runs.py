@@ -49,13 +49,13 @@ class ControllerRuns:
     def lead(self, primitive: Primitive, place: int) -> MemberLead:
         """Controllers that give the predicate of a primitive at this place of the state."""
         optimising = [each for each in primitive.controllers[:-1] if each.reference is None]
-        awaited = dict.fromkeys((*optimising, *primitive.earners))
+        awaited = dict.fromkeys((*optimising, *primitive.earners, *primitive.conditions))
         awaited.pop(primitive.lead, None)
-        others, earners = (
+        others, earners, conditions = (
             tuple(self.run(controller) for controller in some)
-            for some in (awaited, primitive.earners)
+            for some in (awaited, primitive.earners, primitive.conditions)
         )
-        return MemberLead(place, self.run(primitive.lead), others, earners)
+        return MemberLead(place, self.run(primitive.lead), others, earners, conditions)
 
     @property
     def all(self) -> tuple[ControllerRun, ...]:

@@ -67,6 +67,8 @@ def describe(
         reasons.append(f"at their limits were {', '.join(at_limits)}")
     if run.predicate != "1" or run.rewarded:
         reasons.append(run.ending)
+    if not (run.rewarded or run.outcome == "success"):
+        reasons.extend(run.losses)
     reasons.extend(guards)
     because = "; ".join(reason for reason in reasons if reason)
     return f"{verdict} after {seconds:.1f} s in state {run.state}: {because}."
@@ -215,6 +217,7 @@ def _goal(controller: Controller) -> str:
 
 
 def _undefined_resource(controller: Controller) -> str:
-    if controller.feedback.origin is Origin.ENVIRONMENT:
+    is_constant = isinstance(controller.reference, (Literal, AlongNormals))
+    if is_constant or controller.feedback.origin is Origin.ENVIRONMENT:
         return controller.feedback.name
     return _goal(controller)

@@ -14,27 +14,31 @@ class MemberLead(NamedTuple):
         place: the member's place in the state.
         run: the controller with the highest priority.
         awaited: its other controllers that it is not at rest before: those that have no reference,
-            and no goal but their rest, and those that are rewarded.
-        earners: its controllers that all have to be at rest for a reward; empty for no reward.
+            and no goal but their rest, and those that a reward depends on.
+        earners: its controllers that are rewarded; empty for no reward.
+        conditions: its controllers that have to be at rest for a reward, and earn none.
     """
 
     place: int
     run: ControllerRun
     awaited: tuple[ControllerRun, ...]
     earners: tuple[ControllerRun, ...]
+    conditions: tuple[ControllerRun, ...] = ()
 
     @property
     def predicate(self) -> str:
         """The leading controller's; at rest only when what is awaited below it is, too."""
         leading = self.run.predicate
-        for run in self.awaited:
-            if leading == "1" and run.predicate == "0":
+        for run in self.awaited if leading == "1" else ():
+            needed = run in self.earners or run in self.conditions
+            if run.predicate == "0" or (needed and run.predicate != "1"):
                 return "0"
         return leading
 
     @property
     def is_earned(self) -> bool:
-        """Whether all that is rewarded in it is at rest where it should be."""
+        """Whether all that its reward depends on is at rest where it should be."""
         if not self.earners:
             return False
-        return all([run.predicate == "1" and run.settled for run in self.earners])
+        needed = (*self.earners, *self.conditions)
+        return all([run.predicate == "1" and run.settled for run in needed])

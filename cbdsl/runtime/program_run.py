@@ -17,6 +17,7 @@ from cbdsl.runtime.context import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.controller_runs import ControllerRuns
 from cbdsl.runtime.feature_looks import FeatureLooks, LookingProgram
+from cbdsl.runtime.lost_objects import LostObjects
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.policy import DeferredPolicy, Policy, ReasonedPolicy
 from cbdsl.types.state import matches
@@ -58,6 +59,7 @@ class ProgramRun:
         first = len(plan.slots)
         make = ControllerRuns(signals, plan, period)
         self._levels = ActionLevels(program, make)
+        self._lost = LostObjects(program, signals.vision, signals.robot.vision.channels.aliases)
         self.runs: tuple[ControllerRun, ...] = make.all
         self.children = self._make_children(signals, plan)
         looks = {
@@ -219,6 +221,11 @@ class ProgramRun:
         use = f"{self._use}.{name}" if self._use else name
         return ProgramRun(program, signals, plan, self._period, self._depth + 1, use)
 
+    @property
+    def losses(self) -> tuple[str, ...]:
+        """A clause for each object that was seen, and is remembered nowhere."""
+        return tuple(map(str, self._lost.find(self._signals.time)))
+
     def leads(self, action: Action) -> list[ControllerRun]:
         """The leading controllers of an action's primitives, highest priority first."""
         return [lead.run for lead in reversed(self._levels.leads.get(action.name, []))]
@@ -237,6 +244,16 @@ class ProgramRun:
         limit = self.program.episode_time
         if limit is not None and self.predicate == "0" and self._all_ticks * self._period >= limit:
             self._end("1" if self.rewarded else "-", f"the {limit:g} s of {self._title} were over")
+        self._end_without_objects()
+
+    def _end_without_objects(self) -> None:
+        """End a program whose objects have been lost for as long as it allows."""
+        limit = self.program.lost_time
+        if limit is None or self.predicate != "0":
+            return
+        if any(loss.seconds >= limit for loss in self._lost.find(self._signals.time)):
+            self.outcome = "failure" if self.program.success or self.program.failure else ""
+            self._end("-", "")
 
     def _withdraw(self) -> None:
         """Wait until the background is at rest, then choose again."""

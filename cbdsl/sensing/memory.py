@@ -40,6 +40,8 @@ class PositionMemory:
         position: m in the world frame, shape (3,), or ``None`` while undefined.
         radius: of a ball that would look as large, m; ``0`` while undefined.
         since: when it was discovered, s.
+        last: when and where it was last, s and m in the world frame, shape (3,); ``None`` before it
+            was seen.
     """
 
     def __init__(self, settings: Regions) -> None:
@@ -49,6 +51,9 @@ class PositionMemory:
     def reset(self) -> None:
         """Forget everything."""
         self.position: Floats | None = None
+        self.last: tuple[float, Floats] | None = None
+        # Where it was seen last, without the motion that was predicted since, m.
+        self._place: Floats | None = None
         self.radius = 0.0
         self.rest()
         self.since = self._seen = self._accounted = 0.0
@@ -139,6 +144,7 @@ class PositionMemory:
         else:
             self._correct(time, position, steady=steady)
         self._seen = self._accounted = time
+        self._place = self.position
         return True
 
     def _forget_part(self) -> None:
@@ -159,6 +165,8 @@ class PositionMemory:
         if explained:
             self._accounted = time
         elif time - self._accounted > self._settings.hold:
+            if self.position is not None and self._place is not None:
+                self.last = self._seen, self._place
             self.position = None
 
     def is_lost(self, time: float) -> bool:

@@ -47,6 +47,8 @@ def test_text_says_what_the_data_say(
             numbers = (level["joints"], level["rows_at_most"], level["free_at_least"])
             assert f"{level['controller']} {' '.join(map(str, numbers))}" in text
         assert not action["rewarding"] or f"when {' or '.join(action['rewarding'])} comes" in text
+    for key, claim in data["claims"].items():
+        assert f"{key} {claim}" in text
     for state, action in data["policy"].items():
         assert f"{state} {action} {data['states']['decided'][state]}" in text
     decided = sum(data["states"]["decided"].values())
@@ -112,3 +114,23 @@ def test_all_potentials_are_shown(
         assert all(str(row[key]) in table for key in ("potential", "symbol", "defined by"))
         assert row["navigation"]["for"] == potential.navigation.domain
         assert potential.navigation.domain in table
+
+
+@pytest.mark.parametrize(
+    ("name", "success", "failure"),
+    [
+        ("put_down", "in state XXX1", "in state --XX"),
+        ("reachtouch", "when touch is rewarded", "by no state"),
+        ("posture", "when its last action comes to rest", "by no state"),
+    ],
+)
+def test_show_program_states_success_and_failure_once(
+    name: str,
+    success: str,
+    failure: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    text = printed(monkeypatch, capsys, "program", name).split("\n\n")[0]
+    assert re.findall(r"^  success +(.*)$", text, re.MULTILINE) == [success]
+    assert re.findall(r"^  failure +(.*)$", text, re.MULTILINE) == [failure]

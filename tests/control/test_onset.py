@@ -88,3 +88,45 @@ def test_after_a_restart_the_load_is_new() -> None:
     restart(waiting.state)
     assert waiting.ticks(WEIGHT - [0, 0, 2.0], 1.0) is None
     np.testing.assert_allclose(waiting.state["mean"][0], WEIGHT - [0, 0, 2.0], atol=0.1)
+
+
+class Carrying(Waiting):
+    """A wait for 1 N less of a load of at least 0.15 N that was lifted by 3 cm."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        form = OnsetForm(1.0, DOWN, 0.05, 0.1, 0, PERIOD, 0.15, 0.03)
+        self.state = np.array([form.record()], ONSET)
+
+
+HANGING = np.array([0.03, -0.04, 2.45])
+
+
+@pytest.mark.parametrize(
+    ("load", "rise", "is_contact"),
+    [
+        pytest.param(HANGING, 0.05, True, id="hanging, lifted"),
+        pytest.param(HANGING, 0.02, False, id="hanging, not lifted"),
+        pytest.param(HANGING, -0.05, False, id="hanging, lowered"),
+        pytest.param(-HANGING, 0.05, False, id="pressing on a table"),
+        pytest.param(0.02 * HANGING, 0.05, False, id="nothing in the hand"),
+        pytest.param(HANGING + np.array([0.5, 0.0, 0.0]), 0.05, False, id="dragged"),
+        pytest.param(0.1 * HANGING, 0.05, True, id="25 g"),
+    ],
+)
+def test_note_load_counts_only_a_load_that_hung_in_the_hand_and_was_lifted(
+    load: Floats, rise: float, is_contact: bool
+) -> None:
+    carrying = Carrying()
+    carrying.ticks(load, 1.0, speed=-rise)
+    after = carrying.ticks(load - [0.0, 0.0, 2.0], 0.5)
+    assert (after is not None) == is_contact
+
+
+def test_note_load_forgets_a_lift_once_the_load_is_gone() -> None:
+    carrying = Carrying()
+    carrying.ticks(HANGING, 1.0, speed=-0.05)
+    for share in np.linspace(1.0, 0.0, 40):
+        assert carrying.ticks(share * HANGING, 0.3, speed=0.0) is None
+    carrying.ticks(HANGING, 2.0, speed=0.0)
+    assert carrying.ticks(HANGING - [0.0, 0.0, 2.0], 0.5) is None

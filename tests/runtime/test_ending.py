@@ -38,6 +38,7 @@ def ended(*leads: Any, **other: Any) -> Any:
         "program": program, "action": action, "leads": lambda _: leads, "outcome": "",
         "predicate": "-", "rewarded": False, "state": "X1", "ending": "the time was up",
         "active": lambda: [Made(run=each, peers={}) for each in leads], "children": {},
+        "losses": (),
     }  # fmt: skip
     return Made(**facts | other)
 
@@ -168,3 +169,12 @@ def test_ending_of_an_unreachable_target_names_the_nearest_point(
 
 def test_ending_of_a_level_near_its_goal_names_no_nearest_point() -> None:
     assert "nearest" not in describe(ended(lead(0.01)), 3.24, (), (), ("reach",))
+
+
+@pytest.mark.parametrize(
+    ("facts", "said"), [({}, True), ({"rewarded": True}, False), ({"outcome": "success"}, False)]
+)
+def test_describe_names_an_object_that_is_gone(facts: dict[str, Any], said: bool) -> None:
+    gone = "the object of red is gone: last seen 20.0 s before, at (60, -30, -38) cm"
+    text = describe(ended(lead(math.nan), losses=(gone,), **facts), 1.0, ())
+    assert (gone in text) is said

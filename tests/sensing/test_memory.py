@@ -284,3 +284,14 @@ def test_disbelief_changes_nothing(memory: PositionMemory) -> None:
     assert not memory.see(last + 0.4, WHERE + 0.2, HALF)
     memory.miss(last + 0.51, explained=False)
     assert memory.position is None, "it was accounted for when it was last believed"
+
+
+def test_memory_keeps_when_and_where_an_object_was_last_seen(memory: PositionMemory) -> None:
+    memory.see(1.0, WHERE, WHOLE)
+    assert memory.last is None
+    memory.miss(9.0, explained=False)
+    assert memory.position is None and memory.last is not None
+    assert memory.last[0] == 1.0
+    np.testing.assert_allclose(memory.last[1], WHERE)
+    memory.reset()
+    assert memory.last is None

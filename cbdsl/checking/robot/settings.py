@@ -46,6 +46,7 @@ def check_settings(
         ("acceleration",): _ACCELERATIONS.get(kind, ("angular acceleration",)),
         ("quiescence", "tolerance"): _TOLERANCES.get(kind, ("angle",)),
         ("onset", "change"): _TOLERANCES.get(kind, ("angle",)),
+        ("onset", "borne"): _TOLERANCES.get(kind, ("angle",)),
     }
     for keys, dimensions in allowed.items():
         path = (*steps, *keys)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def _read(section: OnsetSection, _: Call) -> Onset:
-    return Onset(section.change, section.window, section.pace)
+    return Onset(*(getattr(section, key) for key in Onset._fields))
 
 
 def bind(form: SlotForm, onset: Onset, setting: SlotSetting) -> SlotForm:
@@ -32,7 +32,10 @@ def bind(form: SlotForm, onset: Onset, setting: SlotSetting) -> SlotForm:
         tip = signals.kinematic_rows.tip_off(Tip(carrier, "position"), -1, (0.0, 0.0, 0.0))
     offset = signals.table.values(form.offset)
     along = offset / math.hypot(*offset.tolist())
-    form_of_load = OnsetForm(onset.change, along, onset.window, onset.pace, tip, setting.period)
+    borne = -math.inf if onset.borne is None else onset.borne
+    form_of_load = OnsetForm(
+        onset.change, along, onset.window, onset.pace, tip, setting.period, borne, onset.lifted
+    )
     return form._replace(onset=form_of_load)
 
 
@@ -41,8 +44,15 @@ ONSET = ModifierType(
     summary="undefined until a load has changed",
     # Of which loads it is, is told with its reference.
     accepts=frozenset(TYPES),
-    options={"change": "force", "window": "time", "pace": "speed"},
+    options={
+        "change": "force",
+        "window": "time",
+        "pace": "speed",
+        "borne": "force",
+        "lifted": "length",
+    },
     slot=f"{__name__}:bind",
     read=_read,
     positive=("pace",),
+    not_negative=("lifted",),
 )

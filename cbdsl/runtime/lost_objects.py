@@ -1,0 +1,81 @@
+"""Objects that a program acts on, that were seen, and that the robot remembers nowhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller, Relative
+from cbdsl.sensing.vision import Vision
+from cbdsl.types.resource import RELATIVE, VISUAL, Resource
+
+
+class Loss(NamedTuple):
+    """An object that was seen and is remembered nowhere.
+
+    Attributes:
+        channel: whose object it is.
+        seconds: since it was seen last.
+        place: where that was, m, world frame.
+    """
+
+    channel: str
+    seconds: float
+    place: tuple[float, ...]
+
+    def __str__(self) -> str:
+        place = ", ".join(f"{100 * x:.0f}" for x in self.place)
+        return (
+            f"the object of {self.channel} is gone: last seen {self.seconds:.1f} s before, "
+            f"at ({place}) cm"
+        )
+
+
+class LostObjects:
+    """Finds the lost objects of a program's channels; its obstacles may go.
+
+    Args:
+        program: whose controllers act on objects.
+        vision: of the robot.
+        aliases: channels by the names that programs may give them.
+    """
+
+    def __init__(self, program: CheckedProgram, vision: Vision, aliases: Mapping[str, str]) -> None:
+        self._vision = vision
+        self._names = {channel: alias for alias, channel in aliases.items()}
+        known = vision.instances
+        self._channels = [name for name in dict.fromkeys(_channels(program)) if name in known]
+
+    def find(self, time: float) -> Iterator[Loss]:
+        """Yield the objects that are lost at a time, s."""
+        for channel in self._channels:
+            instances = self._vision.instances[channel]
+            if instances.known:
+                continue
+            seen = [memory.last for memory in instances.memories if memory.last is not None]
+            for last, place in sorted(seen, key=lambda each: -each[0])[:1]:
+                name = self._names.get(channel, channel)
+                yield Loss(name, time - last, tuple(place.tolist()))
+
+
+def _channels(program: CheckedProgram) -> Iterator[str]:
+    """Channels of the objects that a program, or one that it uses, acts on."""
+    compositions = [action.composition for action in program.actions]
+    for composition in (*compositions, program.background):
+        for controller in composition.controllers if composition else ():
+            for resource in _compared(controller):
+                if isinstance(resource.source, (*VISUAL, *RELATIVE)):
+                    yield resource.source.channel
+    for action in program.actions:
+        if action.program is not None:
+            yield from _channels(action.program)
+
+
+def _compared(controller: Controller) -> Iterator[Resource]:
+    """A controller's feedback, and its reference or what that is relative to."""
+    yield controller.feedback
+    reference = controller.reference
+    base = reference.base if isinstance(reference, Relative) else reference
+    if isinstance(base, Resource):
+        yield base

@@ -1,0 +1,145 @@
+"""Claims of success agree with the simulator's truth, on objects that nothing was trained with."""
+
+from __future__ import annotations
+
+import importlib
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cbdsl.documents.program import PROGRAM
+from tests.conftest import ROOT
+
+# Programs whose claims are about the robot itself, about what it sees, or about forces that tests
+# of their own judge; and those of robots without a stage of everyday objects.
+OTHERWISE = {
+    "bimanualgrab", "bimanualinspect", "bimanualtouch", "desk_reach", "find_the_other", "grasp",
+    "handover", "hover_follow", "impedance", "let_go", "notice", "panda_grasp", "panda_pick",
+    "posture", "press_and_slide", "push", "put_down", "reach", "reachtouch",
+    "reachtouch_bimanual", "searchtrack", "show_ball", "sixaxis_reach", "stack_three",
+    "stand_three", "tactileprobe", "take_with_both", "touch_remembered", "touch_table",
+    "transport_hand", "twist", "visualinspect", "watch_for_motion",
+}  # fmt: skip
+
+
+@pytest.fixture
+def claims(monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    return importlib.import_module("claims")
+
+
+def by_name(claims: Any, program: str) -> Any:
+    return next(each for each in claims.CLAIMS if each.program == program)
+
+
+def test_every_shipped_program_has_a_judge_or_is_judged_elsewhere(claims: Any) -> None:
+    shipped = {path.stem for path in (ROOT / PROGRAM.folder).glob("*.yaml")}
+    judged = {each.program for each in claims.CLAIMS}
+    assert judged | OTHERWISE == shipped and not judged & OTHERWISE
+
+
+def judged(claims: Any, program: str, contexts: list[str], seed: int, count: int = 1) -> list[Any]:
+    seeds = list(range(seed, seed + count))
+    episodes: list[Any] = claims.run_episodes(
+        by_name(claims, program), contexts, seeds, "mujoco", "ideal"
+    )
+    return episodes
+
+
+@pytest.mark.parametrize(
+    ("program", "context", "claimed"),
+    [
+        ("deliver", "soup_can", True),
+        ("deliver", "die", False),
+        ("deliver", "book", False),
+        ("deliver", "parcel", False),
+        ("pick_and_place", "mug", True),
+        ("pick_and_place", "matchbox", False),
+        ("stand", "purple_box_on_blue_box", True),
+        ("stand", "purple_box_on_football", False),
+    ],
+)
+def test_claim_on_an_everyday_object_agrees_with_the_world(
+    claims: Any, program: str, context: str, claimed: bool
+) -> None:
+    (episode,) = judged(claims, program, [context], 52_000)
+    assert episode.fault == ""
+    assert episode.claimed == claimed, episode.ending
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("program", ["deliver", "pick_and_place", "stand", "stack", "set_on"])
+def test_no_claim_is_false_in_any_context(claims: Any, program: str) -> None:
+    contexts = list(claims.contexts_of(by_name(claims, program)))
+    episodes = judged(claims, program, contexts, 52_100)
+    assert [(each.context, each.fault) for each in episodes if each.fault] == []
+    assert sum(each.claimed for each in episodes) >= len(episodes) // 4
+
+
+class World:
+    """Truth of one object and a pad that each test moves as it likes."""
+
+    def __init__(self) -> None:
+        self.places = {"ball": np.array([0.6, -0.2, -0.35]), "pad": np.array([0.6, 0.0, -0.42])}
+        self.held, self.pressing = True, {"table"}
+
+    def names(self) -> tuple[str, ...]:
+        return tuple(self.places)
+
+    def pose(self, name: str) -> Any:
+        return SimpleNamespace(position=self.places[name])
+
+    def touched(self, name: str) -> bool:
+        return self.held
+
+    def neighbours(self, name: str) -> set[str]:
+        return self.pressing
+
+
+def watched(claims: Any, *ticks: dict[str, Any]) -> Any:
+    """An object that is lifted, carried to the pad, let go and left, but for some changes."""
+    world = World()
+    watch = claims.Watch(world, ["ball"])
+    watch.note(None)
+    lifted = {"at": (0.6, -0.2, -0.25), "pressing": set()}
+    for tick in (lifted, *[{"at": (0.6, 0.0, -0.35), "pressing": {"pad"}, "held": False}] * 20):
+        _show(world, tick)
+        watch.note(None)
+    for tick in ticks:
+        _show(world, tick)
+        watch.note(None)
+    return watch
+
+
+def _show(world: World, tick: dict[str, Any]) -> None:
+    world.places["ball"] = np.array(tick.get("at", world.places["ball"]))
+    world.pressing = tick.get("pressing", world.pressing)
+    world.held = tick.get("held", world.held)
+
+
+@pytest.mark.parametrize(
+    ("ticks", "fault"),
+    [
+        ([], ""),
+        ([{"held": True}], "still in the hand"),
+        ([{"at": (0.6, 0.01, -0.35)}], "moving"),
+        ([{"at": (0.6, 0.07, -0.35)}] * 20, "70 mm off the pad"),
+        ([{"pressing": set()}] * 20, "in the air"),
+    ],
+)
+def test_judge_of_deliver_names_each_fault(
+    claims: Any, ticks: list[dict[str, Any]], fault: str
+) -> None:
+    said = by_name(claims, "deliver").judge(watched(claims, *ticks))
+    assert said.startswith(fault) if fault else said == ""
+
+
+def test_judge_of_deliver_refuses_an_object_that_was_not_lifted(claims: Any) -> None:
+    world = World()
+    watch = claims.Watch(world, ["ball"])
+    for y in (-0.2, -0.1, 0.0, *[0.0] * 20):
+        _show(world, {"at": (0.6, y, -0.35), "pressing": {"table"}, "held": False})
+        watch.note(None)
+    assert by_name(claims, "deliver").judge(watch) == "lifted by 0 mm"
