@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import re
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from pathlib import Path
 from typing import NamedTuple
@@ -68,11 +70,11 @@ def _installed(name: str) -> Distribution | None:
 
 def _is_damaged(owner: Distribution, module: str) -> bool:
     """Return whether a recorded file of a module is missing or has another size."""
-    for file in owner.files or ():
-        top = file.parts[0].partition(".")[0]
-        if top != module or "__pycache__" in file.parts or file.size is None:
+    # Distribution.files leaves out missing files.
+    for name, _, size in csv.reader((owner.read_text("RECORD") or "").splitlines()):
+        if re.split(r"[./]", name)[0] != module or "__pycache__" in name or not size:
             continue
-        path = Path(str(file.locate()))
-        if not path.is_file() or path.stat().st_size != file.size:
+        path = Path(str(owner.locate_file(name)))
+        if not path.is_file() or path.stat().st_size != int(size):
             return True
     return False

@@ -29,8 +29,9 @@ def install(folder: Path, name: str, version: str, files: Mapping[str, str]) -> 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The only folder in which distributions are looked for."""
-    monkeypatch.setattr(sys, "path", [str(tmp_path)])
+    """The only folder with distributions, beside the standard library."""
+    standard = [entry for entry in sys.path if entry and "site-packages" not in entry]
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *standard])
     return tmp_path
 
 
