@@ -19,6 +19,11 @@ from cbdsl.errors.legible import seen
 # Colours of findings, on terminals alone; they are those of cbdsl.errors.rendering.
 _COLORS = ("\033[0m", "\033[1m", "\033[1;31m", "\033[1;33m", "\033[36m")
 
+# Attributes that every text stream has, and that are those of the stream behind.
+_OF_STREAM = (
+    "buffer", "closed", "encoding", "errors", "line_buffering", "newlines", "reconfigure",
+)  # fmt: skip
+
 
 class LegibleStream(io.TextIOBase):
     """Text stream that escapes unseen characters, except line breaks and tabs.
@@ -55,8 +60,14 @@ class LegibleStream(io.TextIOBase):
         """Return True."""
         return True
 
+    def __getattr__(self, name: str) -> Any:
+        """Return an attribute that only the stream behind has, such as its name."""
+        if name == "raw_stream":
+            raise AttributeError(name)
+        return getattr(self.raw_stream, name)
+
     def __getattribute__(self, name: str) -> Any:
-        if name in ("encoding", "errors", "newlines", "buffer", "line_buffering", "reconfigure"):
+        if name in _OF_STREAM:
             return getattr(self.raw_stream, name)
         return super().__getattribute__(name)
 
@@ -86,7 +97,7 @@ def legible_output() -> Iterator[None]:
 
 
 def _flush(stream: TextIO | None) -> None:
-    if stream is None:
+    if stream is None or stream.closed:
         return
     try:
         stream.flush()

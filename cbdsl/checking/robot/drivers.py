@@ -16,6 +16,16 @@ from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 Steps = tuple[Step, ...]
+
+# Sections of a robot that have the names of a driver's.
+_SECTIONS: dict[Step, tuple[str, ...]] = {
+    "moves": ("effectors", "groups"),
+    "joints": ("effectors", "groups"),
+    "wrenches": ("load_cells",),
+    "images": ("cameras",),
+    "camera_info": ("cameras",),
+    "regions": ("cameras",),
+}
 # Words for the messages of an acceleration of joints that turn, and that slide.
 _ACCELERATIONS = {"rad": "rad/s^2", "m": "m/s^2"}
 
@@ -92,8 +102,9 @@ class _DriverCheck:
     def _known(
         self, driver: str, steps: Steps, name: str, names: Collection[str], what: str
     ) -> None:
-        if name not in names:
-            source, path = self._source, ("drivers", driver, *steps)
+        source, path = self._source, ("drivers", driver, *steps)
+        # Names of a section with findings of its own are unknown.
+        if name not in names and all(source.is_whole(section) for section in _SECTIONS[steps[0]]):
             place = source.place(*path) if isinstance(steps[-1], int) else source.key(*path)
             self._findings.add("CB308", place, names=list(names), name=name, what=what)
 
@@ -145,8 +156,11 @@ class _DriverCheck:
     def _cover(self) -> None:
         """Report effectors that no driver moves, or that several move."""
         robot = self._robot
-        if not self._source.is_whole("drivers"):
+        if not all(self._source.is_whole(part) for part in ("drivers", "effectors", "groups")):
             return
+        named = {effector for driver in robot.drivers.values() for effector in driver.moves}
+        if not named <= {*robot.effectors, *robot.groups}:
+            return  # which of them moves the others is open
         movers: dict[str, list[str]] = {name: [] for name in robot.effectors}
         for name, driver in robot.drivers.items():
             for effector in driver.moves:

@@ -29,7 +29,7 @@ _OPENED = {
 }
 
 _KEY = re.compile(r"\s*(?:- +)*(?P<key>[^\s:#][^:#]*):\s")
-_TIGHT = re.compile(r"\s*(?:- +)*(?P<key>\w+):(?P<value>[^\s:/].*)")
+_TIGHT = re.compile(r"\s*(?:- +)*(?P<key>\w+):(?P<value>(?:[^\s:/]|/(?!/)).*)")
 _FIRST = re.compile(r"\s*(?:- +)*(?P<key>\S+)")
 _LONE_KEY = re.compile(r"\s*(?:- +)*(?P<key>\w+):\s*")
 _OPENS = re.compile(r"\s*(?:- +)*\w+:? *(?:&\w+ +)?[{\[]")
