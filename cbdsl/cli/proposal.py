@@ -295,7 +295,7 @@ def _comment(idle: Mapping[UnsupportedJoint, Sequence[UrdfJoint]]) -> str:
     lines = ["", "# Joints of the model that programs cannot move:"]
     for why, joints in idle.items():
         cure = f" (to move them, {why.cure})" if why.cure else ""
-        text = legible(f"{', '.join(joint.name for joint in joints)}: {why.trait}{cure}")
+        text = f"{', '.join(legible(joint.name) for joint in joints)}: {why.trait}{cure}"
         lines += _COMMENT.wrap(text)
     return "\n".join(lines) + "\n"
 

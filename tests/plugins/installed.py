@@ -13,6 +13,7 @@ from typing import Any
 from cbdsl.backends.backend import BACKENDS
 from cbdsl.documents.kinds import KINDS
 from cbdsl.learning.learner import LEARNERS
+from cbdsl.robot.driver_kind import DRIVERS
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.potential import POTENTIALS
@@ -25,6 +26,7 @@ REGISTRIES: tuple[Registry[Any], ...] = (
     POTENTIALS.registry,
     SOURCES,
     MODIFIERS,
+    DRIVERS,
 )
 
 
