@@ -168,18 +168,26 @@ class Manipulation:
             thing.shift(np.array((way * x, way * y, 0.0)))
 
     def _bear(self, grasp: Grasp, contacts: list[FingertipContact], wrenches: Floats) -> None:
-        """Add the weight of what is held in the air, shared evenly by the fingertips."""
+        """Add the weight of an object held in the air, and the friction that keeps it in place.
+
+        Nothing but the fingertips acts on the object. They share its weight evenly, and friction
+        across their normals balances the forces along these.
+        """
         thing = grasp.thing
         if thing.gripped or not grasp.holders or self._world.floor(thing) is not None:
             return
         holding = [contact for contact in contacts if contact.hand in grasp.holders]
-        share = thing.mass * GRAVITY / len(holding)
-        for contact in holding:
-            radius, (x, y, _) = contact.fingertip.radius, contact.normal
-            wrenches[contact.fingertip.cell, 2] += share
-            # The vertical force acts at the end of this lever.
-            wrenches[contact.fingertip.cell, 3] += radius * y * share
-            wrenches[contact.fingertip.cell, 4] -= radius * x * share
+        weight = np.array((0.0, 0.0, thing.mass * GRAVITY / len(holding)))
+        pressed = sum([STIFFNESS * each.depth * np.array(each.normal) for each in contacts])
+        normals = np.array([each.normal for each in holding])
+        across = np.eye(3) - normals[:, :, None] * normals[:, None]
+        needed = np.linalg.lstsq(across.sum(axis=0), pressed, rcond=1e-6)[0]
+        for contact, plane in zip(holding, across, strict=True):
+            force = weight - plane @ needed
+            wrench = wrenches[contact.fingertip.cell]
+            wrench[:3] += force
+            # It acts at the end of this lever.
+            wrench[3:] += contact.fingertip.radius * np.cross(contact.normal, force)
 
 
 @compiled_once
