@@ -93,10 +93,9 @@ def _grasped(backend: KinematicBackend, released_after: float = 2.8) -> np.ndarr
 def test_fingers_that_carry_a_ball_exert_its_weight_upward(quiet: KinematicBackend) -> None:
     start = _grasped(quiet)
     assert np.linalg.norm(quiet.truth.pose("ball").position - start) < 0.04, "it is carried"
-    assert _forces(quiet).sum(axis=0)[2] == pytest.approx(
-        sum(STIFFNESS * each.depth * each.normal[2] for each in quiet.truth.contacts) + 0.25 * 9.81,
-        abs=0.05,
-    )
+    # Friction balances the forces along the normals: the ball hangs in the hand.
+    expected = [0.0, 0.0, 0.25 * 9.81]
+    assert _forces(quiet).sum(axis=0) == pytest.approx(expected, abs=0.05)
 
 
 def test_what_is_grasped_goes_where_the_hand_goes(quiet: KinematicBackend) -> None:
