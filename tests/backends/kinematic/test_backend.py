@@ -7,7 +7,6 @@ import pytest
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.kinematic.backend import KinematicBackend
-from cbdsl.backends.kinematic.grasp import STIFFNESS
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from tests.backends.conftest import URDF, contact_loads, made_stage, run
