@@ -52,8 +52,10 @@ def compile_potentials() -> None:
     """Compile the potentials of cbdsl, also those that no program uses."""
     for name in POTENTIALS.registry.builtins:
         import_module(POTENTIALS[name].implementation.split(":")[0])
+    own = __name__.partition(".")[0]
     for function in defined_potentials():
-        address_of(function)
+        if function.__module__.partition(".")[0] == own:
+            address_of(function)
 
 
 def _try_out(potential: Potential, setting: Setting) -> None:

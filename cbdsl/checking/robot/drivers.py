@@ -110,6 +110,8 @@ class _DriverCheck:
 
     def _times(self, name: str, driver: Driver) -> None:
         """Report times that are shorter than a control period."""
+        if not self._source.is_whole("control"):
+            return
         period = 1.0 / self._robot.control.rate
         times = {"deadline": driver.deadline, "horizon": driver.horizon}
         for key, value in times.items():
