@@ -83,7 +83,9 @@ class _DriverCheck:
             self._known(name, ("moves", i), effector, names, "effector")
         for joint in driver.joints:
             self._known(name, ("joints", joint), joint, self._reported(driver), "joint of 'moves'")
-        for hand, fingers in driver.wrenches.items():
+        # A hand of the load cells that is no effector may be meant for one of these.
+        are_hands = robot.load_cells.keys() <= robot.effectors.keys()
+        for hand, fingers in driver.wrenches.items() if are_hands else ():
             self._known(name, ("wrenches", hand), hand, robot.load_cells, "hand with load cells")
             cells = robot.load_cells.get(hand)
             for finger in fingers if cells is not None else ():
