@@ -1,4 +1,4 @@
-"""Whether the parts of a controller agree with each other, and which of them is the odd one."""
+"""Agreement between the parts of a controller, and identification of the part that disagrees."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from cbdsl.types.resource import Resource
 
 
 class Agreement:
-    """Holds the parts of one controller against its feedback.
+    """Check of the parts of one controller against its feedback.
 
-    Each of them that does not suit the feedback is a finding; where several do not, the feedback
-    itself is, and nothing else.
+    Each part that does not suit the feedback is a finding. If several parts do not suit it, the
+    only finding is the feedback itself.
 
     Args:
-        context: the program.
-        steps: path of the controller.
-        document: the controller.
-        potential: its potential, if there is such a one.
-        comparison: its reference, which is empty where the potential takes none.
-        effector: what it moves, if that is known.
+        context: Program context.
+        steps: Path of the controller.
+        document: Controller section.
+        potential: Potential, or ``None`` if it is unknown.
+        comparison: Reference, which is empty if the potential takes none.
+        effector: Effector, or ``None`` if it is unknown.
 
     Attributes:
-        holds: whether all parts agree, once they were checked.
+        holds: True if all parts agree; set by the check.
     """
 
     def __init__(
@@ -48,14 +48,14 @@ class Agreement:
         self.holds = False
 
     def check_without_feedback(self) -> None:
-        """Check what can be said although nobody knows the feedback."""
+        """Check the parts that do not depend on the feedback, which is unknown."""
         self._wants_reference(self._context.findings)
 
     def check(self, feedback: Resource) -> Reference | None:
-        """Check everything against the feedback.
+        """Check all parts against the feedback.
 
         Returns:
-            The reference, where it can be compared with the feedback.
+            Reference, or ``None`` if it cannot be compared with the feedback.
         """
         if self._is_exchanged(feedback) or self._is_feature(feedback):
             return None
@@ -93,7 +93,7 @@ class Agreement:
         )
 
     def _suitable(self) -> list[str]:
-        """The signals that would be in agreement with all other parts."""
+        """Return the signals that would agree with all other parts."""
         body = self._context.body
         known = (resource for resource in body.resources.values() if is_measured(resource))
         return [resource.name for resource in known if self._suits(resource)]
@@ -110,7 +110,7 @@ class Agreement:
         return self._context.source.place(*self._steps, *steps)
 
     def _is_exchanged(self, feedback: Resource) -> bool:
-        """Report an effector that can only be a feedback, beside a feedback that is an effector."""
+        """Report an effector that is not movable if it seems to be exchanged with the feedback."""
         effector = self._effector
         if effector is None or effector.movable or not is_measured(effector):
             return False
@@ -122,7 +122,7 @@ class Agreement:
         return True
 
     def _is_feature(self, feedback: Resource) -> bool:
-        """Report a feedback of a type that no cast leads from."""
+        """Report a feedback of a feature type, which has no cast to an effector's type."""
         why = FEATURES.get(feedback.type.name)
         if why is None:
             return False
@@ -146,8 +146,8 @@ class Agreement:
                 "CB503", place, names=names, related=related, name=feedback.name, **details
             )
             return False
-        # It takes no reference and there is one, or the other way round: it was another that was
-        # meant.
+        # If only one of potential and reference implies a reference, report the potential: the user
+        # most likely meant another one.
         related = [(self._place("feedback"), f"the feedback, {feedback.type}")]
         place, names = self._place("potential"), self._potentials(feedback)
         given = {"given": potential.name, "name": feedback.name}
@@ -155,7 +155,7 @@ class Agreement:
         return False
 
     def _potentials(self, feedback: Resource) -> list[str]:
-        """The potentials of a feedback, with or without a reference as there is one."""
+        """Return the potentials for a feedback that take a reference if the document has one."""
         given = self._document.reference is not None
         known = (potential for potential in POTENTIALS.values() if potential.reference == given)
         return [potential.name for potential in known if accepts(potential, feedback)]
@@ -171,7 +171,7 @@ class Agreement:
             findings.add("CB510", self._place("reference"), potential=potential.name)
 
     def _moves(self, effector: Resource, feedback: Resource, findings: Findings) -> None:
-        """Check that the effector can be moved, and moves the feedback."""
+        """Check that the effector is movable and moves the feedback."""
         body = self._context.body
         if moves(body, effector, feedback):
             return
@@ -189,7 +189,7 @@ class Agreement:
 
 
 def accepts(potential: PotentialType, feedback: Resource) -> bool:
-    """Whether a potential is a function of signals of a feedback's type."""
+    """Return whether a potential is a function of signals of a feedback's type."""
     factors = potential.factors or feedback.type.factors
     return feedback.type.name in potential.accepts and feedback.type.factors == factors
 

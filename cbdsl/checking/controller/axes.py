@@ -1,4 +1,4 @@
-"""Axes of the world along which a controller compares, and whether they contradict each other."""
+"""World axes along which a controller compares, and contradictions between them."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ AXES = "xyz"
 
 #: Types whose components are those of a vector in the world frame.
 SPATIAL = ("position", "force", "torque", "offset")
-# Types of which a controller that states no axes takes all three from those below it.
+# Types whose controllers, if they state no axes, take all three from the levels below.
 _WHOLE = ("position", "force")
 
 
 def read_axes(document: written.ControllerSection) -> tuple[int, ...] | None:
-    """The axes that a controller compares along, in order; ``None`` for all."""
+    """Return the axes that a controller compares along, in order; ``None`` for all."""
     axes = tuple(i for i, axis in enumerate(AXES) if axis in (document.axes or AXES))
     return None if len(axes) == len(AXES) else axes
 
@@ -31,9 +31,9 @@ def read_axes(document: written.ControllerSection) -> tuple[int, ...] | None:
 def fill_axes(
     context: ProgramContext, steps: Steps, document: written.ControllerSection, scope: Scope
 ) -> written.ControllerSection:
-    """A controller with axes in the place of the parameters that stand for them.
+    """Return a controller section with axes substituted for its parameters.
 
-    What is no axis is reported, and one that is not given yet takes its place.
+    A value that is not an axis is reported, and an unused axis replaces it.
     """
     if document.axes is None or set(document.axes) <= set(AXES):
         return document
@@ -56,7 +56,7 @@ def check_axes(
     document: written.ControllerSection,
     feedback: Resource,
 ) -> bool:
-    """Whether the axes of a controller make sense for its feedback; what is wrong is reported."""
+    """Return whether a controller's axes make sense for its feedback, and report the errors."""
     axes = document.axes
     if axes is None:
         return True
@@ -69,7 +69,7 @@ def check_axes(
     key = context.source.key(*steps, "axes")
     along_normals = isinstance(document.reference, str) and "along normals" in document.reference
     if document.potential not in POTENTIALS:
-        return True  # which is told elsewhere, and hides what it would do with them
+        return True  # reported elsewhere; an unknown potential says nothing about axes
     if document.potential != "spring":
         problem = f"a {document.potential} potential is a function of its whole feedback"
     elif feedback.type.name not in SPATIAL:
@@ -90,9 +90,9 @@ def check_contradictions(
     """Report actions in which two controllers state an axis that only one of them can have.
 
     Args:
-        context: the program's document.
-        program: what became of it.
-        actions: the paths of its actions in the document, by name.
+        context: Context of the program's document.
+        program: Checked program.
+        actions: Paths of its actions in the document, by name.
     """
     reported: set[tuple[str, str]] = set()
     for action in program.actions:
@@ -113,7 +113,7 @@ def check_contradictions(
 
 
 def _shared(above: Controller, below: Controller) -> set[int]:
-    """Axes that both of two controllers state of what the same joints do, and only one can have."""
+    """Return the axes that two controllers both state for the same joints, but cannot share."""
     if below.axes is None or (above.axes is None and above.feedback.type.name not in _WHOLE):
         return set()
     if _are_apart(above.feedback, below.feedback):
@@ -126,12 +126,12 @@ def _shared(above: Controller, below: Controller) -> set[int]:
 
 
 def _are_apart(one: Resource, other: Resource) -> bool:
-    """Whether two tips can have both at will: where their middle is, and how far apart they are."""
+    """Return whether two feedbacks of tips are independent: their centroid and their separation."""
     return {type(one.source), type(other.source)} == {Centroid, Separation}
 
 
 def _takes_over(above: Controller, below: Controller) -> bool:
-    """Whether one controller may be undefined while another, below it, is not."""
+    """Return whether the upper controller may be undefined while the lower one is defined."""
     if above.onset is not None or above.requires != below.requires:
         return True
     return above.feedback != below.feedback and not is_always_defined(above)

@@ -25,13 +25,13 @@ Written = str | float | tuple[str | float, ...]
 
 
 class Comparison(NamedTuple):
-    """A reference as it is written.
+    """Reference as written in the document.
 
     Attributes:
-        resource: what it names, if that is known.
-        literal: its quantities, where it has some; those of the displacement of a relative one.
-        relative: its parts, where it is relative.
-        axes: along which the feedback is compared; ``None`` for all.
+        resource: Resource that it names, or ``None`` if unknown.
+        literal: Quantities, if there are any; for a relative reference, its displacement.
+        relative: Parts of a relative reference.
+        axes: Axes along which the feedback is compared; ``None`` for all.
     """
 
     resource: Resource | None = None
@@ -40,7 +40,7 @@ class Comparison(NamedTuple):
     axes: tuple[int, ...] | None = None
 
     def suits(self, feedback: Resource) -> bool:
-        """Whether a feedback can be compared with it, as far as anybody knows."""
+        """Return whether a feedback can be compared with the reference; true if unknown."""
         if self.resource is not None and self.resource.type != feedback.type:
             return False
         if self.axes is not None and feedback.type.name not in SPATIAL:
@@ -55,7 +55,7 @@ class Comparison(NamedTuple):
 
 
 def compared_with(potential: PotentialType | None, feedback: Resource) -> Resource:
-    """A feedback as its potential compares it: of the type that the reference has to be of."""
+    """Return a feedback as its potential compares it, with the type that its reference needs."""
     if potential is None or potential.compares is None:
         return feedback
     return feedback._replace(type=TYPES[potential.compares])
@@ -68,14 +68,14 @@ def read_comparison(
     scope: Scope,
     axes: tuple[int, ...] | None = None,
 ) -> Comparison:
-    """The reference of a controller; what it names and nobody knows is reported.
+    """Return the reference of a controller, and report unknown names.
 
     Args:
-        context: the program.
-        steps: path of the reference.
-        value: the reference in the document.
-        scope: values of the program's and the controller's parameters.
-        axes: along which the feedback is compared; ``None`` for all.
+        context: Program context.
+        steps: Path of the reference.
+        value: Reference in the document.
+        scope: Values of the program's and the controller's parameters.
+        axes: Axes along which the feedback is compared; ``None`` for all.
     """
     if isinstance(value, tuple):
         items = [_item(context, (*steps, i), item, scope) for i, item in enumerate(value)]
@@ -95,14 +95,14 @@ def read_comparison(
         return Comparison(None, relative.offset, relative, axes)
     written = read_relative(value)
     base = context.resource(written.base if written else relative.base, steps, scope)
-    # Of what nobody knows, nothing can be said.
+    # An unknown base leaves the reference unknown.
     return Comparison() if base is None else Comparison(base, relative.offset, relative, axes)
 
 
 def _item(
     context: ProgramContext, steps: Steps, item: str | float, scope: Scope
 ) -> str | float | None:
-    """A component with its parameters replaced, or ``None`` where one is unknown."""
+    """Return a component with its parameters substituted, or ``None`` if one is unknown."""
     return context.substitute(item, steps, scope) if isinstance(item, str) else item
 
 
@@ -113,14 +113,14 @@ def compare(
     feedback: Resource,
     findings: Findings,
 ) -> Reference | None:
-    """A reference of the feedback's type, or ``None`` where there is none.
+    """Return a reference of the feedback's type, or ``None`` if there is none.
 
     Args:
-        context: the program.
-        steps: path of the controller.
-        comparison: its reference.
-        feedback: what is compared.
-        findings: where findings go.
+        context: Program context.
+        steps: Path of the controller.
+        comparison: Reference as written.
+        feedback: Compared feedback.
+        findings: Diagnostics so far.
     """
     base = comparison.resource
     if base is not None:

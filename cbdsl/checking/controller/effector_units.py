@@ -8,7 +8,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.types.resource import FingerLoad, NetForces, NetLoad, Resource
 from cbdsl.types.unit import QuantityError, parse_quantity
 
-# What the units of a moved tip are dimensions of, by setting.
+# Dimension of each setting in the units of a moved tip.
 _OF_TIPS = {"gain": "speed per force", "speed": "speed"}
 
 
@@ -19,11 +19,11 @@ def in_task_units(
     feedback: Resource,
     effector: Resource,
 ) -> ControllerSettings | None:
-    """Settings of a force as the task has them; ``None`` where their units mean nothing.
+    """Return the settings in the units of the task, or ``None`` if their units are invalid.
 
-    A tip that moves by dx changes its force by K dx, with the stiffness K that the robot's document
-    states, and that of a hand with as many fingers by as many times that. A spring moves by half
-    its error, so that a gain of g m/s per N is one of 2 K g per second.
+    A tip that moves by dx changes its force by K dx, with the stiffness K of the robot's document.
+    For the force of a hand, K is multiplied by the number of fingers. A spring moves by half its
+    error, so that a gain of g m/s per N equals a gain of 2 K g per second.
     """
     written = {key: value for key in _OF_TIPS if (value := _of_tips(context, steps, key))}
     if feedback.type.name != "force":
@@ -44,7 +44,7 @@ def in_task_units(
 
 
 def _stiffness(robot: RobotDocument, feedback: Resource) -> float:
-    """Change of a force per way of the tip, N/m: every fingertip of a hand presses on a spring."""
+    """Return the change of a force per tip displacement, N/m; each fingertip is a spring."""
     match feedback.source:
         case NetLoad(hand=name) | NetForces(group=name):
             fingers = len(robot.load_cells[robot.members(name)[0]])
@@ -54,19 +54,19 @@ def _stiffness(robot: RobotDocument, feedback: Resource) -> float:
 
 
 def _of_tips(context: ProgramContext, steps: Steps, key: str) -> str | None:
-    """A setting as it is written, where it has the unit of a tip; ``None`` where it has another."""
+    """Return a setting as written if it has the unit of a tip, else ``None``."""
     if not context.source.holds(*steps, key):
         return None
     value = context.source.node((*steps, key)).value
     try:
         unit = parse_quantity(value)[1] if isinstance(value, str) else None
     except QuantityError:
-        return None  # which is reported
+        return None  # reported elsewhere
     return str(value) if unit is not None and unit.dimension == _OF_TIPS[key] else None
 
 
 def _problem(feedback: Resource, effector: Resource) -> str:
-    """Why a force does not change as a tip moves, as a clause; empty where it does."""
+    """Return why a force does not change as a tip moves, as a clause; empty if it does."""
     if feedback.type.name != "force" or not isinstance(
         feedback.source, (FingerLoad, NetLoad, NetForces)
     ):

@@ -1,4 +1,4 @@
-"""The field of a harmonic potential: its workspace, its grid and its obstacles."""
+"""Field of a harmonic potential: its workspace, its grid and its obstacles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cbdsl.types.resource import EffectorConfiguration, Resource, StereoPosition
 from cbdsl.types.unit import QuantityError, read_quantity
 from cbdsl.yaml_text.source_map import Step
 
-# More vertices than 160 along each of three axes take most of a gigabyte.
+# A grid of more than 160 vertices along each of three axes takes most of a gigabyte.
 _MOST_VERTICES = 160**3
 _MOST_DIMENSIONS = 3
 
@@ -24,12 +24,12 @@ Corner = tuple[float, ...]
 
 
 class ControllerSpec(NamedTuple):
-    """The parts of a controller that its field has to suit.
+    """Parts of a controller that its field has to suit.
 
     Attributes:
-        feedback: what is kept away from the obstacles.
-        reference: where it goes.
-        joints: the effector's joints, between whose limits it moves by default.
+        feedback: Signal that is kept away from the obstacles.
+        reference: Goal of the feedback.
+        joints: Effector's joints, whose limits bound the workspace by default.
     """
 
     feedback: Resource
@@ -48,15 +48,15 @@ def check_field(
     """Check the field of one controller.
 
     Args:
-        context: the program.
-        steps: path of the controller.
-        potential: may need a field.
-        field: what the controller says of it.
-        spec: the rest of the controller.
-        scope: values of the program's and the controller's parameters.
+        context: Program context.
+        steps: Path of the controller.
+        potential: Potential, which may need a field.
+        field: Field section of the controller.
+        spec: Other parts of the controller.
+        scope: Values of the program's and the controller's parameters.
 
     Returns:
-        ``None`` where there is none or it has faults.
+        Checked field, or ``None`` if there is none or it does not suit the controller.
     """
     source = context.source
     if field is None:
@@ -69,7 +69,7 @@ def check_field(
         return None
     kind = spec.feedback.type
     if kind.name not in potential.accepts or kind.factors != potential.factors:
-        return None  # which has been reported
+        return None  # reported elsewhere
     if kind.size > _MOST_DIMENSIONS:
         details = {"name": spec.feedback.name, "size": count(kind.size, "dimension")}
         context.add("CB529", source.key(*steps), **details)
@@ -111,7 +111,7 @@ class _Field:
         self._context.add(code, place, **details)
 
     def _units(self) -> None:
-        """Everything has the unit of the feedback."""
+        """Check that all quantities have the unit of the feedback."""
         dimension = "angle" if self._wish.feedback.type.name == "configuration" else "length"
         for steps in self._quantities():
             node = self._context.source.node((*self._steps, *steps))
@@ -121,7 +121,7 @@ class _Field:
                 self._add("CB506", *steps, problem=str(error))
 
     def _quantities(self) -> Iterator[tuple[Step, ...]]:
-        """Paths of the quantities that the text gives."""
+        """Yield the paths of the quantities that the text gives."""
         field, holds = self._field, self._context.source.holds
         corners: list[tuple[tuple[Step, ...], Corner | None]] = [
             (("lower",), field.lower),
@@ -139,7 +139,7 @@ class _Field:
             yield from ((*path, i) for i in range(len(corner or ())))
 
     def _bounds(self) -> tuple[Corner, Corner] | None:
-        """The corners of the workspace, or ``None`` where they are unknown or have faults."""
+        """Return the corners of the workspace, or ``None`` if they are unknown or invalid."""
         lower, upper = self._field.lower, self._field.upper
         if lower is not None and upper is not None:
             return (lower, upper) if self._fit((), lower, upper) else None
@@ -155,13 +155,13 @@ class _Field:
         return tuple(joint.lower for joint in known), tuple(joint.upper for joint in known)
 
     def _moves_between_limits(self) -> bool:
-        """Whether the effector's joints are the feedback, so that their limits bound it."""
+        """Return whether the feedback is the effector's joints, so that their limits bound it."""
         source = self._wish.feedback.source
         own = isinstance(source, EffectorConfiguration)
         return own and len(self._wish.joints) == self._size
 
     def _fit(self, steps: tuple[Step, ...], lower: Corner, upper: Corner) -> bool:
-        """Whether the corners of the workspace or a box have one number per component."""
+        """Return whether the corners of the workspace or a box have one number per component."""
         name, kind = self._wish.feedback.name, self._wish.feedback.type
         misfits = [
             (key, corner)
@@ -175,7 +175,7 @@ class _Field:
         return not misfits
 
     def _has_room(self, lower: Corner, upper: Corner) -> bool:
-        """Whether a grid has something between the corners; one too fine is reported, too."""
+        """Return whether a grid has two cells along each axis; report it also if it is too fine."""
         spacing = self._field.spacing
         cells = [math.floor((b - a) / spacing + 1e-9) for a, b in zip(lower, upper, strict=True)]
         if min(cells) < 2:
@@ -231,7 +231,7 @@ class _Field:
         bounds: tuple[Corner, Corner] | None,
         obstacles: tuple[Box | Ball, ...],
     ) -> None:
-        """A goal that is known beforehand can be reached as far as can be told."""
+        """Check that a constant goal is inside the workspace and clear of the boxes."""
         place = self._context.source.place(*self._steps[:-1], "reference")
         if bounds is not None and len(goal) == self._size:
             lower, upper = bounds

@@ -1,4 +1,4 @@
-"""Which effectors move which signals."""
+"""Effectors that move a signal."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from cbdsl.types.resource import Origin, Resource
 
 
 def is_measured(resource: Resource) -> bool:
-    """Whether a resource is a signal, and no draw and no constant."""
+    """Return whether a resource is a signal, neither a draw nor a constant."""
     return not resource.is_drawn and resource.origin is not Origin.CONSTANT
 
 
 def moves(body: CheckedRobot, effector: Resource, feedback: Resource) -> bool:
-    """Whether an effector can be moved, and moves a feedback, as far as anybody can tell."""
+    """Return whether an effector moves a feedback; true if it is movable and the rest unknown."""
     if not effector.movable or not chains(feedback.type, effector.type):
         return False
     influence = body.influence(feedback)
@@ -21,16 +21,16 @@ def moves(body: CheckedRobot, effector: Resource, feedback: Resource) -> bool:
 
 
 def movers(body: CheckedRobot, feedback: Resource) -> list[str]:
-    """The names of all effectors that move a feedback."""
+    """Return the names of all effectors that move a feedback."""
     return [
         resource.name for resource in body.resources.values() if moves(body, resource, feedback)
     ]
 
 
 def acting_chains(body: CheckedRobot, feedback: Resource, effector: Resource) -> tuple[Chain, ...]:
-    """The chains from a feedback to the joints along which an effector moves it."""
+    """Return the chains from a feedback to the joints along which an effector moves it."""
     joints, all_chains = body.effector_joints(effector), chains_of(feedback)
     moved = tuple(
         chain for chain in all_chains if not body.joints_of(feedback, chain).isdisjoint(joints)
     )
-    return moved or all_chains[:1]  # the model does not tell
+    return moved or all_chains[:1]  # without a decision from the model

@@ -1,4 +1,4 @@
-"""The modifiers of a controller: whether their kinds are known, and fit its feedback."""
+"""Modifiers of a controller: known kinds that fit its feedback."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cbdsl.types.unit import QuantityError, read_quantity
 def read_modifiers(
     context: ProgramContext, steps: Steps, document: written.ControllerSection, feedback: Resource
 ) -> tuple[Modifier, ...]:
-    """The modifiers of a controller, without those that have faults, which are reported."""
+    """Return the valid modifiers of a controller, and report the invalid ones."""
     modifiers = []
     for name, options in document.modifiers.items():
         own: Steps = (*steps, "modifiers", name)
@@ -35,7 +35,7 @@ def _problem(
     document: written.ControllerSection,
     feedback: Resource,
 ) -> str | dict[str, float]:
-    """The options in SI, or what is wrong with a modifier, as a clause."""
+    """Return the options in SI units, or the error of a modifier as a clause."""
     if name not in MODIFIERS:
         return f"there is no modifier '{name}'"
     try:

@@ -1,4 +1,4 @@
-"""The options of a controller: whether they mean something for its feedback, and in which units."""
+"""Options of a controller: whether they apply to its feedback, and their units."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ LOOK_AT = "look_at"
 
 
 class ControllerSettings(NamedTuple):
-    """Settings of one controller, its own before the robot's.
+    """Settings of one controller; its own settings override the robot's.
 
-    ``tip_stiffness`` is that of ``Controller``.
+    ``tip_stiffness`` has the meaning of the field of ``Controller``.
     """
 
     gain: float
@@ -36,12 +36,12 @@ class ControllerSettings(NamedTuple):
 
 
 class Misplaced(NamedTuple):
-    """An option that means nothing where it is.
+    """Option that does not apply where it is written.
 
     Attributes:
-        path: of the option, below its controller.
-        purpose: what it is for.
-        instead: what is there, as a clause.
+        path: Path of the option below its controller.
+        purpose: Purpose of the option.
+        instead: Actual feedback or potential, as a clause.
     """
 
     path: Steps
@@ -50,7 +50,7 @@ class Misplaced(NamedTuple):
 
 
 def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterator[Misplaced]:
-    """The options that mean nothing for a feedback, or for the potential."""
+    """Yield the options that do not apply to a feedback or to the potential."""
     instead = f"the feedback is '{feedback.name}', {feedback.type}"
     for modifier, _ in declared(document):
         if not modifier.suits(feedback, document.potential):
@@ -71,14 +71,14 @@ def check_options(
     feedback: Resource,
     findings: Findings,
 ) -> None:
-    """Check that options mean something for a feedback, and have its units.
+    """Check that options apply to a feedback, and have its units.
 
     Args:
-        context: the program.
-        steps: path of the controller.
-        document: the controller.
-        feedback: what it measures.
-        findings: where findings go.
+        context: Program context.
+        steps: Path of the controller.
+        document: Controller section.
+        feedback: Feedback of the controller.
+        findings: Diagnostics so far.
     """
     for option in misplaced(document, feedback):
         place = context.source.key(*steps, *option.path)
@@ -107,11 +107,11 @@ def _check_end(
 def settings_of(
     context: ProgramContext, steps: Steps, document: written.ControllerSection, feedback: Resource
 ) -> ControllerSettings | None:
-    """The controller's own settings, and the robot's for the rest; ``None`` where some lack."""
+    """Return the controller's settings, completed by the robot's; ``None`` if some are missing."""
     if feedback.type.name in FEATURES:
-        return None  # which is no feedback, as has been reported
+        return None  # not a feedback, as reported elsewhere
     if document.potential not in POTENTIALS:
-        return None  # whose task is unknown, as has been reported
+        return None  # unknown task, as reported elsewhere
     robot = context.body.document
     task = _task(document, feedback)
     general = robot.control.tasks.get(task)
@@ -122,7 +122,7 @@ def settings_of(
     quiescence = _first(settings.quiescence for settings in candidates)
     if gain is None or quiescence is None:
         if not TYPES.keys() >= robot.control.tasks.keys():
-            return None  # one of them is misspelt, which has been reported
+            return None  # one of the tasks is misspelt, as reported elsewhere
         lacking = {"a gain": gain, "a quiescence": quiescence}
         setting = " and ".join(name for name, value in lacking.items() if value is None)
         details = {"robot": robot.name, "setting": setting, "task": task}
@@ -137,7 +137,7 @@ def settings_of(
 
 
 def _task(document: written.ControllerSection, feedback: Resource) -> str:
-    """Name of the type that a controller's settings are for."""
+    """Return the name of the type that a controller's settings are for."""
     potential = POTENTIALS.get(document.potential)
     return (potential.task if potential else None) or feedback.type.name
 
@@ -146,5 +146,5 @@ T = TypeVar("T")
 
 
 def _first(values: Iterable[T | None]) -> T | None:
-    """The first value that is set."""
+    """Return the first value that is set."""
     return next((value for value in values if value is not None), None)

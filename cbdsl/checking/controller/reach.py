@@ -1,4 +1,4 @@
-"""Constant references that no posture of the robot comes near."""
+"""Constant references that are out of the robot's reach."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.program.controller import Literal
 from cbdsl.types.resource import Centroid, Resource, Separation, Tip
 
-# Angles that are no angle between joints: a whole turn more leads to the same place.
+# Angles that are periodic: a whole turn more is the same orientation.
 _TURNED = ("orientation", "heading")
 
 
@@ -19,10 +19,10 @@ def check_reach(
     """Warn of positions that are farther away than the links are long, and of degrees as radians.
 
     Args:
-        context: the program.
-        steps: path of the reference.
-        reference: in SI units, as long as the feedback.
-        feedback: what is to get there.
+        context: Program context.
+        steps: Path of the reference.
+        reference: Reference in SI units, with as many components as the feedback.
+        feedback: Feedback that has to reach it.
     """
     place = context.source.place(*steps)
     name, values = feedback.type.name, reference.values
@@ -40,14 +40,14 @@ def check_reach(
 
 
 def farthest_tip(body: CheckedRobot) -> float | None:
-    """A bound on how far any tip can be from the base, m, or ``None`` without one."""
+    """Return a bound on the distance of any tip from the base, m, or ``None`` without one."""
     tipped = [name for name, effector in body.document.effectors.items() if effector.tip]
     reaches = [_reaches(body, name) for name in tipped]
     return max((max(each) for each in reaches), default=None) if all(reaches) else None
 
 
 def _farthest(body: CheckedRobot, feedback: Resource) -> float | None:
-    """A bound on the norm of a position that joints determine, m, or ``None`` without one."""
+    """Return a bound on the norm of a position that joints determine, m, or ``None``."""
     match feedback.source:
         case Tip(effector=name) | Centroid(group=name):
             reaches = _reaches(body, name)
@@ -58,7 +58,7 @@ def _farthest(body: CheckedRobot, feedback: Resource) -> float | None:
 
 
 def _reaches(body: CheckedRobot, effector: str) -> list[float]:
-    """How far the tip of each member can be from the base, m; empty where one has no bound."""
+    """Return a bound on each member tip's distance from the base, m; empty if one has none."""
     robot, model, reaches = body.document, body.model, []
     for member in robot.members(effector):
         tip = robot.effectors[member].tip

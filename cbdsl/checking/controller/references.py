@@ -18,7 +18,7 @@ _ALONG_NORMALS = re.compile(r"(?P<force>.*\S)\s+along\s+normals\s*\Z")
 _RELATIVE = re.compile(r"(?P<base>[^\s+-]+)\s*(?:(?P<sign>[+-])\s*(?P<offset>.*))?", re.DOTALL)
 _NUMBER = re.compile(r"\s*[-+.]?\.?\d")
 
-# Physical dimensions of a value's components; several share the components evenly.
+# Physical dimensions of a value's components; several dimensions share the components evenly.
 _DIMENSIONS: dict[str, tuple[str, ...]] = {
     "configuration": ("angle",),
     "wrench": ("force", "torque"),
@@ -41,17 +41,17 @@ _DIMENSIONS: dict[str, tuple[str, ...]] = {
 
 #: Types whose literals may end with a quaternion, and how many components stand before it.
 _QUATERNIONS = {"orientation": 0, "pose": 3}
-# Four decimals of each component keep the norm of a unit quaternion as near to 1.
+# With four decimals a component, the norm of a unit quaternion is within this distance of 1.
 _UNIT = 2e-3
 
 
 class LiteralError(Exception):
-    """A literal does not suit its feedback.
+    """Error of a literal that does not suit its feedback.
 
     Attributes:
-        code: in the catalogue.
-        details: what fills its message.
-        item: which component, where it is one of several.
+        code: Code of the diagnostic in the catalogue.
+        details: Values for the placeholders of its message.
+        item: Index of the component, if the literal has several.
     """
 
     def __init__(self, code: str, details: dict[str, object], item: int | None = None) -> None:
@@ -62,17 +62,17 @@ class LiteralError(Exception):
 
 
 def is_literal(text: str) -> bool:
-    """Whether a reference's text is a quantity instead of a resource's name."""
+    """Return whether a reference's text is a quantity instead of a resource's name."""
     return _NUMBER.match(text) is not None
 
 
 class RelativeText(NamedTuple):
-    """A reference that is written as a base and a displacement, such as ``here + [0 cm, 2 cm]``.
+    """Reference that is written as a base and a displacement, such as ``here + [0 cm, 2 cm]``.
 
     Attributes:
-        base: name of a resource, or ``HERE``.
-        sign: of the displacement, 1 or -1.
-        offset: its quantities; a single 0 where none is written.
+        base: Name of a resource, or ``HERE``.
+        sign: Sign of the displacement, 1 or -1.
+        offset: Quantities of the displacement; a single 0 if none is written.
     """
 
     base: str
@@ -81,7 +81,7 @@ class RelativeText(NamedTuple):
 
 
 def read_relative(text: str) -> RelativeText | None:
-    """The parts of a relative reference, or ``None`` where a text is none."""
+    """Return the parts of a relative reference, or ``None`` for any other text."""
     match = _RELATIVE.fullmatch(text.strip())
     if match is None or (match["sign"] is None and match["base"] != HERE):
         return None
@@ -96,15 +96,15 @@ def read_literal(
     feedback: Resource,
     axes: tuple[int, ...] | None = None,
 ) -> Literal | AlongNormals:
-    """A reference literal in SI.
+    """Return a reference literal in SI units.
 
     Args:
-        value: its quantities.
-        feedback: what it is compared with.
-        axes: of which there is a component each; ``None`` for all. The others become 0.
+        value: Quantities of the literal.
+        feedback: Feedback that it is compared with.
+        axes: Axes of the given components; ``None`` for all. Other components become 0.
 
     Raises:
-        LiteralError: it does not suit the feedback.
+        LiteralError: The literal does not suit the feedback.
     """
     if isinstance(value, str) and (match := _ALONG_NORMALS.match(value)):
         return _along_normals(match["force"], feedback)
@@ -127,17 +127,17 @@ def read_literal(
 
 
 def _with_rotation_vector(items: tuple[str | float, ...]) -> tuple[str | float, ...]:
-    """Items whose last four, a unit quaternion (x, y, z, w), have become a rotation vector, rad.
+    """Replace the last four items, a unit quaternion (x, y, z, w), by a rotation vector, rad.
 
     Raises:
-        LiteralError: one of the four is no number, or they are no unit quaternion.
+        LiteralError: One of the four is not a number, or they are not a unit quaternion.
     """
     first = len(items) - 4
     numbers = [_quantity(item, (), first + i) for i, item in enumerate(items[first:])]
     norm = math.hypot(*numbers)
     if abs(norm - 1.0) > _UNIT:
         raise LiteralError("CB593", {"norm": f"{norm:.4g}"})
-    # Of the two quaternions of a rotation, the one of the shorter turn.
+    # Of the two quaternions of a rotation, use that of the shorter turn.
     x, y, z, w = (number if numbers[3] >= 0 else -number for number in numbers)
     sine = math.hypot(x, y, z)
     factor = 2.0 * math.atan2(sine, w) / sine if sine > 0.0 else 2.0
@@ -145,7 +145,7 @@ def _with_rotation_vector(items: tuple[str | float, ...]) -> tuple[str | float, 
 
 
 def _places(axes: tuple[int, ...], factors: int) -> list[int]:
-    """Places of the components along some axes, in each of several vectors in turn."""
+    """Return the indices of the components along some axes, for each of several vectors in turn."""
     return [3 * factor + axis for factor in range(factors) for axis in axes]
 
 

@@ -17,14 +17,14 @@ def check_relative(
     reference: Reference | None,
     feedback: Resource,
 ) -> bool:
-    """Whether a relative reference and an onset make sense; what is wrong is reported.
+    """Return whether a relative reference and an onset are valid, and report their errors.
 
     Args:
-        context: the program.
-        steps: path of the controller.
-        document: the controller.
-        reference: its reference, if there is such a one.
-        feedback: what it measures.
+        context: Program context.
+        steps: Path of the controller.
+        document: Controller section.
+        reference: Reference, or ``None`` if there is none.
+        feedback: Feedback of the controller.
     """
     is_here = isinstance(reference, Relative) and reference.base is None
     problem = _problem(document, reference, is_here=is_here)
@@ -40,7 +40,7 @@ def check_relative(
 
 
 def _faint(context: ProgramContext, document: written.ControllerSection, feedback: Resource) -> str:
-    """Why an onset's change of force is lost in the load cells' noise; empty where it is not."""
+    """Return why the load cells' noise hides an onset's change of force; empty if it does not."""
     if document.onset is None or feedback.type.name != "force" or not context.has_body:
         return ""
     change, least = document.onset.change, least_force(context.body.document)
@@ -52,7 +52,7 @@ def _faint(context: ProgramContext, document: written.ControllerSection, feedbac
 def _problem(
     document: written.ControllerSection, reference: Reference | None, *, is_here: bool
 ) -> str:
-    """The fault of a relative reference, as a clause; empty where there is none."""
+    """Return the error of a relative reference, as a clause; empty if there is none."""
     if is_here and document.standoff is not None:
         return "a tip cannot stand off from 'here', where it is itself"
     potential = POTENTIALS.get(document.potential)
@@ -68,7 +68,7 @@ def _problem(
 
 
 def _fault(reference: Reference, feedback: Resource) -> str:
-    """The fault of an onset, as a clause; empty where there is none."""
+    """Return the error of an onset, as a clause; empty if there is none."""
     loads = (NetLoad, FingerLoad)
     if not isinstance(feedback.source, loads) or feedback.type.name == "wrench":
         return f"'{feedback.name}' is no force and no torque of a hand or a finger"

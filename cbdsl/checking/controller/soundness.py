@@ -1,4 +1,4 @@
-"""Controllers whose types fit, and which cannot work all the same."""
+"""Controllers that cannot work although their types fit."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cbdsl.types.resource import EffectorConfiguration, Resource
 def check_numbers(
     context: ProgramContext, steps: Steps, document: written.ControllerSection
 ) -> None:
-    """Check the distances that a controller keeps or waits for."""
+    """Check the signs and relations of the numbers of a controller's modifiers."""
     for modifier, section in declared(document):
         own = (*steps, modifier.name)
         positive: list[Steps] = [(option,) for option in modifier.positive]
@@ -33,7 +33,7 @@ def check_numbers(
 def check_reference(
     context: ProgramContext, steps: Steps, reference: Reference | None, feedback: Resource
 ) -> None:
-    """Check a constant reference against what the feedback can be."""
+    """Check a constant reference against the possible values of the feedback."""
     steps = (*steps, "reference")
     if isinstance(reference, AlongNormals) and reference.force < 0:
         place = context.source.place(*steps)
@@ -61,7 +61,7 @@ def suits_body(
     feedback: Resource,
     effector: Resource,
 ) -> bool:
-    """Whether the body gives a potential what it needs; what it lacks is reported."""
+    """Return whether the body meets the needs of a potential, and report unmet ones."""
     place = context.source.place(*steps, "feedback")
     problems = list(_problems(context, document, feedback, effector))
     for problem in problems:

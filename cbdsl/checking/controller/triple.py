@@ -40,14 +40,14 @@ def check_triple(
     """Check one controller.
 
     Args:
-        context: the program.
-        key: the controller's key in the document.
-        name: what it is called, with its arguments.
-        document: its fields.
-        scope: values of the program's and the controller's parameters.
+        context: Program context.
+        key: Controller's key in the document.
+        name: Name of the controller with its arguments.
+        document: Controller section.
+        scope: Values of the program's and the controller's parameters.
 
     Returns:
-        ``None`` where it has faults.
+        Typed controller, or ``None`` if it has errors.
     """
     return _Triple(context, key, name, document, scope).check()
 
@@ -76,7 +76,7 @@ class _Triple:
         feedback = self._resource(document.feedback, "feedback")
         effector = self._resource(document.effector, "effector")
         steps = (*self._steps, "reference")
-        # What a potential does not read is wrong whatever it names.
+        # A reference that the potential does not read is an error, regardless of its value.
         is_read = potential is None or potential.reference
         value = document.reference if is_read else None
         has_axes = feedback is None or check_axes(self._context, self._steps, document, feedback)
@@ -124,8 +124,8 @@ class _Triple:
             effector=effector,
             joints=joints,
             chains=acting_chains(self._context.body, feedback, effector),
-            # Without a reference nothing that comes from the environment is tracked: such a
-            # potential conditions the robot, and earns nothing (Section 4.2).
+            # Without a reference, the potential tracks nothing from the environment: it only
+            # conditions the robot, and is not rewarded (Section 4.2).
             rewarded=feedback.origin is Origin.ENVIRONMENT and potential.reference,
             gain=settings.gain,
             speed=settings.speed,
@@ -152,7 +152,7 @@ class _Triple:
         return self._document.manipulator or "position" if is_manipulability else None
 
     def _has_tip(self, feedback: Resource) -> bool:
-        """Whether there is a manipulator Jacobian that a manipulability can be of."""
+        """Return whether the feedback has the manipulator Jacobian that manipulability needs."""
         if self._document.potential != MANIPULABILITY or feedback.type.name != "configuration":
             return True
         if self._context.body.has_tip(feedback):
@@ -161,23 +161,23 @@ class _Triple:
         return False
 
     def _has_rigid_cameras(self, feedback: Resource) -> bool:
-        """Whether two headings tell where something is, with no joint between the cameras."""
+        """Return whether two headings determine a position, with no joint between the cameras."""
         if not isinstance(feedback.source, Headings) or self._context.body.has_rigid_cameras():
             return True
         self._context.add("CB516", self._place("feedback"), robot=self._context.body.document.name)
         return False
 
     def _modifiers(self) -> dict[str, Any]:
-        """Modifiers of cbdsl's own, by the field that has them."""
+        """Return the built-in modifiers, by their field of ``Controller``."""
         own = {
             modifier.name: modifier.read(section, partial(self._call, modifier.name))
             for modifier, section in declared(self._document)
         }
-        # Whatever looks does so along an axis of its tip.
+        # A look_at controller points an axis of its tip at the target.
         return {"free_axis": "z", **own} if self._document.potential == LOOK_AT else own
 
     def _call(self, modifier: str, text: str | None, option: str) -> str | None:
-        """Another controller, called as the actions call it."""
+        """Return another controller's name, written as the actions call it."""
         steps = (*self._steps, modifier, option) if option else (*self._steps, modifier)
         parsed = None if text is None else self._context.parse(text, steps)
         return None if parsed is None else str(parsed)

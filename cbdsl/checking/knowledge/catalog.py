@@ -1,4 +1,4 @@
-"""Catalog documents against their robot and the programs of their actions."""
+"""Checks of catalog documents against their robot and the programs of their actions."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from cbdsl.robot.pair_names import pair_resource
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
-# Of the largest element: what rounding to nine digits may take from each element.
+# Possible error of an element rounded to nine digits, as a share of the largest element.
 _ROUNDING = 5e-9
 
 
 def examine_catalog(loaded: Loaded[CatalogDocument], session: Session, findings: Findings) -> None:
-    """Check a catalog: its programs are there, its models are Gaussians of its robot's signals."""
+    """Check that a catalog's programs exist and its models are Gaussians of its robot's signals."""
     if loaded.faults:
-        return  # a model makes sense as a whole
+        return  # a model with missing parts cannot be checked
     document, source, library = loaded.document, loaded.source, session.library
     path = find_document(RobotDocument, document.robot, source.place("robot"), library, findings)
     body = session.body(path, findings)
@@ -43,15 +43,15 @@ def check_affordance(
     body: CheckedRobot | None,
     findings: Findings,
 ) -> None:
-    """Check what is known of one action: its program, its signals, its models.
+    """Check the data of one action: its program, its signals and its models.
 
     Args:
-        loaded: document that it stands in.
-        steps: its path there.
-        affordance: what is known.
-        session: finds programs.
-        body: the robot, if that can be used.
-        findings: where findings go.
+        loaded: Document with the action.
+        steps: Path of the action.
+        affordance: Data of the action.
+        session: Session that finds programs.
+        body: Robot, or ``None`` if it cannot be used.
+        findings: Diagnostics so far.
     """
     _check_program(loaded.source, steps, affordance, session, findings)
     if body is not None:
@@ -71,7 +71,7 @@ def _check_program(
     session: Session,
     findings: Findings,
 ) -> None:
-    """The program of an action is there, and has the parameters that it is given."""
+    """Check that the program of an action exists and has the given parameters."""
     place = source.place(*steps, "program")
     path = find_document(ProgramDocument, affordance.program, place, session.library, findings)
     read = session.read(path, ProgramDocument, findings)
@@ -91,7 +91,7 @@ def _check_signals(
     body: CheckedRobot,
     findings: Findings,
 ) -> None:
-    """The features are signals of the robot, of their units and sizes."""
+    """Check that the features are signals of the robot with matching units and sizes."""
     for key, feature in affordance.features.items():
         steps = (*at, "features", key)
         named = body.resources
@@ -119,7 +119,7 @@ def _check_model(
     model: SampleModel,
     findings: Findings,
 ) -> None:
-    """A model has the components of the features, and a covariance that samples can have."""
+    """Check that a model has the features' components and a valid covariance."""
     wanted = sum(feature.components for feature in affordance.features.values())
     if wanted != len(model.mean):
         details = {"wanted": count(wanted, "component"), "found": f"{len(model.mean)}"}

@@ -1,4 +1,4 @@
-"""Digests of programs with all that they are made of."""
+"""Digests of programs and of all documents that they use."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from cbdsl.yaml_text.library import Library
 if TYPE_CHECKING:
     from cbdsl.documents.schema import SchemaDocument
 
-# Of the program itself: what is learned stands in for its policy, on whatever stage, and holds for
-# the resources that it was learned with, whatever else might take their place.
+# Excluded keys of the program itself: the learned policy replaces its policy, and holds on any
+# stage, for the resources that it was learned with.
 _BESIDE_THE_POINT = ("policy", "stage", "resources")
-# Of a learned policy: how it was learned.
+# Excluded keys of a learned policy: the history of its learning.
 _HISTORY = ("values", "transitions", "curve", "provenance")
 
 
 def program_digest(path: Path, library: Library) -> ProgramDigest:
-    """Digest of a program with all that it uses.
+    """Return the digest of a program with all documents that it uses.
 
     Args:
-        path: the file of a program without findings.
-        library: where documents are found by name.
+        path: File of a program without findings.
+        library: Library that finds documents by name.
     """
     document = library.read(path, ProgramDocument).document
     whole = digest(document, _BESIDE_THE_POINT) + _parts(document, path, library)
@@ -40,18 +40,18 @@ def program_digest(path: Path, library: Library) -> ProgramDigest:
 
 
 def policy_digest(name: str, beside: Path, library: Library) -> str:
-    """SHA-256 of what a learned policy does, with the models that belong to it.
+    """Return the SHA-256 of a learned policy's behaviour, with the models that belong to it.
 
     Args:
-        name: the policy's.
-        beside: a document that names it.
-        library: where it is found by name.
+        name: Name of the policy.
+        beside: Document that names it.
+        library: Library that finds it by name.
     """
     return digest_of_text(_learned(name, beside, library))
 
 
 def _policies(document: ProgramDocument, path: Path, library: Library) -> Iterator[str]:
-    """Names of the learned policies that a program and the programs that it uses run under."""
+    """Yield the names of the learned policies of a program and of the programs that it uses."""
     for use in document.use.values():
         if use.schema_ is not None:
             yield _read_schema(use.schema_, path, library).policy
@@ -77,7 +77,7 @@ def _parts(document: ProgramDocument, path: Path, library: Library) -> str:
 
 
 def _allocated(program: str, name: str, beside: Path, library: Library) -> str:
-    """Digest of a used program with the schema that allocates it, and the policy of that."""
+    """Return the digest of a used program with its allocating schema and the schema's policy."""
     schema = _read_schema(name, beside, library)
     return digest(schema, _HISTORY) + _whole(program, schema.policy, beside, library)
 
@@ -90,7 +90,7 @@ def _read_schema(name: str, beside: Path, library: Library) -> SchemaDocument:
 
 
 def _whole(program: str, policy: str, beside: Path, library: Library) -> str:
-    """Digest of a used program with its policy, its own or another, which matters here."""
+    """Return the digest of a used program with its policy, which is its own or another."""
     path = _document_file(ProgramDocument, program, beside, library)
     document = library.read(path, ProgramDocument).document
     own = digest(document, _BESIDE_THE_POINT if policy else ("stage", "resources"))
@@ -102,7 +102,7 @@ def _whole(program: str, policy: str, beside: Path, library: Library) -> str:
 
 
 def _learned(name: str, beside: Path, library: Library) -> str:
-    """Digest of a policy with the models that belong to it."""
+    """Return the digest of a policy with the models that belong to it."""
     path = _document_file(PolicyDocument, name, beside, library)
     document = library.read(path, PolicyDocument).document
     models = (

@@ -16,12 +16,12 @@ _ALWAYS_KNOWN = frozenset({Origin.PROPRIOCEPTION, Origin.KINEMATICS, Origin.CONS
 
 
 def reads_what_is_known(controller: Controller) -> bool:
-    """Whether all that a controller reads is there at any time."""
+    """Return whether all resources that a controller reads are available at any time."""
     return all(resource.origin in _ALWAYS_KNOWN for resource in controller.resources)
 
 
 def is_always_defined(controller: Controller) -> bool:
-    """Whether the potential of a controller can be computed at any time, as is certain for some."""
+    """Return whether the potential of a controller can certainly be computed at any time."""
     waits = (controller.standoff, controller.requires, controller.onset)
     is_residual = POTENTIALS[controller.potential].residual
     return is_residual and not any(waits) and reads_what_is_known(controller)
@@ -30,13 +30,13 @@ def is_always_defined(controller: Controller) -> bool:
 def check_possible(
     policy: Iterable[str], program: CheckedProgram, source: SourceMap, findings: Findings
 ) -> None:
-    """Warn of states in which a controller is undefined that never is.
+    """Warn of states in which an always defined controller is undefined.
 
     Args:
-        policy: its patterns, each as long as the program's states.
-        program: what the letters are of.
-        source: where the policy stands.
-        findings: where findings go.
+        policy: Patterns, each as long as the program's states.
+        program: Program whose members the letters stand for.
+        source: Source map of the policy.
+        findings: Diagnostics so far.
     """
     leads = {name: primitive.lead for name, primitive in program.primitives.items()}
     known = {name for name, lead in leads.items() if is_always_defined(lead)}

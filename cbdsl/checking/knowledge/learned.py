@@ -1,4 +1,4 @@
-"""Policies apart from their programs: whether they fit, and programs that run under them."""
+"""Policies in their own documents: whether they fit, and programs that run under them."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from cbdsl.yaml_text.source_map import Step
 def with_policy(
     program: CheckedProgram, loaded: Loaded[PolicyDocument], library: Library
 ) -> CheckedProgram:
-    """A program under another policy, drawing from the internal models that belong to that.
+    """Return a program under another policy, which draws from that policy's internal models.
 
     Args:
-        program: the program that the policy serves.
-        loaded: a policy without findings.
-        library: where its models are found by name.
+        program: Program that the policy serves.
+        loaded: Policy without findings.
+        library: Library that finds its models by name.
     """
     sources = {}
     for name, model in loaded.document.models.items():
@@ -49,7 +49,7 @@ def check_policy(
     session: Session,
     findings: Findings,
 ) -> None:
-    """Check a policy against the program that it serves; findings gather in ``findings``."""
+    """Check a policy against the program that it serves, and collect ``findings``."""
     _PolicyCheck(loaded, program, session, findings).check(program_file)
 
 
@@ -82,8 +82,8 @@ class _PolicyCheck:
             self._model(name, model, known)
 
     def _unchanged(self, program_file: Path) -> None:
-        """A policy that was learned for one program says nothing about another."""
-        from cbdsl.checking.knowledge.digest import program_digest  # only what was learned needs it
+        """Check that the program is the one for which the policy was learned."""
+        from cbdsl.checking.knowledge.digest import program_digest  # only learned policies need it
 
         provenance = self._document.provenance
         if provenance is None:
@@ -116,7 +116,7 @@ class _PolicyCheck:
             self._findings.add("CB613", place, names=self._actions, name=action)
 
     def _observed(self) -> None:
-        """The states and actions of what was learned on the way."""
+        """Check the states and actions in the recorded values and transitions."""
         for key, by_state in (
             ("values", self._document.values),
             ("transitions", self._document.transitions),

@@ -1,4 +1,4 @@
-"""Meta-catalog documents: things that there are, and pairs of them."""
+"""Checks of meta-catalog documents: their things, and pairs of these."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from cbdsl.yaml_text.loaded import Loaded
 def examine_meta_catalog(
     loaded: Loaded[MetaCatalogDocument], session: Session, findings: Findings
 ) -> None:
-    """Check a meta-catalog: its things are known, and its pairs are of two of them, each once."""
+    """Check that a meta-catalog's things are known, and its pairs join two of them, each once."""
     if loaded.faults:
-        return  # a graph makes sense as a whole
+        return  # a graph with missing parts cannot be checked
     document, source, library = loaded.document, loaded.source, session.library
     path = find_document(RobotDocument, document.robot, source.place("robot"), library, findings)
     body = session.body(path, findings)
@@ -41,7 +41,7 @@ def _check_thing(
     body: CheckedRobot | None,
     findings: Findings,
 ) -> None:
-    """A thing is known by a channel that there is, as its own catalog has it."""
+    """Check that the robot has a thing's channel, and that the thing's catalog has the same one."""
     source = loaded.source
     if body is not None:
         channels = body.document.vision.channels
@@ -62,13 +62,13 @@ def _check_thing(
 
 
 def _same(one: str, other: str, body: CheckedRobot | None) -> bool:
-    """Whether two names are of the same channel."""
+    """Return whether two names mean the same channel."""
     aliases = {} if body is None else body.document.vision.channels.aliases
     return aliases.get(one, one) == aliases.get(other, other)
 
 
 def _check_ends(loaded: Loaded[MetaCatalogDocument], findings: Findings) -> None:
-    """A pair is of two things of the document, and is there once."""
+    """Check that each pair joins two things of the document, and occurs once."""
     document, source = loaded.document, loaded.source
     known: dict[tuple[str, str, str], str] = {}
     for name, pair in document.pairs.items():

@@ -1,4 +1,4 @@
-"""Model documents against their robots, and what programs can name of them."""
+"""Checks of model documents against their robots, and the resources that they define."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from cbdsl.yaml_text.source_map import Step
 def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Findings) -> None:
     """Check a model against its robot."""
     if loaded.faults:
-        return  # a density makes sense as a whole
+        return  # a density with missing parts cannot be checked
     name, place = loaded.document.robot, loaded.source.place("robot")
     path = find_document(RobotDocument, name, place, session.library, findings)
     body = session.body(path, findings)
@@ -32,10 +32,10 @@ def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Fin
 def model_resources(
     alias: str, loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings
 ) -> tuple[Resource, ...]:
-    """Resources of a program, none where the model does not fit.
+    """Return the resources of a model for a program; none if the model does not fit.
 
-    ``<effector>.<alias>``, and of the background of a channel ``novel.<channel>``, under the other
-    names of the channel, too.
+    They are ``<effector>.<alias>`` and, for the background of a channel, ``novel.<channel>``, also
+    under the other names of the channel.
     """
     if not _fits(loaded, body, findings):
         return ()
@@ -55,7 +55,7 @@ def model_resources(
 
 
 def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
-    """Whether a model's effector is there, and has what the model has numbers for."""
+    """Return whether the robot has a model's effector, with as many coordinates as the model."""
     document, source, robot = loaded.document, loaded.source, body.document
     names = [*robot.effectors, *robot.groups]
     if document.effector not in names:
@@ -84,10 +84,10 @@ def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings)
 
 
 def _is_background(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
-    """Whether a channel is one of the robot's, and the effector what moves its cameras."""
+    """Return whether the robot has a model's channel, and its effector moves a camera."""
     document, robot = loaded.document, body.document
     channels = robot.vision.channels
-    # What moves is seen by cameras that rest, and is in no direction that could be expected.
+    # Resting cameras see motion, which has no expected direction.
     known = [name for name in (*channel_names(channels), *channels.aliases) if name != "motion"]
     if not robot.cameras or document.channel not in known:
         place = loaded.source.place("channel")
@@ -96,7 +96,7 @@ def _is_background(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: 
         return False
     links = [camera.link for camera in robot.cameras.values()]
     if body.model is None or not body.model.links.issuperset(links):
-        return True  # as far as anybody can tell
+        return True  # as far as the model is known
     moving = [
         name
         for name in (*robot.effectors, *robot.groups)
@@ -110,13 +110,13 @@ def _is_background(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: 
 
 
 def _has_a_tip(name: str, robot: RobotDocument) -> bool:
-    """Whether a name is that of an effector with one tip, which has a position."""
+    """Return whether a name is an effector's with one tip, which has a position."""
     effector = robot.effectors.get(name)
     return effector is not None and effector.tip is not None
 
 
 def _lengths(document: ModelDocument) -> list[tuple[tuple[Step, ...], int]]:
-    """How many angles each part of a density has."""
+    """Return the number of coordinates of each part of a density, with its path."""
     density = document.density
     if isinstance(density, Gaussian):
         return [

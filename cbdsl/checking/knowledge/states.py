@@ -10,9 +10,9 @@ from cbdsl.errors.diagnostic import Place
 from cbdsl.types.state import ANY, PREDICATES, matches, overlap, split
 from cbdsl.yaml_text.source_map import SourceMap
 
-# What is written for a predicate, and looks or sounds like it.
+# Letters that are easily mistaken for the letter of a predicate, with the intended letter.
 _MEANT = {"x": "X", "o": "0", "O": "0", "l": "1", "I": "1", "_": "-", "?": ANY}
-# Enough for every policy that a person wrote; a document made on purpose needs any number.
+# Enough for each policy written by hand; a malicious document needs any number.
 _MOST_SPLITS = 1_000
 _MOST_LETTERS = 1_000_000
 
@@ -23,17 +23,17 @@ def check_states(
     """Check the patterns of a policy.
 
     Args:
-        policy: canonical action by pattern.
-        members: what the letters of a state are of, or ``None`` where nobody knows.
-        source: where the policy stands.
-        findings: where findings go.
+        policy: Canonical action by pattern.
+        members: Predicates that the letters of a state stand for; ``None`` if unknown.
+        source: Source map of the policy.
+        findings: Diagnostics so far.
     """
     sound = {
         pattern: action
         for pattern, action in policy.items()
         if is_sound(pattern, members, source.key("policy", pattern), findings)
     }
-    # A pattern that was left out, or is none, may be what decides between others.
+    # A pattern that was left out, or is invalid, may decide between others.
     is_whole = source.is_whole("policy") and len(sound) == len(policy)
     if members is None or not is_whole:
         return
@@ -51,7 +51,7 @@ def check_states(
 def _contradictions(
     sound: Mapping[str, str], patience: _Patience
 ) -> Iterator[tuple[str, str, str]]:
-    """Each pattern that contradicts an earlier one, that one, and a state that both match."""
+    """Yield each pattern that contradicts an earlier one, the earlier one, and a shared state."""
     equally_close: dict[int, list[str]] = {}
     for pattern in sound:
         equally_close.setdefault(pattern.count(ANY), []).append(pattern)
@@ -71,7 +71,7 @@ def _contradictions(
 
 
 def _idle(sound: Mapping[str, str], patience: _Patience) -> Iterator[str]:
-    """Patterns whose states are all decided by patterns with fewer stars."""
+    """Yield the patterns whose states are all decided by patterns with fewer stars."""
     open_ones = [pattern for pattern in sound if ANY in pattern]
     if len(open_ones) * sum(len(pattern) for pattern in sound) > _MOST_LETTERS:
         return
@@ -85,13 +85,13 @@ def _idle(sound: Mapping[str, str], patience: _Patience) -> Iterator[str]:
 
 
 def is_sound(pattern: str, members: Sequence[str] | None, place: Place, findings: Findings) -> bool:
-    """Whether a pattern has known letters, one for each member; what is wrong is reported.
+    """Return whether a pattern has a known letter for each member, and report errors.
 
     Args:
-        pattern: of states.
-        members: what the letters are of, or ``None`` where nobody knows.
-        place: where it stands.
-        findings: where findings go.
+        pattern: Pattern of states.
+        members: Predicates that the letters stand for; ``None`` if unknown.
+        place: Place of the pattern.
+        findings: Diagnostics so far.
     """
     wrong = [letter for letter in pattern if letter not in PREDICATES + ANY]
     if wrong:
@@ -110,7 +110,7 @@ def is_sound(pattern: str, members: Sequence[str] | None, place: Place, findings
 
 
 def _bits(pattern: str) -> int:
-    """A pattern as a number of four bits per letter, one for each letter that it allows."""
+    """Return a pattern as a number of four bits per letter, one for each letter that it allows."""
     bits = 0
     for letter in pattern:
         bits = bits << 4 | (15 if letter == ANY else 1 << PREDICATES.index(letter))
@@ -122,32 +122,32 @@ def _ones(letters: int) -> int:
 
 
 def _meet(one: int, other: int, ones: int) -> bool:
-    """Whether some state matches both: every letter leaves a bit."""
+    """Return whether some state matches both patterns: each letter has a bit in common."""
     both = one & other
     return (both | both >> 1 | both >> 2 | both >> 3) & ones == ones
 
 
 class _Patience:
-    """How often a region may still be split: to cover one with others is a hard problem."""
+    """Budget of splits of a region, because the cover of a region by others is a hard problem."""
 
     def __init__(self, splits: int) -> None:
         self._splits = splits
 
     @property
     def has_ended(self) -> bool:
-        """Whether there have been too many splits."""
+        """True if there have been too many splits."""
         return self._splits < 0
 
     def ends(self) -> bool:
-        """Count a split; whether there have been too many."""
+        """Count a split, and return whether there have been too many."""
         self._splits -= 1
         return self.has_ended
 
 
 def _left_over(region: str, covers: Sequence[str], patience: _Patience) -> str | None:
-    """A part of a region that no cover touches, or ``None`` where they cover all of it.
+    """Return a part of a region that no cover touches, or ``None`` if they cover all of it.
 
-    Where patience ends, the region counts as covered.
+    When patience ends, the region counts as covered.
     """
     if patience.ends():
         return None

@@ -1,4 +1,4 @@
-"""Documents by name; where there is none, those that would do are proposed."""
+"""Search for documents by name, with proposals for a name that is unknown."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ def find_document(
     robot: str | None = None,
     own: str = "",
 ) -> Path | None:
-    """The file of a document; that there is none is reported, unless nobody knows its name.
+    """Return the file of a document, or report it as missing unless its name is unknown.
 
     Args:
-        kind: the kind of document that is wanted.
-        name: its name.
-        place: where that is written.
-        library: where documents are found by name.
-        findings: where the finding goes.
-        robot: the robot that the document has to be for, if that is known.
-        own: the name of the document itself, where it cannot be what is meant.
+        kind: Kind of the document.
+        name: Name of the document.
+        place: Place of that name.
+        library: Library that finds documents by name.
+        findings: Diagnostics so far.
+        robot: Required robot of the document, or ``None`` if unknown.
+        own: Name of the referring document, if it cannot be meant.
     """
     beside = Path(place.file)
     path = None if name is UNKNOWN else library.find(kind, name, beside)
@@ -47,20 +47,20 @@ def find_document(
 
 
 def first_stage(kind: type[Document], robot: str) -> str:
-    """How to come by a stage of a robot that has none; nothing for other kinds of documents."""
+    """Return how to create a robot's first stage; empty for other kinds of documents."""
     if kind_name(kind) != "stage":
         return ""
     return f"; robot '{robot}' has none yet, and cb new stage NAME --robot {robot} writes one"
 
 
 def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Library) -> list[str]:
-    """The names of the documents of a kind that are for a robot.
+    """Return the names of the documents of a kind that are for a robot.
 
     Args:
-        kind: of those documents; none is for a robot where its kind refers to none.
-        robot: the robot's name.
-        beside: the file that would name them, if there is one.
-        library: where documents are found by name.
+        kind: Kind of the documents; if it has no reference to a robot, no document suits.
+        robot: Robot's name.
+        beside: File that would name them, if there is one.
+        library: Library that finds documents by name.
     """
     suitable = []
     key = next((k for k, of in kind_of(kind).references.items() if of == "robot"), "")

@@ -1,4 +1,4 @@
-"""Compositions in a document: parsed, or reported where they are none."""
+"""Parsing of a document's compositions, with reports of syntax errors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _CALLED = ("controllers", "use")
 def parse_at(
     text: str, source: SourceMap, steps: tuple[Step, ...], findings: Findings
 ) -> Expression | None:
-    """The composition at a path, or ``None`` where it is none."""
+    """Return the composition at a path, or ``None`` if the text is not valid."""
     try:
         return parse(text)
     except LookAlikeError as error:
@@ -31,7 +31,7 @@ def parse_at(
 
 
 def ends_within_a_call(text: str) -> bool:
-    """Whether a bracket is not closed, as in the first part of ``[look(sat_10, head)]``."""
+    """Return whether a bracket is not closed, as in the first part of ``[look(sat_10, head)]``."""
     return text.count("(") > text.count(")")
 
 
@@ -41,5 +41,5 @@ def _is_before_a_comma(source: SourceMap, steps: tuple[Step, ...]) -> bool:
 
 
 def _is_of_a_faulty_name(text: str, source: SourceMap) -> bool:
-    """Whether a text mentions a key such as ``track-it``, which was reported where it stands."""
+    """Return whether a text mentions an invalid key such as ``track-it``, reported elsewhere."""
     return any(key in text and not key.isidentifier() for key in source.broken.keys(_CALLED))

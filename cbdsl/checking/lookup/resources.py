@@ -1,4 +1,4 @@
-"""Names of resources that a robot does not have: each mistake is told once, where it was made."""
+"""Reports of unknown resource names: each mistake once, at its origin."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ Steps = tuple[Step, ...]
 
 
 class MissingResources:
-    """Reports the resources that one program names and its robot does not have.
+    """Reporter of resources that one program names and its robot does not have.
 
     Args:
-        robot: the robot's name.
-        known: the names of its resources, and of the program's internal models.
-        source: the program's text.
-        findings: where findings go.
+        robot: Robot's name.
+        known: Names of its resources, and of the program's internal models.
+        source: Source map of the program.
+        findings: Diagnostics so far.
 
     Attributes:
-        parameters: those parameters of the program whose values name nothing.
+        parameters: Parameters of the program whose values name no resource.
     """
 
     def __init__(
@@ -42,13 +42,13 @@ class MissingResources:
         self.parameters: set[str] = set()
 
     def report(self, text: str, name: str, steps: Steps, scope: Scope) -> None:
-        """Report that there is no such resource.
+        """Report that a resource does not exist.
 
         Args:
-            text: what the document says.
-            name: the same with its parameters replaced.
-            steps: path of the text.
-            scope: values of the parameters.
+            text: Name as written in the document.
+            name: Name with its parameters replaced.
+            steps: Path of the text.
+            scope: Values of the parameters.
         """
         values = {parameter: scope.values[parameter] for parameter in parameters_in(text)}
         parts = {part for known in self._known for part in known.split(".")}
@@ -63,7 +63,7 @@ class MissingResources:
     def _value(
         self, parameter: str, value: str, text: str, name: str, steps: Steps, scope: Scope
     ) -> None:
-        """Report the value of a parameter, where it stands if that is in this document."""
+        """Report the value of a parameter, at its definition if that is in this document."""
         there, here = scope.place(parameter), self._source.place(*steps)
         self.parameters.add(parameter)
         related = [] if there is None else [(here, f"here '${parameter}' stands for it")]
@@ -72,14 +72,14 @@ class MissingResources:
         self._add(there or here, names=names, related=related, **details)
 
     def _values_of(self, parameter: str, text: str, scope: Scope) -> list[str]:
-        """The values of a parameter with which a text names a resource."""
+        """Return the values of a parameter with which a text names a resource."""
         others = {name: value for name, value in scope.values.items() if name != parameter}
         written = re.escape(text).replace(rf"\${parameter}", "(.+)", 1)
         for name, value in others.items():
             written = re.sub(rf"\\\${name}\b", re.escape(value), written)
         matches = (re.fullmatch(written, name) for name in self._known)
         values = list(dict.fromkeys(match[1] for match in matches if match))
-        # More than the first part of a name is what a text adds to a parameter.
+        # A text adds all but the first part of a name to its parameter.
         return [value for value in values if "." not in value] or values
 
     def _name(self, text: str, name: str, steps: Steps, scope: Scope) -> None:
@@ -88,7 +88,7 @@ class MissingResources:
         siblings = [known for known in self._known if known.split(".")[0] == first]
         channel = name.partition(".")[2]
         if first == NOVEL and f"{CYCLOPEAN}.{channel}" in self._known:
-            if self._source.is_whole("models"):  # else a faulty model may be that of this channel
+            if self._source.is_whole("models"):  # otherwise an invalid model may be of this channel
                 self._findings.add("CB674", place, names=siblings, name=name, channel=channel)
             return
         if siblings and _is_load(name) and not any(map(_is_load, siblings)):
@@ -105,7 +105,7 @@ class MissingResources:
         elif siblings:
             self._add(place, names=siblings, candidates=list(self._known), **details)
         else:
-            # Everything that begins with an unknown name is one mistake.
+            # Report all names with the same unknown first part as one mistake.
             firsts = [*(("here",) if steps[-1:] == ("reference",) else ()), *self._firsts()]
             candidates = firsts if "." in name else [*firsts, *self._known]
             self._add(place, names=firsts, candidates=candidates, given=first, **details)
@@ -114,7 +114,7 @@ class MissingResources:
         self._findings.add("CB501", place, hint=hint, **details)
 
     def _is_alias(self, name: str, siblings: Collection[str]) -> bool:
-        """Whether a name may be meant as an alias: of a channel, and like no other."""
+        """Return whether a name may be a channel's alias, because it resembles no other name."""
         part, parts = name.partition(".")[2], [known.partition(".")[2] for known in siblings]
         are_channels = any(known == "motion" or known.startswith("hue_") for known in parts)
         return are_channels and bool(part) and nearest_name(part, parts) is None
@@ -123,7 +123,7 @@ class MissingResources:
         return list(dict.fromkeys(known.split(".")[0] for known in self._known))
 
     def _with_sign(self, text: str, scope: Scope) -> str | None:
-        """The text with a ``$`` before what is a parameter, if that names a resource."""
+        """Return the text with a ``$`` before each parameter, if that names a resource."""
         parts = text.split(".")
         signed = ".".join(f"${part}" if part in scope.values else part for part in parts)
         if signed == text:
@@ -133,5 +133,5 @@ class MissingResources:
 
 
 def _is_load(name: str) -> bool:
-    """Whether a resource's name is that of a force or torque."""
+    """Return whether a resource's name is that of a force or torque."""
     return name.endswith((".force", ".torque", ".wrench", ".finger_forces"))

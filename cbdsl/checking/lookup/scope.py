@@ -1,4 +1,4 @@
-"""The parameters that are known at one point of a program."""
+"""Parameters that are defined at one point of a program."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.source_map import SourceMap, Step
 from cbdsl.yaml_text.unknown import UNKNOWN, Declared
 
-# Values made of values would double in length from program to program.
+# Values that refer to values could double in length from program to program.
 _LONGEST = 1_000
 _PARAMETER = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*)")
 _NEGATED = re.compile(r"(^|[\[,])(\s*)-\$([A-Za-z][A-Za-z0-9_]*)")
 
 
 class Scope:
-    """Values of parameters, and which of them were asked for.
+    """Values of parameters, and the names of the used ones.
 
     Args:
-        values: value by name.
-        places: where values stand in the document, by name; others come from outside.
-        used: what ``used`` begins with.
+        values: Value by name.
+        places: Places of values in the document, by name; other values come from outside.
+        used: Initial set of used names.
 
     Attributes:
-        values: value by name.
-        used: names that some text referred to; shared with the scopes inside.
+        values: Value by name.
+        used: Names that some text referred to; shared with the scopes inside.
     """
 
     def __init__(
@@ -40,11 +40,11 @@ class Scope:
         self.used: set[str] = set() if used is None else used
 
     def place(self, name: str) -> Place | None:
-        """Where a parameter's value stands, or ``None`` where it came from outside."""
+        """Return the place of a parameter's value, or ``None`` if it came from outside."""
         return self._places.get(name)
 
     def inside(self, values: Mapping[str, str], places: Mapping[str, Place]) -> Scope:
-        """This scope with further parameters, which hide those of the same name."""
+        """Return this scope with further parameters, which hide those of the same name."""
         visible = self.used if not values else _Hiding(self.used, frozenset(values))
         outer = {name: place for name, place in self._places.items() if name not in values}
         return Scope(self.values.extended(values), {**outer, **places}, visible)
@@ -57,17 +57,17 @@ class Scope:
         findings: Findings,
         offset: int = 0,
     ) -> str | None:
-        """A text with ``$name`` replaced by values.
+        """Return a text with ``$name`` replaced by values.
 
         Args:
-            text: what is to be replaced in.
-            source: the document that holds the text.
-            steps: path of the value that holds it.
-            findings: where unknown parameters go.
-            offset: where in that value the text begins, from 0.
+            text: Text with parameters.
+            source: Source map of the document that holds the text.
+            steps: Path of the value that holds it.
+            findings: Diagnostics so far.
+            offset: Index in that value at which the text begins, from 0.
 
         Returns:
-            ``None`` where a parameter is unknown, or the text would be too long.
+            Text, or ``None`` if a parameter is unknown or the text would be too long.
         """
         known, length = True, 0
         for match in _PARAMETER.finditer(text):
@@ -89,18 +89,18 @@ class Scope:
         return _PARAMETER.sub(lambda match: self.values[match[1]], text)
 
     def _negated(self, match: re.Match[str]) -> str:
-        """A quantity with the other sign: minus a negative one has none."""
+        """Return a quantity with the opposite sign: the two signs of a negative quantity cancel."""
         value = self.values[match[3]].lstrip()
         return f"{match[1]}{match[2]}{value[1:]}" if value.startswith("-") else match[0]
 
 
 def parameters_in(text: str) -> list[str]:
-    """The names of the parameters that a text refers to."""
+    """Return the names of the parameters that a text refers to."""
     return [match[1] for match in _PARAMETER.finditer(text)]
 
 
 class _Hiding(set[str]):
-    """Passes on names to an outer set, except those that an inner scope hides."""
+    """Set that adds names to an outer set, except names that an inner scope hides."""
 
     def __init__(self, outer: set[str], hidden: frozenset[str]) -> None:
         super().__init__()

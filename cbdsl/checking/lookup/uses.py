@@ -1,4 +1,4 @@
-"""Which programs use which: whether one of them ends up in itself."""
+"""Uses of programs by programs, and circles among them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cbdsl.yaml_text.library import Library
 
 
 class Uses:
-    """The graph of programs, by their files: a name may differ from its file's."""
+    """Graph of programs by their files, because a name may differ from its file's."""
 
     def __init__(self, library: Library) -> None:
         self._library = library
@@ -17,16 +17,16 @@ class Uses:
         self._as_found: dict[Path, Path] = {}
 
     def find_path(self, start: Path, goal: Path) -> tuple[Path, ...]:
-        """The fewest uses that lead from one program to another, with both; empty for none.
+        """Return the shortest path of uses from one program to another, with both; empty for none.
 
         Args:
-            start: a program's file.
-            goal: another's; the same one is reached in no use at all.
+            start: File of a program.
+            goal: File of another program; if it is the same, the path has no use.
         """
         first, wanted = self._real(start), self._real(goal)
         before = {first: first}
         waiting = list(before)
-        for path in waiting:  # which grows
+        for path in waiting:  # the list grows
             if path == wanted:
                 return _traced(path, before)
             for used in self._uses(path):
@@ -36,7 +36,7 @@ class Uses:
         return ()
 
     def _uses(self, path: Path) -> tuple[Path, ...]:
-        """The programs that one uses, as far as they are there."""
+        """Return the files of the programs that one uses, as far as they exist."""
         if path not in self._used:
             self._used[path] = tuple(self._read(path))
         return self._used[path]
@@ -54,7 +54,7 @@ class Uses:
         return [self._real(file) for file in files if file is not None]
 
     def _real(self, path: Path) -> Path:
-        """The file itself; findings in it name it as it was found."""
+        """Return the resolved file; its findings name the file as it was found."""
         real = self._library.real(path)
         self._as_found.setdefault(real, path)
         return real

@@ -1,4 +1,4 @@
-"""Warnings of what is hardly meant by a robot, and notes on what is assumed of its model."""
+"""Warnings about implausible robot settings, and notes on assumptions about the robot's model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FASTEST = {"rad": 50.0, "m": 50.0}
 
 
 def check_speeds(loaded: Loaded[RobotDocument], findings: Findings) -> None:
-    """Warn of speeds that no robot has, as degrees that are taken for radians are."""
+    """Warn of implausibly high speeds, such as degrees that were read as radians."""
     control = loaded.document.control
     speeds: list[tuple[tuple[Step, ...], float, str]] = [
         (("control", "joint_speed"), control.joint_speed, "rad")
@@ -33,7 +33,7 @@ def check_speeds(loaded: Loaded[RobotDocument], findings: Findings) -> None:
 
 
 def check_meshes(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
-    """Warn of meshes that are not where the model says: engines that draw them refuse it."""
+    """Warn of missing mesh files; engines that draw meshes refuse such a model."""
     meshes = model.meshes
     if not meshes:
         return
@@ -48,7 +48,7 @@ def check_meshes(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Find
 
 
 def note_assumptions(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
-    """Tell of links that touch nothing, and of drives whose effort is taken to be unlimited."""
+    """Note links without collision geometry, and drives whose effort is taken to be unlimited."""
     robot, place = loaded.document, loaded.source.place("model")
     housings = {camera.link for camera in robot.cameras.values()}
     shapeless = [link for link in model.shapeless if link not in housings]
@@ -61,5 +61,5 @@ def note_assumptions(loaded: Loaded[RobotDocument], model: UrdfModel, findings: 
 
 
 def _is_unbounded(model: UrdfModel, robot: RobotDocument, joint: str) -> bool:
-    """Whether a joint's effort is 0 in the model, and nothing bounds it."""
+    """Return whether the model states an effort of 0 for a joint and the document sets no bound."""
     return model.joints[joint].zero_effort and joint not in robot.simulation.efforts

@@ -1,4 +1,4 @@
-"""A robot as programs see it: its document, its resources and what its model says."""
+"""Checked robot: its document, its resources and its URDF model."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ class CheckedRobot(NamedTuple):
     """A checked robot.
 
     Attributes:
-        loaded: its document.
-        resources: everything programs can name.
-        model: its URDF, or ``None`` where that cannot be read.
-        missed: names in its document of effectors and channels that are not there, and of what
-            lacks them; nobody can know the resources that begin or end with them.
-        idle: effectors with a tip that their joints, which are sound, do not move.
+        loaded: Document of the robot.
+        resources: Resources that programs can name.
+        model: URDF of the robot; ``None`` if it cannot be read.
+        missed: Undefined effectors and channels that the document names; groups and aliases that
+            contain them. The resources that begin or end with these names are unknown.
+        idle: Effectors with a tip that their joints, which are sound, do not move.
     """
 
     loaded: Loaded[RobotDocument]
@@ -68,11 +68,11 @@ class CheckedRobot(NamedTuple):
         return self.loaded.document
 
     def declaration(self, resource: Resource) -> Place:
-        """Where the robot's document says what a resource comes from."""
+        """Return the place in the robot's document that declares a resource."""
         return self.loaded.source.key(*self._declared(resource.source))
 
     def _declared(self, source: Source) -> tuple[Step, ...]:
-        """The path in the robot's document that gives rise to a resource."""
+        """Return the path in the robot's document that declares a resource."""
         match source:
             case Posture(effector=name, posture=posture) if name not in self.document.groups:
                 return ("effectors", name, "postures", posture)
@@ -113,13 +113,13 @@ class CheckedRobot(NamedTuple):
                 return ("groups" if name in self.document.groups else "effectors", name)
 
     def limits(self, joints: Iterable[str]) -> list[tuple[float, float] | None]:
-        """The limits of joints, rad, or ``None`` where the model does not tell."""
+        """Return the limits of joints, rad, with ``None`` for joints that the model lacks."""
         known = {} if self.model is None else self.model.joints
         turned = [known.get(joint) for joint in joints]
         return [None if joint is None else (joint.lower, joint.upper) for joint in turned]
 
     def effector_joints(self, resource: Resource) -> tuple[str, ...]:
-        """The actuated joints that an effector moves."""
+        """Return the actuated joints that an effector moves."""
         source = resource.source
         if isinstance(source, (EffectorConfiguration, Tip)):
             return self.document.joints(source.effector)
@@ -128,11 +128,11 @@ class CheckedRobot(NamedTuple):
         return ()
 
     def moves(self, effector: str, link: str) -> bool:
-        """Whether one of an effector's joints moves a link of the model."""
+        """Return whether one of an effector's joints moves a link of the model."""
         return not set(self.document.joints(effector)).isdisjoint(self._above(link))
 
     def moved_links(self, effector: str) -> list[str]:
-        """The links that an effector moves, those first which most of its joints move."""
+        """Return the links that an effector moves, most moved first, by its joints above them."""
         joints = set(self.document.joints(effector))
         links = () if self.model is None else self.model.links
         moving = {link: len(joints.intersection(self._above(link))) for link in links}
@@ -140,7 +140,7 @@ class CheckedRobot(NamedTuple):
         return sorted(moved, key=lambda link: (-moving[link], link))
 
     def with_idle_tips(self) -> Self:
-        """The same robot, of which ``idle`` is known."""
+        """Return a copy of the robot in which ``idle`` is set."""
         model, effectors = self.model, self.document.effectors
         sound = set() if model is None else set(model.movable)
         return self._replace(
@@ -153,7 +153,7 @@ class CheckedRobot(NamedTuple):
         )
 
     def influence(self, resource: Resource) -> frozenset[str] | None:
-        """The actuated joints that a resource depends on, or ``None`` where nobody can tell."""
+        """Return the actuated joints that a resource depends on, or ``None`` if unknown."""
         source = resource.source
         if isinstance(source, EffectorConfiguration):
             return frozenset(self.document.joints(source.effector))
@@ -171,7 +171,7 @@ class CheckedRobot(NamedTuple):
         return not self.idle.isdisjoint(self.document.members(name))
 
     def joints_of(self, resource: Resource, chain: Chain) -> frozenset[str]:
-        """The joints at the end of one of a resource's chains; empty where nobody can tell."""
+        """Return the joints at the end of one of a resource's chains; empty if they are unknown."""
         source, links = resource.source, None
         if RIGID_HOLD in chain:
             links = self._holding_links()
@@ -184,21 +184,21 @@ class CheckedRobot(NamedTuple):
         return frozenset(joint for link in links for joint in self._above(link))
 
     def has_rigid_cameras(self) -> bool:
-        """Whether no joint moves one camera and not the others, as far as the model tells."""
+        """Return whether all cameras move with the same joints; true if the model is unknown."""
         links = [camera.link for camera in self.document.cameras.values()]
         if self.model is None or not self.model.links.issuperset(links):
             return True
         return len({frozenset(self._above(link)) for link in links}) <= 1
 
     def has_tip(self, resource: Resource) -> bool:
-        """Whether an effector, or each member of a group, has a tip."""
+        """Return whether an effector, or each member of a group, has a tip."""
         source = resource.source
         return isinstance(source, EffectorConfiguration) and all(
             self.document.effectors[name].tip for name in self.document.members(source.effector)
         )
 
     def _links(self, source: Source) -> list[str]:
-        """The links that carry a signal's sensors, or what they sense."""
+        """Return the links that carry a signal's sensors or the sensed object."""
         robot = self.document
         match source:
             case Tip(effector=name) | Centroid(group=name) | Separation(group=name):
@@ -232,7 +232,7 @@ class CheckedRobot(NamedTuple):
         return [cell.link for hand in hands for cell in self.document.load_cells[hand].values()]
 
     def _holding_links(self) -> list[str]:
-        """Links of the tips whose hands feel that they hold what is seen, which moves with them."""
+        """Return the tip links of effectors with load cells, with which a held object moves."""
         sensed = {
             joint
             for link in self._cell_links(self.document.load_cells)

@@ -1,4 +1,4 @@
-"""The constants of a robot: signs, rates, and settings that defeat themselves."""
+"""Constants of a robot: signs, rates, and settings that have no effect."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _NOT_NEGATIVE: tuple[Steps, ...] = (
     ("vision", "regions", "ray_gap"),
     ("vision", "regions", "hand_radius"),
 )
-# Places and postures of the past are kept a little longer, s.
+# Past positions and postures are kept a little longer, s.
 _LATEST = 1.0
 _RATES: tuple[Steps, ...] = (
     ("control", "rate"),
@@ -43,7 +43,7 @@ _RATES: tuple[Steps, ...] = (
 
 
 def check_constants(loaded: Loaded[RobotDocument], findings: Findings) -> None:
-    """Check what can be said of a robot's numbers without its model."""
+    """Check the robot's numbers that can be checked without its model."""
     robot, source = loaded.document, loaded.source
     surfaces = range(len(robot.simulation.surfaces))
     positive = [
@@ -70,15 +70,15 @@ def check_signs(
     not_negative: list[Steps],
     findings: Findings,
 ) -> None:
-    """Report numbers of the wrong sign among those that the text gives.
+    """Report numbers in the text that have the wrong sign.
 
     Args:
-        document: a part of a document.
-        source: where the parts of the document stand.
-        steps: path of the part.
-        positive: paths in the part of what has to be above 0.
-        not_negative: paths in the part of what has to be 0 or above.
-        findings: where findings go.
+        document: Part of a document.
+        source: Source map of the document.
+        steps: Path of the part.
+        positive: Paths in the part, of values that have to be above 0.
+        not_negative: Paths in the part, of values that have to be 0 or above.
+        findings: Diagnostics so far.
     """
     for wanted, paths in (("greater than 0", positive), ("at least 0", not_negative)):
         for path in paths:
@@ -95,7 +95,7 @@ def _part(value: Any, step: Any) -> Any:
 
 
 def _rates(robot: RobotDocument, source: SourceMap, findings: Findings) -> None:
-    """The simulator takes whole steps per control period, and images come with a tick."""
+    """Check that physics steps fit into the control period, and images are no faster than ticks."""
     control, physics = robot.control.rate, robot.simulation.physics_rate
     ratio = physics / control
     rate: Steps = ("control", "rate")
@@ -124,7 +124,7 @@ def _tasks(robot: RobotDocument, source: SourceMap, findings: Findings) -> None:
 
 
 def check_margins(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
-    """Check that the margins of all joints leave something between them."""
+    """Check that the limit margin leaves a range to each joint."""
     robot, source = loaded.document, loaded.source
     margin = robot.control.limit_margin
     for name, effector in robot.effectors.items():

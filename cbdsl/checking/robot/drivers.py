@@ -17,7 +17,7 @@ from cbdsl.yaml_text.source_map import Step
 
 Steps = tuple[Step, ...]
 
-# Sections of a robot that have the names of a driver's.
+# Sections of a robot that define the names in a driver's section.
 _SECTIONS: dict[Step, tuple[str, ...]] = {
     "moves": ("effectors", "groups"),
     "joints": ("effectors", "groups"),
@@ -26,7 +26,7 @@ _SECTIONS: dict[Step, tuple[str, ...]] = {
     "camera_info": ("cameras",),
     "regions": ("cameras",),
 }
-# Words for the messages of an acceleration of joints that turn, and that slide.
+# Units in messages about accelerations of revolute and prismatic joints.
 _ACCELERATIONS = {"rad": "rad/s^2", "m": "m/s^2"}
 
 
@@ -96,7 +96,7 @@ class _DriverCheck:
                 self._known(name, (key, camera), camera, robot.cameras, "camera")
 
     def _reported(self, driver: Driver) -> list[str]:
-        """Return the joints whose states a driver has."""
+        """Return the joints whose states a driver reports."""
         robot = self._robot
         moved = [e for e in driver.moves if all(m in robot.effectors for m in robot.members(e))]
         return [joint for effector in moved or robot.effectors for joint in robot.joints(effector)]
@@ -105,7 +105,7 @@ class _DriverCheck:
         self, driver: str, steps: Steps, name: str, names: Collection[str], what: str
     ) -> None:
         source, path = self._source, ("drivers", driver, *steps)
-        # Names of a section with findings of its own are unknown.
+        # Skip names of a section that has findings of its own.
         if name not in names and all(source.is_whole(section) for section in _SECTIONS[steps[0]]):
             place = source.place(*path) if isinstance(steps[-1], int) else source.key(*path)
             self._findings.add("CB308", place, names=list(names), name=name, what=what)
@@ -126,7 +126,7 @@ class _DriverCheck:
                 )
 
     def _pairs(self, name: str, driver: Driver) -> None:
-        """Report keys of which one needs another."""
+        """Report keys that need another key."""
         if driver.moves and driver.commands is None:
             self._problem(name, ("moves",), "it has no 'commands' to move them by")
         if driver.commands is not None and not driver.moves:

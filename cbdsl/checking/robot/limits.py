@@ -1,4 +1,4 @@
-"""Joint limits in the unit of the position that is held against them."""
+"""Joint limits in the unit of the compared position."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from cbdsl.types.unit import UNITS, QuantityError, parse_quantity
 
 
 def unit_of(joint: UrdfJoint) -> str:
-    """The unit of a joint's position."""
+    """Return the unit of a joint's position."""
     return "m" if joint.slides else "rad"
 
 
 def is_of_another_kind(written: object, unit: str) -> bool:
-    """Whether a position is written as a length where the joint turns, or the other way round."""
+    """Return whether a position has the dimension of another kind of joint, such as m for rad."""
     try:
         given = parse_quantity(written)[1] if isinstance(written, str) else None
     except QuantityError:
@@ -23,13 +23,13 @@ def is_of_another_kind(written: object, unit: str) -> bool:
 def limit_details(
     written: object, angle: float, limits: tuple[float, float], unit: str = "rad"
 ) -> dict[str, str]:
-    """Details of messages about a position and the limits of its joint.
+    """Return details of messages about a position and the limits of its joint.
 
     Args:
-        written: the position in its document, whose unit is used; without one that of the joint.
-        angle: the position, rad or m.
-        limits: lower and upper, rad or m.
-        unit: of the joint.
+        written: Position as written in its document, whose unit is used if there is one.
+        angle: Position, rad or m.
+        limits: Lower and upper limit, rad or m.
+        unit: Unit of the joint's position, used if the position has none.
     """
     try:
         given = parse_quantity(written)[1] if isinstance(written, str) else None

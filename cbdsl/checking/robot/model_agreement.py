@@ -1,4 +1,4 @@
-"""Checks of a robot's model: passive joints, joints at rest, and bodies that cannot be."""
+"""Checks of a robot's model: passive joints, joints at rest, and impossible bodies."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cbdsl.yaml_text.loaded import Loaded
 
 
 def check_mimics(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
-    """Warn of joints that the model has follow another one than the document, or otherwise."""
+    """Warn of joints whose mimic element in the model disagrees with the document's coupling."""
     robot, source = loaded.document, loaded.source
     actuated = {joint for effector in robot.effectors.values() for joint in effector.joints}
     for joint in model.joints.values():
@@ -51,7 +51,7 @@ def _shift(offset: float) -> str:
 
 
 def note_rests(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
-    """Note joints that nothing drives, and that do not rest at 0."""
+    """Note undriven joints whose rest position is not 0."""
     robot = loaded.document
     driven = {joint for effector in robot.effectors.values() for joint in effector.joints}
     driven.update(robot.couplings)
@@ -70,7 +70,7 @@ def _position(joint: UrdfJoint, position: float) -> str:
 
 
 def check_bodies(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
-    """Warn of links with moments of inertia, or shapes, that no body has."""
+    """Warn of links with impossible moments of inertia or shapes."""
     place = loaded.source.place("model")
     try:
         inertias, flat = [*odd_inertias(model)], [*flat_shapes(model)]

@@ -1,4 +1,4 @@
-"""Names in a robot's document that mean something else already."""
+"""Names in a robot's document that already have another meaning."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TIP = ("position", "orientation", "pose")
 
 
 def check_names(loaded: Loaded[RobotDocument], findings: Findings) -> None:
-    """Report names of which programs could not tell what they mean."""
+    """Report ambiguous names, which programs could not resolve."""
     robot, source = loaded.document, loaded.source
     for steps, meaning in _taken(robot):
         findings.add("CB314", source.key(*steps), name=steps[-1], meaning=meaning)
@@ -30,7 +30,7 @@ def check_names(loaded: Loaded[RobotDocument], findings: Findings) -> None:
 
 
 def _taken(robot: RobotDocument) -> Iterator[tuple[Steps, str]]:
-    """Paths of keys that are names of something else, and what that is."""
+    """Yield the paths of keys with names that are taken, and the meaning of each name."""
     cameras = {name: f"camera '{name}'" for name in robot.cameras}
     sight = {**cameras, **_SIGHT} if robot.cameras else {}
     yield from ((("cameras", name), _SIGHT[name]) for name in robot.cameras if name in _SIGHT)

@@ -1,4 +1,4 @@
-"""Gains and windows against the control cycle that they have to live with."""
+"""Gains and windows compared with the control cycle."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ def check_gain(
     """Warn of a gain that takes a residual past 0 within a tick.
 
     Args:
-        gain: kappa, 1/s.
-        robot: has the control rate.
-        source: where the parts of the document stand.
-        steps: path of what has the gain.
-        findings: where findings go.
+        gain: Gain κ, 1/s.
+        robot: Robot with the control rate.
+        source: Source map of the document.
+        steps: Path of the section with the gain.
+        findings: Diagnostics so far.
     """
     if gain > _MOST_PER_TICK * robot.control.rate:
         most = f"{_MOST_PER_TICK * robot.control.rate:g}"
@@ -41,15 +41,15 @@ def check_window(
     steps: tuple[Step, ...],
     findings: Findings,
 ) -> None:
-    """Warn of a window of quiescence in which there are less than two measurements.
+    """Warn of a window of quiescence that contains less than two measurements.
 
     Args:
-        window: s.
-        seen: whether what is measured comes with the images.
-        robot: has the rates of control and images.
-        source: where the parts of the document stand.
-        steps: path of what has the quiescence.
-        findings: where findings go.
+        window: Window, s.
+        seen: True if the measured signal comes with the images.
+        robot: Robot with the rates of control and images.
+        source: Source map of the document.
+        steps: Path of the section with the quiescence.
+        findings: Diagnostics so far.
     """
     rate, what = robot.control.rate, "ticks"
     if seen and robot.vision.rate < rate:

@@ -1,4 +1,4 @@
-"""Robot documents against themselves and against their URDF models."""
+"""Checks of robot documents, alone and against their URDF models."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ Steps = tuple[Step, ...]
 
 
 def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedRobot:
-    """Check a robot's document; programs can be checked on it even where it has faults."""
+    """Check a robot's document, and return a robot for checking programs even if it has errors."""
     robot = loaded.document
     try:
         model: UrdfModel | None = read_urdf(loaded.path.parent / robot.model)
@@ -68,7 +68,7 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
 
 
 def _lacking(robot: RobotDocument, missed: Collection[str]) -> Iterator[str]:
-    """Names of the groups that lack effectors, and of the aliases that lack channels."""
+    """Yield the names of groups that lack effectors, and of aliases that lack channels."""
     for name, group in robot.groups.items():
         if any(member in missed for member in group.members):
             yield name
@@ -78,14 +78,14 @@ def _lacking(robot: RobotDocument, missed: Collection[str]) -> Iterator[str]:
 
 
 def _models_near(folder: Path) -> list[str]:
-    """URDF files in a folder, beside it, and one level below, as a robot's document names them."""
+    """Return URDF files in, beside and one level below a folder, as paths relative to it."""
     patterns = ("*.urdf", "*/*.urdf", "../*.urdf", "../*/*.urdf")
     models = {os.path.relpath(file, folder) for each in patterns for file in folder.glob(each)}
     return sorted(Path(file).as_posix() for file in models)
 
 
 def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
-    """Joints that an effector may have had in mind where it names one that is not there."""
+    """Return candidates for a misspelled effector joint: movable joints that no effector uses."""
     named = {joint for effector in robot.effectors.values() for joint in effector.joints}
     if model is None or named.issubset(model.movable):
         return frozenset()
@@ -93,7 +93,7 @@ def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
 
 
 def _unmovable(model: UrdfModel | None) -> frozenset[str]:
-    """Joints that are to be left out of effectors, which is reported for them."""
+    """Return the joints of unsupported types, which are reported when an effector has them."""
     joints = {} if model is None else model.joints
     return frozenset(name for name, joint in joints.items() if unsupported(joint) is not None)
 
@@ -102,10 +102,10 @@ class _RobotCheck:
     """Checks of a robot's document that need no model.
 
     Args:
-        loaded: the robot.
-        findings: where findings go.
-        unclaimed: names of joints that are not missed.
-        unmovable: names of joints that will have to go from effectors.
+        loaded: Robot.
+        findings: Diagnostics so far.
+        unclaimed: Names of joints that are not reported as missing.
+        unmovable: Names of joints that effectors cannot have.
     """
 
     def __init__(
@@ -237,7 +237,7 @@ class _ModelCheck:
         self._model = model
         named = {joint for effector in self._robot.effectors.values() for joint in effector.joints}
         self._free = [joint for joint in model.movable if joint not in named]
-        #: The joint that moves a link, by the link's name, where that is no joint's name as well.
+        #: Joint that moves a link, by the link's name, if no joint has the same name.
         self._movers = {
             joint.child: joint.name
             for joint in model.joints.values()
@@ -255,7 +255,7 @@ class _ModelCheck:
         self._axes()
 
     def _axes(self) -> None:
-        """Joints of the model move along or about something."""
+        """Check that the axis of each joint of the model has a direction."""
         for joint in self._model.joints.values():
             if not joint.directed:
                 model = self._model.path.name
@@ -274,7 +274,7 @@ class _ModelCheck:
             self._idle_tip(name, effector.tip.link)
 
     def _turning(self, steps: Steps, joints: Iterable[str], names: Sequence[str]) -> None:
-        """Joints that are passive, or have a torque, turn."""
+        """Check that passive joints, and joints with a torque, can move."""
         places = {joint: self._source.key(*steps, joint) for joint in joints}
         self._joints(places, lambda joint: None if joint.movable else unsupported(joint), names)
 
@@ -284,7 +284,7 @@ class _ModelCheck:
         obstacle: Callable[[UrdfJoint], UnsupportedJoint | None],
         names: Sequence[str],
     ) -> None:
-        """Joints of a list are there and can be moved; what several of them share is told once."""
+        """Report missing and immovable joints; joints with the same obstacle share one finding."""
         hindered: dict[UnsupportedJoint, list[str]] = {}
         self._links_for_joints({n: at for n, at in places.items() if n in self._movers})
         for name, place in places.items():
@@ -301,7 +301,7 @@ class _ModelCheck:
             self._findings.add("CB317", first, names=names, related=related, problem=problem)
 
     def _links_for_joints(self, places: Mapping[str, Place]) -> None:
-        """Where joints belong there are links: one mistake, however many there are."""
+        """Report all links that are named in place of joints, as one finding."""
         if not places:
             return
         (name, place), *others = places.items()
@@ -310,7 +310,7 @@ class _ModelCheck:
         self._findings.add("CB319", place, related=related, **details)
 
     def _idle_tip(self, effector: str, link: str) -> None:
-        """A tip that stays where it is whatever its effector does."""
+        """Report a tip that none of its effector's joints move."""
         place = self._source.place("effectors", effector, "tip", "link")
         links = self._body.moved_links(effector)
         self._findings.add("CB318", place, names=links, name=link, effector=effector)
@@ -326,7 +326,7 @@ class _ModelCheck:
                 self._missing("CB303", pattern, self._source.place(*steps), links)
 
     def _base(self) -> None:
-        """The simulator puts the root of the model at the world's origin."""
+        """Check that the base is the model's root, which the simulator puts at the origin."""
         base = self._robot.base
         for joint in self._model.joints.values():
             if joint.child == base:
@@ -351,7 +351,7 @@ class _ModelCheck:
                 yield ("sensors", name, "link"), sensor.link
 
     def _patterns(self) -> Iterator[tuple[Steps, str]]:
-        """Where links are named of which a trailing * matches any ending."""
+        """Yield the paths of link patterns, in which a trailing * matches any ending."""
         simulation = self._robot.simulation
         for i, surface in enumerate(simulation.surfaces):
             for j, pattern in enumerate(surface.links):
@@ -368,13 +368,13 @@ class _ModelCheck:
     def _missing(self, code: str, name: str, place: Place, names: Sequence[str]) -> None:
         everything = [*self._model.joints] if code == "CB302" else names
         joint = self._model.joints.get(name)
-        # Whoever names a joint where a link belongs means the link that it moves.
+        # A joint's name in place of a link's most likely means the link that the joint moves.
         given = name if joint is None else joint.child
         hints = {"names": names, "candidates": names or everything, "given": given}
         self._findings.add(code, place, **hints, name=name, model=self._model.path.name)
 
     def _resolution(self, name: str, effector: Effector) -> None:
-        """An effector's encoders have steps of the kind of its joints' positions."""
+        """Check that an effector's encoder resolution has the unit of its joints' positions."""
         steps = "effectors", name, "resolution"
         if not self._source.holds(*steps):
             return
@@ -403,6 +403,6 @@ class _ModelCheck:
 
 
 def _degrees_meant(angle: float, limits: UrdfJoint) -> str:
-    """Remedy for an angle that fits if it is taken for degrees."""
+    """Return the remedy for an angle that is within the limits if read as degrees, or ''."""
     fits = limits.lower <= math.radians(angle) <= limits.upper
     return f"; write {angle:g} deg if degrees are meant" if fits and abs(angle) > 3.15 else ""

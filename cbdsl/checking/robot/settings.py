@@ -6,7 +6,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.types.unit import QuantityError, read_quantity
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
-# Joints move angularly; only positions are moved along, and poses both ways.
+# Tasks have angular speeds, but positions have linear speeds, and poses have both.
 _SPEEDS = {"position": ("speed",), "pose": ("speed", "angular speed")}
 _ACCELERATIONS = {
     "position": ("acceleration",),
@@ -34,11 +34,11 @@ def check_settings(
     """Check the units of speed, acceleration and tolerance against a feedback's type.
 
     Args:
-        kind: name of the type.
-        source: the document.
-        steps: path of the settings.
-        findings: where findings go.
-        of_tips: whether the speed of a force may be that of the tip that exerts it.
+        kind: Name of the type.
+        source: Source map of the document.
+        steps: Path of the settings.
+        findings: Diagnostics so far.
+        of_tips: True if the speed of a force may be the speed of the tip that exerts it.
     """
     speeds = _SPEEDS.get(kind, ("angular speed",))
     allowed: dict[tuple[str, ...], tuple[str, ...]] = {

@@ -1,4 +1,4 @@
-"""Meshes that a stage names: they are there, and may be things."""
+"""Checks of a stage's meshes: their files exist and are usable as things."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ENDINGS = (".stl", ".obj")
 
 
 def check_meshes(loaded: Loaded[StageDocument], findings: Findings) -> None:
-    """Check that each mesh of a stage can be read, and is that of a thing."""
+    """Check that each mesh of a stage can be read, and can be a thing."""
     for steps, form in _meshes(loaded.document):
         if is_file(form.path):
             _readable(loaded, findings, steps, form)
@@ -33,12 +33,12 @@ def check_meshes(loaded: Loaded[StageDocument], findings: Findings) -> None:
 
 
 def extents_of(form: MeshForm) -> tuple[float, float, float] | None:
-    """The edges of the box around a mesh, m, or ``None`` where it cannot be read."""
+    """Return the edges of the box around a mesh, m, or ``None`` if it cannot be read."""
     try:
         from cbdsl.robot.thing_mesh import read_thing_mesh  # few stages have any
 
         x, y, z = read_thing_mesh(form.path, form.scale).halves
-    except (UsageError, ImportError):  # whoever only checks may have no arrays
+    except (UsageError, ImportError):  # an installation for checks alone may have no arrays
         return None
     return 2 * x, 2 * y, 2 * z
 

@@ -25,14 +25,14 @@ def check_presentations(
     context: Context,
     body: CheckedRobot | None,
 ) -> None:
-    """Check all that a context shows.
+    """Check all presentations of a context.
 
     Args:
-        loaded: the stage.
-        findings: take what is wrong.
-        key: name of the context.
-        context: of the stage.
-        body: the stage's robot, if it is known.
+        loaded: Stage.
+        findings: Diagnostics so far.
+        key: Name of the context.
+        context: Context of the stage.
+        body: Robot of the stage, or ``None`` if unknown.
     """
     for name, show in context.presentations.items():
         steps = ("contexts", key) if name is None else ("contexts", key, "placed", name)
@@ -41,12 +41,12 @@ def check_presentations(
 
 
 def idle_keys(show: Presentation) -> list[str]:
-    """Keys of a presentation that are about the thing that it shows."""
+    """Return the keys of a presentation that are about the thing that it shows."""
     return [key for key in _FOR_THINGS if getattr(show, key) is not None]
 
 
 def _circles(loaded: Loaded[StageDocument], findings: Findings, key: str, context: Context) -> None:
-    """Nothing is placed on or beside what is placed on or beside it."""
+    """Report things that are placed on or beside each other in a circle."""
     before = {
         name: [each for each in placed.place.neighbours if each in context.placed]
         for name, placed in context.placed.items()
@@ -89,7 +89,7 @@ class _PresentationCheck:
         self._deeds()
 
     def _neighbours(self, place: PlaceSection) -> None:
-        """A thing is on or beside something that is there."""
+        """Check that the object on or beside which a thing is placed exists."""
         if place.on is not None:
             self._neighbour(place.on, "on")
             self._on_fixture(place, place.on)
@@ -105,7 +105,7 @@ class _PresentationCheck:
             self._known(name, fixtures, what, "place", *steps, besides=placed)
 
     def _on_fixture(self, place: PlaceSection, name: str) -> None:
-        """A thing on a fixture has its centre above it, wherever it is drawn."""
+        """Check that a thing on a fixture has its centre above it for all drawn places."""
         if place.hand is not None:
             self._lacks("place", "a place on a fixture is in the world, not in reach of a hand")
             return
@@ -113,9 +113,9 @@ class _PresentationCheck:
         if fixture is None or place.beside is not None:
             return
         for axis, span, half in zip("xy", (place.x, place.y), _halves(fixture), strict=True):
-            # Where a fixture is drawn, places on it are relative to its centre.
+            # Places on a drawn fixture are relative to its centre.
             centre = 0.0 if fixture.is_drawn else fixture.position["xy".index(axis)][0]
-            # What is computed from centimetres may exceed an edge by a rounding error.
+            # Values computed from centimetres may exceed an edge by a rounding error.
             beyond = [i for i, x in enumerate(span) if abs(x - centre) > half + 1e-9]
             if beyond:
                 where = self._source.place(*self._steps, "place", axis, beyond[0])
@@ -137,7 +137,7 @@ class _PresentationCheck:
             self._findings.add("CB351", place, names=names, name=name, what=what)
 
     def _complete(self) -> None:
-        """Keys about a thing need a thing, and the other way round."""
+        """Check that keys about a thing come with a thing, and vice versa."""
         show, place = self._show, self._show.place
         if show.things and place is None:
             self._lacks("things", "things need a place")
@@ -152,7 +152,7 @@ class _PresentationCheck:
             self._lacks("released_after", "released_after needs a place with `held: true`")
 
     def _deeds(self) -> None:
-        """Actions of the experimenter on a thing happen in an order that is possible."""
+        """Check that the experimenter's actions on a thing happen in a possible order."""
         show = self._show
         removed, released = show.removed_after, show.released_after
         is_held = show.place is not None and show.place.held
@@ -174,7 +174,7 @@ class _PresentationCheck:
 
 
 def _halves(fixture: Fixture) -> tuple[float, float]:
-    """Half the largest extent of a fixture along x and y, m."""
+    """Return half the largest extent of a fixture along x and y, m."""
     form = fixture.form
     if isinstance(form, MeshForm):
         x, y, _ = extents_of(form) or (math.inf, math.inf, math.inf)

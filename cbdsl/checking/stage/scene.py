@@ -1,7 +1,7 @@
-"""Scenes of a stage: nothing stands in the robot, and nothing in anything else.
+"""Checks of a stage's scenes for overlaps with the robot and between objects.
 
-Only what overlaps for certain is told, whatever chance decides: of what is drawn the smallest size
-counts, and what has no definite place is left to whoever draws it.
+Only overlaps independent of chance are reported. A drawn size counts as its smallest
+value. Objects without a definite place are left to the drawing code.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ Triple = tuple[float, float, float]
 Rows = tuple[Triple, Triple, Triple]
 
 _UNTURNED: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-# How far two bodies may each be inside the other, m.
+# Depth to which two bodies may each be inside the other, m.
 _MARGIN = 1e-3
 
 
 class _Solid(NamedTuple):
-    """A ball, box or cylinder in the world; a cylinder lies along its z axis.
+    """Ball, box or cylinder in the world; a cylinder lies along its z axis.
 
     Attributes:
-        kind: which of them.
-        halves: half its extents along its own axes, m.
-        position: of its centre, m.
-        rotation: rows of the matrix whose columns are its axes.
+        kind: Kind of the shape.
+        halves: Half its extents along its own axes, m.
+        position: Position of its centre, m.
+        rotation: Rows of the matrix whose columns are its axes.
     """
 
     kind: Literal["ball", "box", "cylinder"]
@@ -63,11 +63,11 @@ class _Solid(NamedTuple):
         )
 
     def overlaps(self, other: _Solid) -> bool:
-        """Whether the two share more than their surfaces."""
+        """Return whether the two share more than their surfaces."""
         extents = zip(self.position, other.position, self.reach, other.reach, strict=True)
         if any(abs(p - q) >= a + b - 2 * _MARGIN for p, q, a, b in extents):
             return False
-        # Few scenes have anything that is this close: what computes with arrays is loaded for them.
+        # Few scenes have objects this close; import the array code for them alone.
         import numpy as np
 
         from cbdsl.numeric.convex import Convex, gap
@@ -82,7 +82,7 @@ class _Solid(NamedTuple):
 def check_scenes(
     loaded: Loaded[StageDocument], body: CheckedRobot | None, findings: Findings
 ) -> None:
-    """Check that the scenes of a stage have room for what is in them."""
+    """Check that the objects in the scenes of a stage do not overlap."""
     stage = loaded.document
     fixtures = {
         name: _Solid(*_smallest(fixture.form), _middle(fixture), _UNTURNED)
@@ -102,12 +102,12 @@ def _in_robot(
     fixtures: Mapping[str, _Solid],
     findings: Findings,
 ) -> None:
-    """Tell of fixtures that stand where the robot's base is."""
+    """Report fixtures that overlap the robot's base."""
     if not fixtures:
         return
     try:
         base = _base(model)
-    except UrdfError:  # which is told by whoever needs the shapes
+    except UrdfError:  # reported by the code that needs the shapes
         return
     for name, fixture in fixtures.items():
         link = next((link for link, solid in base if fixture.overlaps(solid)), None)
@@ -124,7 +124,7 @@ def _in_each_other(
     fixtures: Mapping[str, _Solid],
     findings: Findings,
 ) -> None:
-    """Tell of things that overlap others, or fixtures."""
+    """Report things that overlap other things or fixtures."""
     arrangement = _Arrangement(loaded.document, context, fixtures)
     things = list(arrangement.things())
     pairs = chain(combinations(things, 2), product(things, fixtures.items()))
@@ -139,12 +139,12 @@ def _in_each_other(
 
 
 class _Arrangement:
-    """The things of a context that have a definite place.
+    """Things of a context that have a definite place.
 
     Args:
-        stage: has the things.
-        context: of the stage.
-        fixtures: that have a definite place, by name.
+        stage: Stage with the things.
+        context: Context of the stage.
+        fixtures: Fixtures that have a definite place, by name.
     """
 
     def __init__(
@@ -154,7 +154,7 @@ class _Arrangement:
         self._known: dict[str | None, _Solid | None] = {}
 
     def things(self) -> Iterator[tuple[str | None, _Solid]]:
-        """All of them by name."""
+        """Yield all solid things with their names."""
         for name in self._shows:
             solid = self._thing(name)
             if solid is not None:
@@ -162,7 +162,7 @@ class _Arrangement:
 
     def _thing(self, name: str | None) -> _Solid | None:
         if name not in self._known:
-            self._known[name] = None  # for those that are placed in a circle
+            self._known[name] = None  # for things that are placed in a circle
             show = self._shows.get(name)
             self._known[name] = None if show is None else self._placed(show)
         return self._known[name]
@@ -172,7 +172,7 @@ class _Arrangement:
             self._stage.things[name].form for name in show.things if name in self._stage.things
         ]
         place = show.place
-        # Whatever is drawn has to have one shape, which is filled, and to stand upright.
+        # The thing has to have one filled shape and to stand upright.
         if (
             len(forms) != 1
             or _is_hollow(forms[0])
@@ -186,14 +186,14 @@ class _Arrangement:
         if where is None:
             return None
         if turned[0] != turned[1] and kind == "box":
-            # However it is turned about z, this is part of it.
+            # This cylinder is part of the box at any angle about z.
             across = min(halves[0], halves[1])
             return _Solid("cylinder", (across, across, halves[2]), where, _UNTURNED)
         c, s = math.cos(turned[0]), math.sin(turned[0])
         return _Solid(kind, halves, where, ((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)))
 
     def _where(self, place: PlaceSection, half_height: float) -> Triple | None:
-        """Position of its centre, if it is definite."""
+        """Return the position of the thing's centre if it is definite, else ``None``."""
         across = self._across(place)
         if across is None:
             return None
@@ -226,7 +226,7 @@ def _is_hollow(form: Form) -> bool:
 
 
 def _smallest(form: Form) -> tuple[Literal["ball", "box", "cylinder"], Triple]:
-    """Shape, and half the extents of the smallest that may be drawn, m."""
+    """Return the shape, and half the extents of the smallest one that may be drawn, m."""
     if isinstance(form, (BoxForm, OpenBoxForm, ComposedForm)):
         a, b, c = (least / 2 for least, _ in form.size)
         return "box", (a, b, c)
@@ -244,19 +244,19 @@ def _middle(fixture: Fixture) -> Triple:
 
 @lru_cache(maxsize=8)  # most stages are for one robot
 def _base(model: UrdfModel) -> tuple[tuple[str, _Solid], ...]:
-    """Links that no joint moves, and what they are made of."""
+    """Return the solids of the links that no joint moves, with the links' names."""
     return tuple((link, solid) for link in _unmoved(model) for solid in _solids(model, link))
 
 
 def _unmoved(model: UrdfModel) -> Iterator[str]:
-    """Links that no joint moves."""
+    """Yield the links that no joint moves."""
     for link in model.bodies:
         if all(joint.fixed for joint in model.way(link)):
             yield link
 
 
 def _solids(model: UrdfModel, link: str) -> Iterator[_Solid]:
-    """The balls, boxes and cylinders that a link without a moving joint is made of."""
+    """Yield the balls, boxes and cylinders of a link that no joint moves."""
     position, rotation = (0.0, 0.0, 0.0), _UNTURNED
     for joint in reversed(model.way(link)):
         position, rotation = _within(position, rotation, joint.origin)
@@ -278,7 +278,7 @@ def _halves(shape: UrdfShape) -> tuple[Literal["ball", "box", "cylinder"], Tripl
 
 
 def _within(position: Triple, rotation: Rows, origin: UrdfOrigin) -> tuple[Triple, Rows]:
-    """A frame that is given in another one, in the world."""
+    """Return the pose in the world of a frame that is given in another one."""
     columns = tuple(zip(*origin.rotation, strict=True))
     x, y, z = (at + _dot(row, origin.xyz) for at, row in zip(position, rotation, strict=True))
     a, b, c = (

@@ -1,4 +1,4 @@
-"""Stage documents against themselves and their robots."""
+"""Checks of stage documents, alone and against their robots."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
 
-# Masses that a hand can have to do with, kg.
+# Plausible masses of objects that a hand handles, kg.
 _LIGHTEST, _HEAVIEST = 1e-4, 50.0
-# Rubber on rubber has 1.2; a ball of clay rolls with less than a centimetre.
+# Rubber on rubber has 1.2; a clay ball has less than a centimetre of rolling friction.
 _MOST_FRICTION = {"friction": 3.0, "rolling_friction": 0.05, "spinning_friction": 0.05}
 
 
 def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Findings) -> None:
-    """Check that a stage names only what there is."""
+    """Check a stage document against itself and its robot."""
     name, source = loaded.document.robot, loaded.source
     path = find_document(RobotDocument, name, source.place("robot"), session.library, findings)
     body = session.body(path, findings)
@@ -45,7 +45,7 @@ def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Fin
 
 
 def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings) -> None:
-    """Warn of things that are wider, whichever way they are turned, than any tip can go far."""
+    """Warn of things that are, in any orientation, wider than the reach of any tip."""
     farthest = farthest_tip(body)
     for name, thing in loaded.document.things.items():
         width = _narrowest(thing.form)
@@ -56,7 +56,7 @@ def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings
 
 
 def _size_key(form: Form) -> str:
-    """Key of a form that says how wide a thing is."""
+    """Return the key of a form that determines the width of a thing."""
     if isinstance(form, ComposedForm):
         return "pieces"
     if isinstance(form, MeshForm):
@@ -65,7 +65,7 @@ def _size_key(form: Form) -> str:
 
 
 def _matter(loaded: Loaded[StageDocument], findings: Findings) -> None:
-    """Warn of masses and friction that nothing on a table has."""
+    """Warn of implausible masses and friction."""
     stage = loaded.document
     for name, thing in stage.things.items():
         beyond = next((mass for mass in thing.mass if not _LIGHTEST <= mass <= _HEAVIEST), None)
@@ -84,7 +84,7 @@ def _matter(loaded: Loaded[StageDocument], findings: Findings) -> None:
 
 
 def _narrowest(form: Form) -> float:
-    """The least extent of a thing, at its smallest, m."""
+    """Return the least extent of a thing, at its smallest, m."""
     if isinstance(form, (BoxForm, OpenBoxForm, ComposedForm)):
         return min(size[0] for size in form.size)
     if isinstance(form, MeshForm):
@@ -94,7 +94,7 @@ def _narrowest(form: Form) -> float:
 
 
 def _names(loaded: Loaded[StageDocument], findings: Findings) -> None:
-    """Fixtures and things share the world, and things are there to be shown."""
+    """Check that fixtures and things have different names, and that each thing is shown."""
     stage, source = loaded.document, loaded.source
     shows = [each for context in stage.contexts.values() for each in context.presentations.values()]
     shown = {name for show in shows for name in show.things}
@@ -114,13 +114,13 @@ def _names(loaded: Loaded[StageDocument], findings: Findings) -> None:
 
 
 def _shared(name: str, place: Place, loaded: Loaded[StageDocument], findings: Findings) -> None:
-    """Tell of a thing with the name of a fixture."""
+    """Report a thing with the name of a fixture."""
     related = [(loaded.source.key("fixtures", name), "the fixture")]
     findings.add("CB354", place, related=related, name=name)
 
 
 def _joints(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings) -> None:
-    """Contexts let joints of the robot start where they can."""
+    """Check that contexts start actuated joints of the robot within their limits."""
     known = [joint for each in body.document.effectors.values() for joint in each.joints]
     for key, context in loaded.document.contexts.items():
         starts = context.joints
@@ -137,7 +137,7 @@ def _joints(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Finding
 
 
 def _reversed_spans(value: object, node: Node) -> Iterator[tuple[Node, tuple[float, float]]]:
-    """The spans in a part of a stage whose upper end is written first."""
+    """Yield the spans in a part of a stage whose upper end is written first."""
     written = node.value
     if isinstance(written, dict):
         for key, child in written.items():
