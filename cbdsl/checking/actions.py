@@ -1,4 +1,4 @@
-"""The actions of a program, and the policy that chooses from them."""
+"""Actions of a program, and the policy that chooses from them."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from cbdsl.program.checked import Action, CheckedProgram
 
 
 class Actions:
-    """The actions that the policy of one program chooses from.
+    """Actions that the policy of one program chooses from.
 
     Args:
-        context: the program.
-        compositions: make primitives of its controllers.
-        programs: those that it uses, by name.
+        context: Program context.
+        compositions: Builder of the primitives of its controllers.
+        programs: Programs that it uses, by name; ``None`` for a program with errors.
 
     Attributes:
-        members: the actions of a single term; a state has one predicate for each.
-        are_read: whether every action could be read, and is there once.
-        lack_a_member: whether the policy chooses something that a state would have a letter for.
+        members: Actions of a single term; a state has one predicate for each.
+        are_read: True if each action could be read, and occurs once.
+        lack_a_member: True if the policy chooses an action of a single term that the list lacks.
     """
 
     def __init__(
@@ -41,24 +41,24 @@ class Actions:
 
     @property
     def are_complete(self) -> bool:
-        """Whether these are all, so that what is not among them is missing.
+        """True if the list is complete, so that an action outside it is missing.
 
-        An action that cannot be read, or cannot be meant as it is, may be the one that is missed.
+        An action that cannot be read, or cannot be meant as written, may be the missing one.
         """
         return self.are_read and all(self._is_possible(action) for action, _ in self._written)
 
     @property
     def places(self) -> dict[str, Steps]:
-        """The paths of the actions in the document, by name."""
+        """Paths of the actions in the document, by name."""
         return {str(expression): steps for expression, steps in self._written}
 
     def _read(self) -> list[tuple[Expression, Steps]]:
-        """The actions that can be parsed, with their paths."""
+        """Return the actions that can be parsed, with their paths."""
         actions: dict[str, tuple[Expression, Steps]] = {}
         is_cut = False
         for i, text in enumerate(self._context.document.actions):
             steps: Steps = ("actions", i)
-            if is_cut:  # a part of the call before, which has been reported
+            if is_cut:  # part of the previous call, which has been reported
                 is_cut = ")" not in text
                 continue
             is_cut = ends_within_a_call(text)
@@ -72,7 +72,7 @@ class Actions:
         return list(actions.values())
 
     def check(self) -> list[Action | None]:
-        """The actions in their order, ``None`` for those with faults."""
+        """Return the actions in their order, with ``None`` for actions with errors."""
         return [self._action(expression, steps) for expression, steps in self._written]
 
     def _action(self, expression: Expression, steps: Steps) -> Action | None:
@@ -94,7 +94,7 @@ class Actions:
         return None if program is None else Action(term.name, program=program)
 
     def only_composed(self) -> bool:
-        """Report controllers that no state shows, and that are part of actions."""
+        """Report controllers that occur in composed actions only, so that no state shows them."""
         lacking = [
             (term, steps)
             for expression, steps in self._written
@@ -106,7 +106,7 @@ class Actions:
         return bool(lacking)
 
     def policy(self) -> dict[str, str]:
-        """The document's policy: canonical action by state pattern."""
+        """Return the document's policy: canonical action by state pattern."""
         policy, known, are_complete = {}, self.places, self.are_complete
         for pattern, text in self._context.document.policy.items():
             steps: Steps = ("policy", pattern)
@@ -120,20 +120,20 @@ class Actions:
         return policy
 
     def _lacks(self, expression: Expression, steps: Steps) -> None:
-        """Report an action of the policy that is none of the actions."""
+        """Report an action of the policy that the list of actions lacks."""
         source, name = self._context.source, str(expression)
         names = [str(action) for action, _ in self._written if self._is_possible(action)]
         if not self._is_possible(expression):
             self._context.add("CB613", source.place(*steps), names=names, name=name)
             return
-        # It is there, and needs no other name.
+        # The name is valid: propose to add it instead of another name.
         related = [(source.key("actions"), "the actions: add it if it is meant")]
         details = {"given": "", "name": name, "names": names, "related": related}
         self._context.add("CB613", source.place(*steps), **details)
         self.lack_a_member |= len(expression.terms) == 1
 
     def _is_possible(self, expression: Expression) -> bool:
-        """Whether an action can be meant as it is written, if only of faulty controllers."""
+        """Return whether an action can be meant as written, even if its controllers have errors."""
         document, terms = self._context.document, expression.terms
         if not self.is_declared(expression) or expression in self._compositions.repetitive:
             return False
@@ -147,6 +147,6 @@ class Actions:
         return are_called and len(set(map(str, terms))) == len(terms)
 
     def is_declared(self, expression: Expression) -> bool:
-        """Whether there are controllers or programs of all names, if only faulty ones."""
+        """Return whether all names are declared controllers or programs, even with errors."""
         known = (self._context.controllers, self._context.programs)
         return all(any(term.name in section for section in known) for term in expression.terms)

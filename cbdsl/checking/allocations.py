@@ -1,4 +1,4 @@
-"""Allocations of a program: what its resources may be, by the type table (Section 5.3)."""
+"""Allocations of a program: possible values of its resources, by the type table (Section 5.3)."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.types.allotment import CHANNEL, PROGRAM, WHOLE, Allotment, allotment
 
-# Every allocation is checked as a program of its own.
+# Each allocation is checked as a program of its own.
 _MOST = 500
 
 
 def allocations(
     path: Path, session: Session, values: Mapping[str, str] | None = None
 ) -> list[Allocation]:
-    """All allocations of a program's resources, those that fit and those that do not.
+    """Return all allocations of a program's resources, fitting or not.
 
     Args:
-        path: the file of a program without findings.
-        session: documents that were read before.
-        values: values of its other parameters that replace the defaults.
+        path: File of a program without findings.
+        session: Session with the documents read so far.
+        values: Values of its other parameters that replace the defaults.
 
     Raises:
-        UsageError: there are more than can be checked.
+        UsageError: The program has more allocations than can be checked.
     """
     document = session.library.read(path, ProgramDocument).document
     file = session.library.find(RobotDocument, document.robot, path)
@@ -66,7 +66,7 @@ def allocations(
 
 
 def _own_groups(document: ProgramDocument) -> dict[str, dict[str, str]]:
-    """Groups of parameters that stand for resources; programs are found by what they earn."""
+    """Return the groups of parameters that stand for resources other than programs."""
     groups = {
         name: {key: text for key, text in group.items() if not _is_program(text)}
         for name, group in document.resources.items()
@@ -75,7 +75,7 @@ def _own_groups(document: ProgramDocument) -> dict[str, dict[str, str]]:
 
 
 def _open_members(document: ProgramDocument) -> list[OpenMember]:
-    """Members that the section ``resources`` lets be exchanged."""
+    """Return the members that the section ``resources`` declares as exchangeable."""
     return [
         OpenMember(name, key, wanted.type)
         for name, group in document.resources.items()
@@ -92,14 +92,14 @@ def _is_program(text: str) -> bool:
 def _choices(
     wanted: Mapping[str, Allotment | None], robot: CheckedRobot
 ) -> Iterator[dict[str, str]]:
-    """Values of the parameters of one group, each of the kind that it asks for."""
+    """Yield values of the parameters of one group, each of the required kind."""
     candidates = [[] if each is None else _candidates(each, robot) for each in wanted.values()]
     for values in itertools.product(*candidates):
         yield dict(zip(wanted, values, strict=True))
 
 
 def _candidates(wanted: Allotment, robot: CheckedRobot) -> list[str]:
-    """Names on a robot of all that a parameter may stand for."""
+    """Return the names of all resources of a robot that a parameter may stand for."""
     document = robot.document
     if wanted.kind == CHANNEL:
         return list(channel_names(document.vision.channels)) if document.cameras else []
@@ -108,7 +108,7 @@ def _candidates(wanted: Allotment, robot: CheckedRobot) -> list[str]:
 
 
 def _has(kind: str, effector: str, robot: CheckedRobot) -> bool:
-    """Whether an effector, or each member of a group, has a signal of a type."""
+    """Return whether an effector, or each member of a group, has a signal of a type."""
     members = robot.document.members(effector)
     if kind == "force":
         return all(member in robot.document.load_cells for member in members)
@@ -139,7 +139,7 @@ def _allocation(
 
 
 def _apart(names: Sequence[str], robot: CheckedRobot) -> str:
-    """Why what is replaced together does not belong together, if it does not."""
+    """Return why jointly replaced effectors do not belong together; empty if they do."""
     effectors = [
         name for name in names if name in {*robot.document.effectors, *robot.document.groups}
     ]
@@ -150,7 +150,7 @@ def _apart(names: Sequence[str], robot: CheckedRobot) -> str:
 
 
 def _carries(one: str, other: str, robot: CheckedRobot) -> bool:
-    """Whether an effector, or each member of a group, moves all of another, or of its member."""
+    """Return whether an effector, or each member of a group, carries another or its member."""
     document, model = robot.document, robot.model
     carriers, carried = document.members(one), document.members(other)
     if model is None or len(carriers) != len(carried):

@@ -1,4 +1,4 @@
-"""The kinds of resources that parameters of a program may stand for."""
+"""Kinds of resources that parameters of a program may stand for."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from cbdsl.types.allotment import ALLOTMENTS, PROGRAM, WHOLE, allotment
 
 
 def exchangeable(document: ProgramDocument) -> set[str]:
-    """Names that other programs may stand in for: a program itself, and each of its members."""
+    """Return the names that other programs may stand in for: the program itself and its members."""
     members = {*document.use, *document.controllers}
     return {WHOLE, *(each for each in map(str.strip, document.actions) if each in members)}
 
 
 def check_allotments(context: ProgramContext) -> None:
-    """Check that a program lets parameters of its own be replaced, each once, by a known kind."""
+    """Check that each exchangeable name exists, occurs once, and has a known kind."""
     document, source = context.document, context.source
     parameters = source.declared(document.parameters, "parameters")
     first: dict[str, Steps] = {}
@@ -22,7 +22,7 @@ def check_allotments(context: ProgramContext) -> None:
         for name, text in wanted.items():
             steps: Steps = ("resources", group, name)
             kind = allotment(text)
-            # A kind that cannot be read may be that of a program.
+            # An unreadable kind may be that of a program.
             is_program = kind is not None and kind.kind == PROGRAM
             programs = exchangeable(document) if kind is None or is_program else set()
             if name not in programs and (is_program or name not in parameters):

@@ -24,23 +24,23 @@ from cbdsl.program.state_values import state_values
 from cbdsl.types.resource import Resource, StereoPosition
 from cbdsl.yaml_text.loaded import Loaded
 
-# The first-order dynamics of a seen thing (Section 5.3.1.1), by name of the feature.
+# First-order dynamics of a seen object (Section 5.3.1.1), by name of the feature.
 _DYNAMICS = {"place": "", "velocity": ".velocity", "volume": ".volume"}
 
 
 def program_to_assimilate(
     path: Path, policy: Loaded[PolicyDocument], session: Session, values: Mapping[str, str]
 ) -> CheckedProgram:
-    """A program with all its allocations, of which nothing is known yet.
+    """Return a program with all its allocations, without any learned choice between them.
 
     Args:
-        path: the file of a program without findings.
-        policy: the declarative policy, without findings.
-        session: documents that were read before.
-        values: values of the program's parameters.
+        path: File of a program without findings.
+        policy: Declarative policy without findings.
+        session: Session with the documents read so far.
+        values: Values of the program's parameters.
 
     Raises:
-        UsageError: it has one allocation only, or sees nothing that it could go by.
+        UsageError: Less than two allocations fit, or no controller uses a seen position.
     """
     fitting = _fitting(path, session, values)
     if len(fitting) < 2:
@@ -65,7 +65,7 @@ def program_to_assimilate(
     }
     worth = state_values(policy.document.policy, policy.document.transitions)
     allotted = {name: values for name, (_, values) in fitting.items()}
-    # The last one is looked at when the program begins: what it takes first.
+    # The program looks for the last object first: that is the object it takes first.
     last_first = dict(reversed(places.items()))
     looks = derived_looks(base, last_first, path, session, examine)
     schema = Schema(
@@ -77,14 +77,14 @@ def program_to_assimilate(
 def variants_of(
     path: Path, session: Session, values: Mapping[str, str]
 ) -> dict[str, CheckedProgram]:
-    """A program under each of its allocations, its own first, by name; see ``allocations``."""
+    """Return a program under each of its ``allocations`` by name, its own one first."""
     return {name: program for name, (program, _) in _fitting(path, session, values).items()}
 
 
 def _fitting(
     path: Path, session: Session, values: Mapping[str, str]
 ) -> dict[str, tuple[CheckedProgram, Mapping[str, str]]]:
-    """The allocations that fit, with the values of their parameters, by name."""
+    """Return the allocations that fit, with the values of their parameters, by name."""
     ordered = sorted(
         allocations(path, session, values),
         key=lambda each: not _is_default(each, path, session),
@@ -99,7 +99,7 @@ def _name(allocation: Allocation) -> str:
 
 
 def _is_default(allocation: Allocation, path: Path, session: Session) -> bool:
-    """Whether an allocation is that of the program as it is written."""
+    """Return whether an allocation has the program's values as written."""
     own = session.library.read(path, ProgramDocument).document.parameters
     return all(own.get(name) == value for name, value in allocation.values.items())
 
@@ -110,10 +110,10 @@ def _resources(program: CheckedProgram, path: Path, session: Session) -> Mapping
 
 
 def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[str, Resource]:
-    """The position, velocity and volume of the one thing that the program's controllers see.
+    """Return the position, velocity and volume of the object that the program's controllers see.
 
-    Of several things it is the positions alone, x_obj and x_goal of Section 7.1.2. An obstacle
-    on the way of a field is no thing that the program deals with.
+    For several objects, return only their positions, x_obj and x_goal of Section 7.1.2. Obstacles
+    of a field are not objects that the program acts on.
     """
     seen = dict.fromkeys(
         resource
@@ -138,7 +138,7 @@ def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[st
 
 
 def _compared(controller: Controller) -> tuple[Resource, ...]:
-    """Resources that a controller compares: its feedback, and its reference."""
+    """Return the resources that a controller compares: its feedback and its reference."""
     reference = controller.reference
     base = reference.base if isinstance(reference, Relative) else reference
     return (controller.feedback, *((base,) if isinstance(base, Resource) else ()))

@@ -1,4 +1,4 @@
-"""Calibration documents against their robots."""
+"""Checks of calibration documents against their robots."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The order of findings: what may be their cause comes first."""
+"""Order of findings: possible causes come first."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from cbdsl.yaml_text.library import Library
 
 
 def causes_first(findings: Iterable[Diagnostic], library: Library) -> list[Diagnostic]:
-    """Findings of the documents that others depend on before those of the others.
+    """Return findings with the documents that others depend on before their dependents.
 
-    Documents of which neither depends on the other keep the order of their paths, and the findings
-    of a document that of its lines.
+    Independent documents keep the order of their paths, and the findings of a document the order of
+    its lines.
 
     Args:
-        findings: of any documents.
-        library: where these found each other.
+        findings: Findings in any documents.
+        library: Library with the references between these documents.
     """
     by_file: dict[Path, list[Diagnostic]] = {}
     for finding in sorted(findings, key=lambda finding: (finding.place, finding.code)):
@@ -28,7 +28,7 @@ def causes_first(findings: Iterable[Diagnostic], library: Library) -> list[Diagn
 
 
 def _named_first(files: Iterable[Path], library: Library) -> Iterable[Path]:
-    """Files and all that they name, directly or not, each behind what it names."""
+    """Return files and all files that they name, directly or not, each after the files it names."""
     done: dict[Path, None] = {}
     entered: set[Path] = set()
     waiting = list(files)[::-1]

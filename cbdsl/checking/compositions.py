@@ -14,16 +14,16 @@ from cbdsl.language.expression import Expression, Term
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.yaml_text.unknown import Unknown
 
-# Compositions of compositions; Python gives up where people long have.
+# Bound on nested compositions, below Python's recursion limit.
 _DEEPEST = 64
 
 
 class Compositions:
-    """Builds the primitives of one program, each once.
+    """Builder of the primitives of one program, each once.
 
     Attributes:
-        repetitive: the compositions in which a controller occurs twice.
-        missing: names that nothing has.
+        repetitive: Compositions in which a controller occurs twice.
+        missing: Names without a declaration.
     """
 
     def __init__(self, context: ProgramContext) -> None:
@@ -33,7 +33,7 @@ class Compositions:
         self._built: dict[str, tuple[Controller, ...] | None] = {}
 
     def check_all(self) -> None:
-        """Check every controller that can be checked by itself, used or not."""
+        """Check each controller that can be checked by itself, used or not."""
         for key, document in self._context.document.controllers.items():
             if isinstance(document, str):
                 self._composite(key, document, ())
@@ -41,11 +41,11 @@ class Compositions:
                 self._triple(key, key, document, {}, {})
 
     def check_rewards(self) -> None:
-        """Check that what earns rewards is part of a composition, and can."""
+        """Check that rewarded parts belong to their composition, and can earn rewards."""
         document, source = self._context.document, self._context.source
         for key, parts in document.rewards.items():
             written = self._context.controllers.get(key)
-            # What cannot be read, or is missed by an action, has been reported.
+            # Unreadable compositions, and names that an action lacks, are reported elsewhere.
             if isinstance(written, Unknown) or key in self.missing:
                 continue
             if not isinstance(written, str):
@@ -65,9 +65,9 @@ class Compositions:
         """Check the parts of a composition that its reward depends on.
 
         Args:
-            key: name of the composition.
-            parts: names of the parts.
-            rewarded: whether each controller of the composition reads the environment, by name.
+            key: Name of the composition.
+            parts: Names of the parts.
+            rewarded: Whether each controller of the composition reads the environment, by name.
         """
         for i, part in enumerate(parts):
             if part not in rewarded:
@@ -81,7 +81,7 @@ class Compositions:
         self._context.add("CB482", place, name=part, names=names, problem=f"'{part}' {why}")
 
     def checked(self) -> list[tuple[str, Controller]]:
-        """The controllers without faults, each with its key in the document."""
+        """Return the controllers without errors, each with its key in the document."""
         return [
             (name.split("(")[0], controllers[0])
             for name, controllers in self._built.items()
@@ -89,14 +89,14 @@ class Compositions:
         ]
 
     def composition(self, expression: Expression, steps: Steps) -> Composition | None:
-        """A composition of primitives, or ``None`` where it has faults."""
+        """Return a composition of primitives, or ``None`` if it has errors."""
         primitives = [self.primitive(term, steps) for term in expression.terms]
         whole = [primitive for primitive in primitives if primitive is not None]
         repeats = self._repeats(expression, primitives, steps)
         return None if repeats or len(whole) < len(primitives) else Composition(tuple(whole))
 
     def primitive(self, term: Term, steps: Steps) -> Primitive | None:
-        """The primitive that a term names, or ``None`` where it has faults."""
+        """Return the primitive that a term names, or ``None`` if it has errors."""
         controllers = self._controllers(term, steps, ())
         if controllers is None:
             return None
@@ -129,7 +129,7 @@ class Compositions:
         return self._triple(term.name, str(term), document, known, places)
 
     def _places(self, term: Term, steps: Steps) -> Iterator[Place]:
-        """Where the values of a call's arguments stand."""
+        """Yield the places of the values of a call's arguments."""
         for argument in term.arguments:
             name = argument.text.removeprefix("$")
             passed_on = self._context.scope.place(name) if name != argument.text else None
@@ -152,7 +152,7 @@ class Compositions:
         return self._built[name]
 
     def _recalled(self, name: str, document: written.ControllerSection) -> Controller | None:
-        """A controller that was sound when the program was checked before."""
+        """Return a controller that had no findings when the program was last checked."""
         context = self._context
         return context.sound.recall(name, document, context.body) if context.has_body else None
 
@@ -193,7 +193,7 @@ class Compositions:
         parts = [self._controllers(term, steps, stack) for term in expression.terms]
         whole = [part for part in parts if part is not None]
         primitives = [None if part is None else Primitive("", part) for part in parts]
-        # Built of what repeats itself, a few lines would stand for billions of controllers.
+        # Without this check, a few lines of repetitions could stand for billions of controllers.
         if self._repeats(expression, primitives, steps) or len(whole) < len(parts):
             return None
         return tuple(controller for part in whole for controller in part)
@@ -201,7 +201,7 @@ class Compositions:
     def _repeats(
         self, expression: Expression, primitives: list[Primitive | None], steps: Steps
     ) -> bool:
-        """Report controllers that occur twice; whether there are any."""
+        """Report controllers that occur twice, and return whether there are any."""
         seen: dict[str, Term] = {}
         repeats = False
         for term, primitive in zip(expression.terms, primitives, strict=True):
@@ -214,7 +214,7 @@ class Compositions:
         return repeats
 
     def _repeat(self, name: str, terms: tuple[Term, Term], steps: Steps) -> None:
-        """Report a controller that two terms hold."""
+        """Report a controller that two terms contain."""
         source = self._context.source
         held = {term.name: source.place("controllers", term.name) for term in terms}
         related = [(at, f"'{key}' holds it") for key, at in held.items() if key not in name]
@@ -222,7 +222,7 @@ class Compositions:
         self._context.add("CB407", place, related=related, name=name)
 
     def _missing(self, term: Term, steps: Steps) -> None:
-        """Report a term that names no controller, unless nobody can know what it names."""
+        """Report a term without a controller of its name, unless its declaration may be lost."""
         document, place = self._context.document, self._context.at(steps, term.span)
         if term.name in document.use:
             self._context.used.add(term.name)
@@ -233,7 +233,7 @@ class Compositions:
             self._context.add("CB404", place, names=names, name=term.name)
 
     def _was_overwritten(self) -> bool:
-        """Whether a controller or program is declared twice, one of them for another name."""
+        """Return whether a controller or program is declared twice, once perhaps for another name."""
         source, faults = self._context.source, self._context.loaded.faults
         left_out = set(source.broken.keys(("controllers", "use")))
         return any(fault.code == "CB107" and fault.given in left_out for fault in faults)

@@ -1,4 +1,4 @@
-"""The program under examination."""
+"""Context of the checked program."""
 
 from __future__ import annotations
 
@@ -30,26 +30,26 @@ Steps = tuple[Step, ...]
 
 
 class ProgramContext:
-    """One program, its robot and its scope, as every check of it needs them.
+    """One program, its robot and its scope, as each check of it needs them.
 
     Args:
-        loaded: the program's document.
-        body: its robot.
-        scope: values of its parameters.
-        findings: where findings go.
-        is_unknown: whether a name is that of a resource that nobody can know.
-        sound: controllers that were sound when it was checked before.
+        loaded: Program's document.
+        body: Robot, or ``None`` if it cannot be used.
+        scope: Values of its parameters.
+        findings: Diagnostics so far.
+        is_unknown: Predicate of names of resources that an error elsewhere makes unknown.
+        sound: Controllers without findings in the last check of the program.
 
     Attributes:
-        loaded: the program's document.
-        body: its robot.
-        has_body: whether there is one; without it no resource is known.
-        scope: values of its parameters.
-        findings: what was found so far.
-        controllers: the program's controllers and compositions.
-        programs: the programs that it uses.
-        used: names of controllers and programs that something refers to.
-        sound: see above.
+        loaded: Program's document.
+        body: Robot.
+        has_body: True if there is a robot; without it no resource is known.
+        scope: Values of its parameters.
+        findings: Diagnostics so far.
+        controllers: Program's controllers and compositions.
+        programs: Programs that it uses.
+        used: Names of controllers and programs that the document refers to.
+        sound: Controllers without findings in the last check of the program.
     """
 
     def __init__(
@@ -76,23 +76,23 @@ class ProgramContext:
 
     @property
     def body(self) -> CheckedRobot:
-        """The program's robot, which has to be there."""
+        """Program's robot, which has to exist."""
         assert self._body is not None, "without a robot nothing asks for its resources"
         return self._body
 
     @property
     def wrong_parameters(self) -> Collection[str]:
-        """The parameters whose values have been reported."""
+        """Parameters whose values have been reported."""
         return self._missing.parameters
 
     @property
     def document(self) -> ProgramDocument:
-        """The program's document."""
+        """Program's document."""
         return self.loaded.document
 
     @property
     def source(self) -> SourceMap:
-        """Where the parts of the program stand."""
+        """Source map of the program."""
         return self.loaded.source
 
     def add(self, code: str, place: Place, **details: Any) -> None:
@@ -100,19 +100,19 @@ class ProgramContext:
         self.findings.add(code, place, **details)
 
     def parse(self, text: str, steps: Steps) -> Expression | None:
-        """The composition at a path, or ``None`` where it is none."""
+        """Return the composition at a path, or ``None`` if the text is not valid."""
         return parse_at(text, self.source, steps, self.findings)
 
     def at(self, steps: Steps, span: Span) -> Place:
-        """Where a stretch of a composition stands."""
+        """Return the place of a span of a composition."""
         return self.source.inside(steps, span.start, span.end)
 
     def substitute(self, text: str, steps: Steps, scope: Scope, offset: int = 0) -> str | None:
-        """A text at a path with its parameters replaced, or ``None``."""
+        """Return a text at a path with its parameters replaced, or ``None``."""
         return scope.substitute(text, self.source, steps, self.findings, offset)
 
     def resource(self, text: str, steps: Steps, scope: Scope) -> Resource | None:
-        """The resource that a text at a path names, or ``None``."""
+        """Return the resource that a text at a path names, or ``None``."""
         name = self.substitute(text, steps, scope)
         if name is None:
             return None
@@ -132,14 +132,14 @@ class ProgramContext:
         return self._instance(name, instance, steps)
 
     def _pair(self, name: str, pair: PairName, steps: Steps) -> Resource | None:
-        """The resource of two channels, if it compares two."""
+        """Return the resource of a pair of channels, or ``None`` if both are the same."""
         if pair.is_of_one:
             self.add("CB566", self.source.place(*steps), name=name)
             return None
         return pair.resource(name)
 
     def _mark(self, name: str, parsed: MarkName, steps: Steps) -> Resource | None:
-        """The heading to a mark of one hue, if its thing can have such a mark."""
+        """Return the heading to a mark of one hue, if its object can have such a mark."""
         robot, place = self.body.document, self.source.place(*steps)
         resource = parsed.resource(name, robot)
         if resource is None:
@@ -148,7 +148,7 @@ class ProgramContext:
         return resource
 
     def _instance(self, name: str, parsed: InstanceName, steps: Steps) -> Resource | None:
-        """The resource of an instance of a channel, if there can be such an instance."""
+        """Return the resource of an instance of a channel, if there can be such an instance."""
         robot, given = self.body.document, parsed.instance
         allowed, base = instance_names(robot), parsed.base.name
         if given in allowed:

@@ -1,4 +1,4 @@
-"""The documents that a program names: its robot, its stage, and internal models."""
+"""Documents that a program names: its robot, its stage, and internal models."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ _KINDS: dict[str, type[Document]] = {
 
 
 class Dependencies:
-    """Finds what one program names.
+    """Search for the documents that one program names.
 
     Args:
-        loaded: the program.
-        session: documents that were read before.
-        findings: where findings go.
+        loaded: Program.
+        session: Session with the documents read so far.
+        findings: Diagnostics so far.
 
     Attributes:
-        robot: the robot's file, or ``None`` where there is none.
+        robot: Robot's file, or ``None`` if there is none.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Dependencies:
         return find_document(RobotDocument, self._document.robot, place, library, self._findings)
 
     def check_stage(self) -> None:
-        """Check that the stage is there, and for the same robot."""
+        """Check that the stage exists, and is for the same robot."""
         name = self._document.stage
         if name is None:
             return
@@ -65,19 +65,19 @@ class Dependencies:
             self.is_for_the_robot(stage.document.robot, name, ("stage",))
 
     def find(self, kind: type[Document], name: str, steps: Steps) -> Path | None:
-        """The file of a document; where there is none, those for the robot are proposed."""
+        """Return the file of a document, or propose documents for the robot if there is none."""
         place, library = self._source.place(*steps), self._session.library
         robot = None if self.robot is None else self._document.robot
         own = self._document.name if kind is ProgramDocument else ""
         return find_document(kind, name, place, library, self._findings, robot, own)
 
     def is_for_the_robot(self, other: str, name: str, steps: Steps) -> bool:
-        """Whether a document is for the program's robot, as far as anybody knows.
+        """Return whether a document is for the program's robot; true if unknown.
 
         Args:
-            other: the robot that the document is for.
-            name: the document's name.
-            steps: path of what names it.
+            other: Robot of the document.
+            name: Document's name.
+            steps: Path of the reference to it.
         """
         robot, source = self._document.robot, self._source
         if self.robot is None or robot in (other, UNKNOWN) or other is UNKNOWN:
@@ -93,11 +93,10 @@ class Dependencies:
         return False
 
     def is_unknown(self, name: str) -> bool:
-        """Whether a resource is unknown because of a fault elsewhere.
+        """Return whether a resource is unknown because of an error elsewhere.
 
-        Either it is drawn from a model with faults, or the robot's own document misses what its
-        name begins or ends with, or it is one of another robot, for which a document is that is
-        named here.
+        Its internal model may have errors, or the robot's document may lack the first or last part
+        of its name. It may also belong to another robot, for which a document named here is.
         """
         first, last = name.partition(".")[0], name.rpartition(".")[2]
         models = self._source.declared(self._models, "models")
@@ -114,7 +113,7 @@ class Dependencies:
         return () if body is None else body.resources
 
     def body(self) -> CheckedRobot | None:
-        """The robot with the internal models that the program draws from."""
+        """Return the robot with the internal models that the program draws from."""
         body = self._body = self._session.body(self.robot, self._findings)
         if body is None:
             return None

@@ -1,4 +1,4 @@
-"""Documents of any kind: all findings in one pass."""
+"""Checks of documents of any kind, with all findings in one pass."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 
 
 def check_document(path: Path, session: Session | None = None) -> list[Diagnostic]:
-    """All findings in a document and in what it refers to; causes come first.
+    """Return all findings in a document and in the documents it refers to; causes come first.
 
     Args:
-        path: its file.
-        session: documents that were read before, and values of programs' parameters.
+        path: File of the document.
+        session: Session with the documents read so far, and values of programs' parameters.
 
     Raises:
-        PluginError: the checker of a kind of another package fails.
+        PluginError: The checker of another package's document kind fails.
     """
     session, findings = session or Session(), Findings()
     try:
@@ -49,7 +49,7 @@ def check_document(path: Path, session: Session | None = None) -> list[Diagnosti
 
 
 def check_robot(loaded: Loaded[RobotDocument], session: Session, findings: Findings) -> None:
-    """Check a robot; the session keeps what was found."""
+    """Check a robot; the session keeps the result."""
     session.body(loaded.path, findings)
     if loaded.document.calibration is not None:
         from cbdsl.checking.calibration import check_own_calibration
@@ -58,7 +58,7 @@ def check_robot(loaded: Loaded[RobotDocument], session: Session, findings: Findi
 
 
 def check_program(loaded: Loaded[ProgramDocument], session: Session, findings: Findings) -> None:
-    """Check a program with those values of the session that are of its parameters."""
+    """Check a program with the session's values of its parameters."""
     from cbdsl.checking.program import examine_program  # robots and stages do without
 
     parameters = loaded.document.parameters
@@ -78,14 +78,14 @@ def check_schema(loaded: Loaded[SchemaDocument], session: Session, findings: Fin
 
 
 def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:
-    """Documents on a disk are found by their files' names; those of an editor may have none."""
+    """Warn of a name that differs from the file's, by which documents on a disk are found."""
     name, path = loaded.document.name, loaded.path
     if name not in (path.stem, UNKNOWN) and is_file(path):
         findings.add("CB704", loaded.source.place("name"), name=name, file=path.name)
 
 
 def _references(loaded: Loaded[Document], session: Session, findings: Findings) -> None:
-    """Documents that top-level keys name are there."""
+    """Check that the documents that top-level keys name exist."""
     library = session.library
     for key, kind in kind_of(type(loaded.document)).references.items():
         name, model = getattr(loaded.document, key), KINDS.get(kind).model

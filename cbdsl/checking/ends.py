@@ -14,19 +14,19 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.state import ANY, Predicate, matches, overlap
 
-# Actions that people write have fewer states; a document made on purpose has any number.
+# Handwritten actions have fewer states; a malicious document has any number.
 _MOST_STATES = 20_000
 
 
 class End(NamedTuple):
-    """A pattern of final states, and where it stands."""
+    """Pattern of final states, and its path in the document."""
 
     pattern: str
     steps: Steps
 
 
 def read_ends(context: ProgramContext, members: Sequence[str] | None) -> list[End]:
-    """The patterns of success and failure that are patterns; the others are reported."""
+    """Return the valid patterns of success and failure, and report the invalid ones."""
     document, ends = context.document, []
     for key, patterns in (("success", document.success), ("failure", document.failure)):
         for i, pattern in enumerate(patterns):
@@ -37,7 +37,7 @@ def read_ends(context: ProgramContext, members: Sequence[str] | None) -> list[En
 
 
 def check_ends(context: ProgramContext, program: CheckedProgram, ends: Sequence[End]) -> None:
-    """Report final states that never occur, and those of success that are also of failure."""
+    """Report final states that never occur, and states of success that are also of failure."""
     possible = []
     for end in ends:
         reasons = [_reason(end.pattern, action, program) for action in program.actions]
@@ -82,12 +82,12 @@ def _check_reached(context: ProgramContext, program: CheckedProgram, ends: Seque
 
 
 def _may_be(pattern: str, letters: Sequence[str]) -> bool:
-    """Whether one of the states of some letters for each member matches a pattern."""
+    """Return whether a state with one of some letters for each member matches a pattern."""
     return all(own == ANY or own in some for own, some in zip(pattern, letters, strict=True))
 
 
 def _reached(program: CheckedProgram, possible: Mapping[str, Sequence[str]]) -> frozenset[str]:
-    """Actions that the policy may choose, from the beginning on, by name."""
+    """Return the names of the actions that the policy may choose from the beginning on."""
     ends = (*program.success, *program.failure)
     policy, reached = WrittenPolicy(program.policy), set[str]()
     states = ["X" * len(program.members)]
@@ -103,7 +103,7 @@ def _reached(program: CheckedProgram, possible: Mapping[str, Sequence[str]]) -> 
 
 
 def _letters(action: Action, program: CheckedProgram) -> list[str]:
-    """The predicates that each member may have while an action runs."""
+    """Return the predicates that each member may have while an action runs."""
     shown = {action.name}
     if action.composition is not None:
         shown = {primitive.name for primitive in action.composition.primitives}
@@ -118,7 +118,7 @@ def _letters(action: Action, program: CheckedProgram) -> list[str]:
 
 
 def _reason(pattern: str, action: Action, program: CheckedProgram) -> str:
-    """Why a pattern never occurs while an action runs, as a clause; empty where it may."""
+    """Return why a pattern never occurs while an action runs, as a clause; empty if it may."""
     shown = {action.name}
     if action.composition is not None:
         shown = {primitive.name for primitive in action.composition.primitives}

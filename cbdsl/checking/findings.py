@@ -1,4 +1,4 @@
-"""Diagnostics as they gather during one pass."""
+"""Collection of the diagnostics of one pass."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from cbdsl.errors.wording import diagnostic
 if TYPE_CHECKING:
     from cbdsl.errors.entry import Entry
 
-# These have their cause in one place, and may show in many: a name that is missed, for example,
-# or an action that is lacking.
+# These have their cause in one place, but may occur in many: a missing name, for example, or a
+# missing action.
 _REPEATED = frozenset(
     {"CB114", "CB308", "CB351", "CB402", "CB404", "CB407", "CB501", "CB607", "CB608", "CB611"}
     | {"CB612", "CB613", "CB631", "CB717"}
 )
-# More places show nothing that these do not.
+# More places give no further information.
 _MOST_PLACES = 6
 
 
@@ -26,7 +26,7 @@ class Findings:
     """All findings so far, each once, in the order of discovery.
 
     Attributes:
-        added: how many times one was added, the same ones again, too.
+        added: Number of additions, with repeated ones.
     """
 
     def __init__(self) -> None:
@@ -38,31 +38,31 @@ class Findings:
         self.extend([diagnostic(code, place, **details)])
 
     def extend(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Add findings made elsewhere."""
+        """Add findings of another collection."""
         new = list(diagnostics)
         self._diagnostics.update(dict.fromkeys(new))
         self.added += len(new)
 
     @property
     def failed(self) -> bool:
-        """Whether there is an error among them."""
+        """True if there is an error among them."""
         return any(finding.is_error for finding in self._diagnostics)
 
     def holds(self, codes: Collection[str]) -> bool:
-        """Whether there is one of some codes among them."""
+        """Return whether there is a finding with one of some codes."""
         return any(finding.code in codes for finding in self._diagnostics)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
-        """All of them by place, and what shows in several places once."""
+        """Return all findings by place; a repeated one occurs once, with its other places."""
         firsts: dict[tuple[str, str, str], Diagnostic] = {}
         places: dict[Diagnostic, list[Place]] = {}
         for finding in sorted(self._diagnostics, key=lambda finding: (finding.place, finding.code)):
-            # Of resources, all that begin with the same unknown name are missed for one cause.
+            # All resources whose names have the same unknown first part are missing for one cause.
             what = finding.given if finding.code == "CB501" else finding.message
             key = (finding.place.file, finding.code, what)
             first = firsts.setdefault(key, finding) if finding.code in _REPEATED else finding
             others = places.setdefault(first, [])
-            # What was told of a document may come by several ways, put together or not.
+            # The same finding may arrive twice, with and without its other places.
             known = (first.place, *(related.place for related in first.related))
             if finding.place not in known:
                 others.append(finding.place)
@@ -70,7 +70,7 @@ class Findings:
 
 
 def _with(finding: Diagnostic, others: list[Place]) -> Diagnostic:
-    """A finding that speaks of the other places where it shows."""
+    """Return a finding with its other places as related ones."""
     if not others:
         return finding
     related = [Related(place, "and here") for place in others[:_MOST_PLACES]]

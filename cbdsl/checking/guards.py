@@ -1,4 +1,4 @@
-"""Guards of a program, which load cells have to feel and tell from their noise."""
+"""Guards of a program, which load cells have to measure and to distinguish from their noise."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from cbdsl.checking.load_noise import least_force
 
 
 def check_guards(context: ProgramContext) -> None:
-    """Report bounds that noise alone exceeds, and bounds of a robot that feels nothing."""
+    """Report bounds that noise alone exceeds, and bounds of a robot without load cells."""
     guards, source = context.document.guards, context.source
     if not context.has_body:
         return

@@ -1,4 +1,4 @@
-"""Looks: programs that find what features of a schema are of, before anything is allocated."""
+"""Looks: programs that find the objects of a schema's features before the allocation."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _HEADING = "heading"
 def look_of(
     use: Use, values: Mapping[str, str], beside: Path, session: Session, examine: Examine
 ) -> PriorLook | str:
-    """A program that defines a feature, or the reason why it cannot be run.
+    """Return a program that defines a feature, or the reason why it cannot be run.
 
     Args:
-        use: names the program, and its policy where that was learned.
-        values: of its parameters.
-        beside: a document that names it.
-        session: documents that were read before.
-        examine: checks a program with values of its parameters.
+        use: Reference to the program, and to its policy if that is learned.
+        values: Values of its parameters.
+        beside: Document that names it.
+        session: Session with the documents read so far.
+        examine: Check of a program with values of its parameters.
     """
     library, findings = session.library, Findings()
     path = library.find(ProgramDocument, use.program, beside)
@@ -65,18 +65,17 @@ def derived_looks(
     session: Session,
     examine: Examine,
 ) -> dict[str, PriorLook]:
-    """For each thing that features are of, how the program looks for things, in their order.
+    """Return the look for each object that features belong to, in their order.
 
-    A program that has an action of its own for that looks by itself. Else it is the first one,
-    of those that its own programs use, that is rewarded for the heading of a channel, with the
-    channel of the feature instead.
+    A program with an action that looks for objects needs no look. Otherwise the look is the first
+    used program that is rewarded for a channel's heading, with the feature's channel instead.
 
     Args:
-        program: the program under its own allocation.
-        features: resources of its context by name.
-        path: its file.
-        session: documents that were read before.
-        examine: checks a program with values of its parameters.
+        program: Program under its own allocation.
+        features: Resources of its context, by name.
+        path: File of the program.
+        session: Session with the documents read so far.
+        examine: Check of a program with values of its parameters.
     """
     if any(
         action.program is not None and _looked_for(action.program) for action in program.actions
@@ -99,7 +98,7 @@ def derived_looks(
 
 
 def _looked_for(program: CheckedProgram) -> str | None:
-    """The parameter whose channel a program is rewarded for tracking, if it is."""
+    """Return the parameter for the channel whose heading rewards a program, or ``None``."""
     for earned in earned_signals(program):
         if earned.kind.feedback == _HEADING:
             channel = earned.signal.partition(".")[2]
@@ -108,7 +107,7 @@ def _looked_for(program: CheckedProgram) -> str | None:
 
 
 def _uses(path: Path, session: Session, seen: set[Path]) -> Iterator[tuple[Path, Use]]:
-    """The programs that a program uses, at any depth, with the file that names each."""
+    """Yield the programs that a program uses, at any depth, with the file that names each."""
     if path in seen:
         return
     seen.add(path)

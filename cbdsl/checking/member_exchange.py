@@ -1,4 +1,4 @@
-"""Programs of a library in the place of a member of another program, and why others are not."""
+"""Programs of a library in the place of another program's member, and reasons for refusals."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from cbdsl.program.stand_in import used_names
 
 
 class OpenMember(NamedTuple):
-    """A member that a program lets be exchanged.
+    """Exchangeable member of a program.
 
     Attributes:
-        group: name of the group of its section ``resources``.
-        member: its name.
-        type: of the signals that what stands in for it has to be rewarded for.
+        group: Name of its group in the section ``resources``.
+        member: Name of the member.
+        type: Type of the signals that a program in its place has to be rewarded for.
     """
 
     group: str
@@ -41,12 +41,12 @@ class OpenMember(NamedTuple):
 
 
 class MemberExchange:
-    """Puts other programs in the place of members.
+    """Exchange of members for other programs.
 
     Args:
-        path: the file of the program whose members are exchanged, without findings.
-        session: documents that were read before.
-        examine: checks a program with values of its parameters.
+        path: File of the program whose members are exchanged, without findings.
+        session: Session with the documents read so far.
+        examine: Check of a program with values of its parameters.
     """
 
     def __init__(self, path: Path, session: Session, examine: Examine) -> None:
@@ -54,11 +54,11 @@ class MemberExchange:
         self._checked: dict[tuple[str, tuple[tuple[str, str], ...]], CheckedProgram | None] = {}
 
     def allocations(self, base: Allocation, member: OpenMember) -> Iterator[Allocation]:
-        """An allocation with each program of the library that is rewarded for the same kind.
+        """Yield an allocation for each program of the library with a reward of the same kind.
 
         Args:
-            base: an allocation that fits.
-            member: what is exchanged.
+            base: Allocation that fits.
+            member: Exchanged member.
         """
         program = base.program
         if program is None:
@@ -82,17 +82,16 @@ class MemberExchange:
     def exchanged(
         self, program: CheckedProgram, member: str, name: str
     ) -> tuple[CheckedProgram | None, str]:
-        """A program with another one in the place of a member, or ``None`` with the reason.
+        """Return a program with another one in the place of a member, or ``None`` with the reason.
 
-        The other takes over what the member's own program is given: the channels that it goes by,
-        and if it is needed for that the effectors, too. It has to end with the same signal at rest
-        that the member is rewarded for, since what follows goes by that, and to go by the same
-        seen things.
+        The other program takes over the channels of the member's program, and also its effectors
+        if they are needed. It has to end with the signal at rest that the member is rewarded for,
+        because later actions depend on it. It also has to use the same seen positions.
 
         Args:
-            program: under values of its parameters.
-            member: one of its members.
-            name: of the other program.
+            program: Program under values of its parameters.
+            member: Name of one of its members.
+            name: Name of the other program.
         """
         candidates = list(self._candidates(program, member, name))
         if not candidates:
@@ -113,7 +112,7 @@ class MemberExchange:
     def _candidates(
         self, program: CheckedProgram, member: str, name: str
     ) -> Iterator[CheckedProgram]:
-        """The other program with its own effectors, and with those of the member."""
+        """Yield the other program with its own effectors, and with the member's effectors."""
         file = self._library.find(ProgramDocument, name, self._path)
         if file is None or self._library.real(file) == self._library.real(self._path):
             return
@@ -146,13 +145,13 @@ class MemberExchange:
 
 
 def _given(program: CheckedProgram, member: str) -> Mapping[str, str]:
-    """Values of the parameters of a member that is a program; else those of the program."""
+    """Return the parameters of a member that is a program, otherwise the program's own."""
     child = member_program(program, member)
     return program.parameters if child is None else child.parameters
 
 
 def _current(program: CheckedProgram, member: str) -> str:
-    """Name of the program that a member is; empty where it is a controller."""
+    """Return the name of the program that a member is; empty for a controller."""
     child = member_program(program, member)
     return "" if child is None else child.name
 
@@ -164,12 +163,12 @@ def _of_type(signals: Collection[EarnedSignal], type_: str) -> set[EarnedSignal]
 def _refusal(
     wanted: Collection[EarnedSignal], places: Collection[str], other: CheckedProgram
 ) -> str:
-    """Why a program cannot stand in for a member; empty where it can.
+    """Return why a program cannot stand in for a member; empty if it can.
 
     Args:
-        wanted: signals that the member is rewarded for.
-        places: seen positions that it goes by.
-        other: what is to stand in for it.
+        wanted: Signals that the member is rewarded for.
+        places: Seen positions that it uses.
+        other: Program to stand in for it.
     """
     earned = earned_signals(other)
     kinds = sorted({str(each.kind) for each in wanted})

@@ -1,4 +1,4 @@
-"""Policy documents against the programs that they serve."""
+"""Checks of policy documents against the programs that they serve."""
 
 from __future__ import annotations
 

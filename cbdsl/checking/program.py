@@ -35,16 +35,16 @@ def check_program(
     with_: Mapping[str, str] | None = None,
     library: Library | None = None,
 ) -> CheckedProgram:
-    """Check a program and everything it refers to.
+    """Check a program and all documents it refers to.
 
     Args:
-        path_or_name: its file, or its name in the library.
-        with_: values of its parameters that replace the defaults.
-        library: where documents are found by name.
+        path_or_name: Program's file, or its name in the library.
+        with_: Values of its parameters that replace the defaults.
+        library: Library that finds documents by name.
 
     Raises:
-        DiagnosticsError: it has faults.
-        UsageError: there is no such program, or it has no such parameter.
+        DiagnosticsError: The program has errors.
+        UsageError: The program or one of the parameters does not exist.
     """
     session, findings = Session(library), Findings()
     path = session.library.locate(ProgramDocument, path_or_name)
@@ -72,17 +72,17 @@ def examine_program(
     findings: Findings,
     budget: Budget | None = None,
 ) -> CheckedProgram | None:
-    """Check a program; findings gather in ``findings``.
+    """Check a program, and collect its diagnostics in ``findings``.
 
     Args:
-        path: its file.
-        values: values of its parameters that replace the defaults.
-        session: documents that were read before, and programs that were checked before.
-        findings: where its findings go.
-        budget: what has been used on the way to it.
+        path: File of the program.
+        values: Values of its parameters that replace the defaults.
+        session: Session with the documents and programs checked so far.
+        findings: Diagnostics so far.
+        budget: Budget of nested programs, shared with the programs above.
 
     Returns:
-        ``None`` where it cannot run.
+        Checked program, or ``None`` if it cannot run.
     """
     known = session.recall(path, values)
     if known is None:
@@ -143,7 +143,7 @@ class _ProgramCheck:
         )
         self._compositions = Compositions(context)
         self._actions = Actions(context, self._compositions, programs)
-        # Parts of the background, by what they are written as.
+        # Terms of the background, as written.
         self._below: frozenset[str] = frozenset()
 
     def check(self) -> CheckedProgram | None:
@@ -221,11 +221,11 @@ class _ProgramCheck:
         return self._compositions.composition(expression, steps)
 
     def _conditions(self, names: Sequence[str], complete: bool) -> None:
-        """Controllers that others wait for or are conditioned on have to run.
+        """Check that controllers that others wait for or are conditioned on run.
 
         Args:
-            names: of the controllers that run.
-            complete: whether that is all, because no action is faulty.
+            names: Names of the controllers that run.
+            complete: True if these are all, because no action has errors.
         """
         for steps, text in _named(self._document):
             condition = self._context.parse(text, steps)
@@ -239,7 +239,7 @@ class _ProgramCheck:
 
 
 def _named(document: ProgramDocument) -> Iterator[tuple[Steps, str]]:
-    """Where controllers name others, and what is written there."""
+    """Yield the paths of references to other controllers, with their texts."""
     for key, controller in document.controllers.items():
         if isinstance(controller, str):
             continue
@@ -250,14 +250,14 @@ def _named(document: ProgramDocument) -> Iterator[tuple[Steps, str]]:
 
 
 def _running(actions: list[Action | None], background: Composition | None) -> list[str]:
-    """The names of the controllers that some action or the background runs."""
+    """Return the names of the controllers that some action or the background runs."""
     own = _primitives(actions).values()
     below = background.primitives if background is not None else ()
     return [each.name for primitive in (*own, *below) for each in primitive.controllers]
 
 
 def _primitives(actions: list[Action | None]) -> dict[str, Primitive]:
-    """The actions that are single primitives, by name."""
+    """Return the actions that are single primitives, by name."""
     return {
         action.name: action.composition.primitives[0]
         for action in actions

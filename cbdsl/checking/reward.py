@@ -1,4 +1,4 @@
-"""Whether there is something that a program can be rewarded for (Eq 4.2 to 4.4)."""
+"""Check that a program can be rewarded (Eq 4.2 to 4.4)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from cbdsl.yaml_text.library import Library
 
 
 def check_rewarded(program: CheckedProgram, path: Path, library: Library) -> tuple[Diagnostic, ...]:
-    """Warn of a program of which nothing can be learned, because nothing it does is rewarded.
+    """Warn of a program that cannot be learned because none of its actions is rewarded.
 
     Args:
-        program: a checked program.
-        path: its file.
-        library: where that was read.
+        program: Checked program.
+        path: File of the program.
+        library: Library that has read it.
     """
     if any(primitive.rewarded for primitive in program.primitives.values()):
         return ()

@@ -46,14 +46,14 @@ def checked_schema(
     examine: Examine,
     values: Mapping[str, str] | None = None,
 ) -> CheckedProgram | None:
-    """The program of a schema with all its allocations, or ``None`` where it does not fit.
+    """Return the program of a schema with all its allocations, or ``None`` if it does not fit.
 
     Args:
-        loaded: the schema's document.
-        session: documents that were read before.
-        findings: where its findings go.
-        examine: checks a program with values of its parameters.
-        values: values of the program's other parameters that replace the defaults.
+        loaded: Schema's document.
+        session: Session with the documents read so far.
+        findings: Diagnostics so far.
+        examine: Check of a program with values of its parameters.
+        values: Values of the program's other parameters that replace the defaults.
     """
     return _SchemaCheck(loaded, session, findings, examine, values or {}).check()
 
@@ -71,7 +71,7 @@ class _SchemaCheck:
         self._session, self._findings = session, findings
         self._examine, self._values = examine, values
         self._dimensions: dict[str, str] = {}
-        #: Features that count things, and how many can be told apart.
+        #: Features that count objects, with the number that can be distinguished.
         self._counts: dict[str, int] = {}
 
     def check(self) -> CheckedProgram | None:
@@ -115,7 +115,7 @@ class _SchemaCheck:
         return allocate(variants, schema)._replace(looks=self._looks(base))
 
     def _looks(self, program: CheckedProgram) -> dict[str, PriorLook]:
-        """The programs that define features, each for one of them."""
+        """Return the programs that define features, by the feature's name."""
         looks, document = {}, self._document
         for name, use in document.look.items():
             if name not in document.features:
@@ -140,8 +140,8 @@ class _SchemaCheck:
         return self._session.read(path, PolicyDocument, self._findings)
 
     def _unchanged(self) -> None:
-        """A schema that was learned of some policies says nothing about others."""
-        from cbdsl.checking.knowledge.digest import policy_digest  # only what was learned needs it
+        """Check that the policies for which a schema was learned are unchanged."""
+        from cbdsl.checking.knowledge.digest import policy_digest  # only learned policies need it
 
         provenance, library = self._document.provenance, self._session.library
         if provenance is None:
@@ -155,7 +155,7 @@ class _SchemaCheck:
     def _variant(
         self, name: str, values: Mapping[str, str], path: Path, policy: Loaded[PolicyDocument]
     ) -> CheckedProgram | None:
-        """The program under one allocation and the declarative policy."""
+        """Return the program under one allocation and the declarative policy."""
         library = self._session.library
         document = library.read(path, ProgramDocument).document
         known, programs = document.parameters, exchangeable(document)
@@ -182,7 +182,7 @@ class _SchemaCheck:
     def _allocated(
         self, values: Mapping[str, str], path: Path
     ) -> tuple[CheckedProgram | None, str]:
-        """The program with some values, or one that stands in for it; else the reason why not."""
+        """Return the program with some values, or its stand-in; else ``None`` and the reason."""
         known = self._session.library.read(path, ProgramDocument).document.parameters
         own = {key: value for key, value in values.items() if key in known}
         members = {k: value for k, value in values.items() if k not in known and k != WHOLE}
@@ -203,7 +203,7 @@ class _SchemaCheck:
         return program, ""
 
     def _actions(self, program: CheckedProgram) -> None:
-        """The abstract actions are those of the program's controllers."""
+        """Check that the abstract actions match the program's controllers."""
         own = {name: each.lead for name, each in program.primitives.items()}
         for name, action in self._document.actions.items():
             if name not in own:
@@ -242,7 +242,7 @@ class _SchemaCheck:
     def _affordance(
         self, name: str, wanted: str, resources: Mapping[str, Resource]
     ) -> Resource | None:
-        """Probability of reward of a catalog's action, ``affords.<action>``."""
+        """Return the probability of reward of a catalog's action, ``affords.<action>``."""
         assert self._document.catalog is not None
         place, library = self._source.place("catalog"), self._session.library
         path = find_document(
@@ -256,7 +256,7 @@ class _SchemaCheck:
             at, names = self._source.place("features", name), list(catalog.affordances)
             self._findings.add("CB655", at, names=names, name=action, catalog=catalog.name)
             return None
-        from cbdsl.program.catalog_models import affordance_resource  # brings numpy
+        from cbdsl.program.catalog_models import affordance_resource  # imports numpy
 
         made = affordance_resource(catalog, action, resources)
         if made is None:
@@ -267,13 +267,13 @@ class _SchemaCheck:
     def _tree(
         self, tree: object, steps: Steps, leaf: Callable[[Any, Steps], Answer], spans: _Spans
     ) -> Tree[Answer]:
-        """A tree as programs run it.
+        """Return a tree as programs run it.
 
         Args:
-            tree: as the document has it.
-            steps: its path.
-            leaf: reads the answer of a leaf.
-            spans: what earlier questions have left open, by feature.
+            tree: Tree in the document.
+            steps: Path of the tree.
+            leaf: Reader of a leaf's answer.
+            spans: Remaining range of each feature after the questions above, by feature.
         """
         if not isinstance(tree, (ChoiceQuestion, RewardQuestion)):
             return Leaf(leaf(tree, steps))
@@ -302,7 +302,7 @@ class _SchemaCheck:
         return None if tree is None else self._tree(tree, ("reward",), lambda p, _: float(p), {})
 
     def _question(self, text: str, steps: Steps) -> tuple[str, float, bool]:
-        """Feature, threshold in SI, and whether it asks for larger values."""
+        """Return the feature, the threshold in SI units, and whether it asks for larger values."""
         match, place = _COMPARISON.match(text), self._source.place(*steps)
         if match is None:
             self._findings.add("CB637", place, text=text)
@@ -317,7 +317,7 @@ class _SchemaCheck:
         return feature, threshold, sign == ">"
 
     def _occurs(self, feature: str, threshold: float, sign: str, steps: Steps) -> None:
-        """Tell of a question about a number of things that has one answer only."""
+        """Report a question about a number of objects that has only one possible answer."""
         most = self._counts.get(feature)
         if most is None:
             return
@@ -347,7 +347,7 @@ class _SchemaCheck:
 
 
 def _abstract(controller: Controller) -> tuple[str, str, str]:
-    """The declarative part of a controller (Eq 5.1): potential, and types of its signals."""
+    """Return a controller's declarative part (Eq 5.1): potential, and types of its signals."""
     return (
         controller.potential,
         str(controller.feedback.type.name),

@@ -26,12 +26,12 @@ _Key = tuple[Path, frozenset[tuple[str, str]]]
 
 
 class Session:
-    """One invocation's documents.
+    """Documents of one invocation.
 
     Attributes:
-        library: where documents are found by name.
-        values: values of programs' parameters.
-        uses: which programs use which.
+        library: Library that finds documents by name.
+        values: Values of programs' parameters.
+        uses: Graph of the uses between programs.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Session:
         self._sound: dict[Path, SoundControllers] = {}
 
     def read(self, path: Path | None, kind: type[D], findings: Findings) -> Loaded[D] | None:
-        """A file's document, or ``None`` without one or where it has faults, which are added."""
+        """Return a file's document, or ``None`` without one; add its errors to the findings."""
         try:
             return None if path is None else self.library.read(path, kind)
         except DiagnosticsError as error:
@@ -52,11 +52,11 @@ class Session:
             return None
 
     def body(self, path: Path | None, findings: Findings) -> CheckedRobot | None:
-        """The robot of a file, whose own findings are added.
+        """Return the robot of a file, and add its own findings.
 
         Returns:
-            ``None`` without a file, or where parts of the robot had to be left out, so that nobody
-            knows what it has.
+            Robot, or ``None`` without a file or if its resources are unknown, because parts of
+            its document had to be left out.
         """
         if path is None:
             return None
@@ -79,16 +79,16 @@ class Session:
         return None if loaded.faults else body
 
     def sound(self, path: Path) -> SoundControllers:
-        """Controllers of a program's file that were sound whenever it was checked."""
+        """Return the controllers of a program's file that had no findings in earlier checks."""
         return self._sound.setdefault(self.library.real(path), SoundControllers())
 
     def replace(self, path: Path, data: bytes) -> bool:
-        """Have other bytes stand in for those of a file.
+        """Replace the bytes of a file in the session.
 
-        Programs are checked again. What was found of robots is kept, which takes most of the time.
+        Programs are checked again. Results for robots are kept, because they take most of the time.
 
         Returns:
-            Whether the session can go on: not where a robot may have become another one.
+            True if the session can go on; false if a robot may have changed.
         """
         if not self.library.replace(path, data):
             return False
@@ -99,7 +99,7 @@ class Session:
     def recall(
         self, path: Path, values: Mapping[str, str]
     ) -> tuple[CheckedProgram | None, Findings] | None:
-        """Outcome of the earlier check of a program with these values of its parameters."""
+        """Return the result of the last check of a program with these values of its parameters."""
         return self._programs.get((self.library.real(path), frozenset(values.items())))
 
     def remember(
@@ -109,6 +109,6 @@ class Session:
         checked: CheckedProgram | None,
         findings: Findings,
     ) -> None:
-        """Keep what became of a program, so that it is checked once however often it is used."""
+        """Keep the result of a program's check, so that it is checked once for all its uses."""
         key = (self.library.real(path), frozenset(values.items()))
         self._programs[key] = checked, findings

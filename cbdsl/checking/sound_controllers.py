@@ -1,4 +1,4 @@
-"""Controllers that were found to be sound, which need no second look while a program is typed."""
+"""Controllers without findings, which need no second check while a program is edited."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class _Sound(NamedTuple):
 class SoundControllers:
     """Memory of one program's controllers without findings, by name.
 
-    A controller is the same again where its section and the robot are: without parameters nothing
-    else decides what it is, and without findings nothing speaks of places, which may have moved.
+    A controller is unchanged if its section and the robot are. Without parameters, it depends on
+    nothing else. Without findings, it refers to no places in the text, which may have moved.
     """
 
     def __init__(self) -> None:
@@ -28,7 +28,7 @@ class SoundControllers:
     def recall(
         self, name: str, section: ControllerSection, body: CheckedRobot
     ) -> Controller | None:
-        """The controller that a section was on a robot, or ``None`` where that is not known."""
+        """Return the controller of an unchanged section on the same robot, or ``None``."""
         known = self._known.get(name)
         same = known is not None and known.body is body and known.section == section
         return known.controller if known is not None and same else None
@@ -36,6 +36,6 @@ class SoundControllers:
     def remember(
         self, name: str, section: ControllerSection, body: CheckedRobot, controller: Controller
     ) -> None:
-        """Keep a controller that was checked without a finding, in a document without faults."""
+        """Keep a controller that was checked without a finding, in a document without errors."""
         if "$" not in repr(section):
             self._known[name] = _Sound(section, body, controller)

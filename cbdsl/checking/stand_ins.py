@@ -15,12 +15,12 @@ from cbdsl.program.stand_in import StandIn, stand_ins
 
 
 def stand_ins_of(path: Path, session: Session, values: Mapping[str, str]) -> list[StandIn]:
-    """All of them, in the order of the members; what has findings of its own is left out.
+    """Return all stand-ins in the order of the members, without programs that have findings.
 
     Args:
-        path: the file of a program without findings.
-        session: documents that were read before.
-        values: values of its parameters; others take over those that they have, too.
+        path: File of a program without findings.
+        session: Session with the documents read so far.
+        values: Values of its parameters; other programs take over the values of common parameters.
     """
     program = examine_program(path, values, session, Findings())
     if program is None:

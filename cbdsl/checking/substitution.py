@@ -1,4 +1,4 @@
-"""Substitution: whole programs in the place of one that is rewarded for the same (5.3.2)."""
+"""Substitution: whole programs in the place of one with the same reward (Section 5.3.2)."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from cbdsl.program.correspondence import affordances, correspondence, in_place_o
 from cbdsl.types.allotment import PROGRAM, WHOLE, allotment
 
 Examine = Callable[[Path, Mapping[str, str], Findings], CheckedProgram | None]
-"""Checks a program with values of its parameters; its findings go where they are told to."""
+"""Check of a program with values of its parameters, which adds to the given findings."""
 
 
 class Allocation(NamedTuple):
-    """One choice of resources for the parameters that a program lets be replaced.
+    """One choice of resources for the exchangeable parameters of a program.
 
     Attributes:
-        values: resource or channel by parameter; another program by ``program``.
-        choices: what was chosen by name of the group of parameters: the value of its first one.
-        program: the program with these values, or ``None`` where they do not fit.
-        refusal: why they do not fit; empty where they do.
+        values: Resource or channel by parameter; another program by ``program``.
+        choices: Value of the first parameter of each group, by the group's name.
+        program: Program with these values, or ``None`` if they do not fit.
+        refusal: Reason why they do not fit; empty if they do.
     """
 
     values: Mapping[str, str]
@@ -37,13 +37,13 @@ class Allocation(NamedTuple):
 def substitutes(
     path: Path, values: Mapping[str, str], session: Session, examine: Examine
 ) -> Iterator[Allocation]:
-    """The programs that are rewarded for what a program asks for in place of itself.
+    """Yield the programs with the reward that a program requires of its substitutes.
 
     Args:
-        path: the file of a program without findings.
-        values: values of its parameters; others take over those that they have, too.
-        session: documents that were read before.
-        examine: checks a program with values of its parameters.
+        path: File of a program without findings.
+        values: Values of its parameters; other programs take over the values of common parameters.
+        session: Session with the documents read so far.
+        examine: Check of a program with values of its parameters.
     """
     library = session.library
     document = library.read(path, ProgramDocument).document
@@ -63,14 +63,14 @@ def substitutes(
 def stand_in(
     name: str, path: Path, values: Mapping[str, str], session: Session, examine: Examine
 ) -> tuple[CheckedProgram | None, str]:
-    """A program in the place of another, or ``None`` with the reason why it cannot be.
+    """Return a program in the place of another, or ``None`` with the reason against it.
 
     Args:
-        name: of the program that stands in.
-        path: the file of the program, without findings.
-        values: of the parameters of either.
-        session: documents that were read before.
-        examine: checks a program with values of its parameters.
+        name: Name of the program that stands in.
+        path: File of the replaced program, without findings.
+        values: Values of the parameters of both programs.
+        session: Session with the documents read so far.
+        examine: Check of a program with values of its parameters.
     """
     file = session.library.find(ProgramDocument, name, path)
     document = session.library.read(path, ProgramDocument).document
@@ -84,7 +84,7 @@ def stand_in(
 
 
 def _wanted(document: ProgramDocument) -> set[str]:
-    """Types of what programs in its place have to be rewarded for."""
+    """Return the types of signals that programs in its place have to be rewarded for."""
     kinds = [allotment(group[WHOLE]) for group in document.resources.values() if WHOLE in group]
     return {each.type for each in kinds if each is not None and each.kind == PROGRAM}
 
@@ -96,7 +96,7 @@ def examined(
     session: Session,
     examine: Examine,
 ) -> CheckedProgram | None:
-    """A program for the same robot with the same values of the parameters that both have."""
+    """Return a program for the same robot with the values of common parameters, or ``None``."""
     try:
         other = session.library.read(file, ProgramDocument).document
     except DiagnosticsError:

@@ -1,4 +1,4 @@
-"""Warnings about what runs, and hardly does what was meant."""
+"""Warnings about programs that can run but hardly as intended."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def check_suspicious(
     controllers: Iterable[tuple[str, Controller]],
     actions: Mapping[str, Steps],
 ) -> None:
-    """Warn of what can be told without running a program.
+    """Warn of suspicious parts that can be found without running a program.
 
     Args:
-        context: the program's document.
-        program: what became of it.
-        controllers: its controllers, with their keys in the document.
-        actions: the paths of its actions in the document, by name.
+        context: Context of the program's document.
+        program: Checked program.
+        controllers: Controllers of the program, with their keys in the document.
+        actions: Paths of its actions in the document, by name.
     """
     checked = list(controllers)
     for key, controller in checked:
@@ -44,7 +44,7 @@ def check_suspicious(
     for action in program.actions:
         if action.name in program.policy.values():
             _levels(context, program, action, actions[action.name])
-    # What has the wrong priority may lead what should not, and so seem to be always defined.
+    # With a wrong priority, a controller may lead wrongly and thus seem to be always defined.
     if not context.findings.holds(("CB709",)):
         check_possible(program.policy, program, context.source, context.findings)
 
@@ -75,7 +75,7 @@ class _ControllerCheck:
             self._context.add("CB708", place, name=reference.name)
 
     def _zero_share(self) -> None:
-        """A share of a reference of norm 0 is no residual that can be reached."""
+        """Warn of quiescence at a share of a reference of norm 0, which no residual can reach."""
         controller, source = self._controller, self._context.source
         if not controller.rewarded or controller.quiescence.within is None:
             return
@@ -97,7 +97,7 @@ class _ControllerCheck:
 
 
 def _are_same(one: Resource, other: Resource) -> bool:
-    """Whether two names stand for the same signal; equal fields of different sources do not."""
+    """Return whether two names mean the same signal; equal fields of different sources do not."""
     return type(one.source) is type(other.source) and one.source == other.source
 
 
@@ -115,11 +115,11 @@ def _is_zero(controller: Controller) -> bool:
 def _hasty(
     context: ProgramContext, controllers: Iterable[tuple[str, Controller]], program: CheckedProgram
 ) -> None:
-    """Warn of controllers that are watched for longer than an action lasts."""
+    """Warn of controllers whose window of quiescence is at least as long as an action lasts."""
     source, longest, limit = context.source, program.transition_time, ("limits", "transition_time")
     slow = [(c.quiescence.window, key, c.name) for key, c in controllers]
     slow = sorted((each for each in slow if each[0] >= longest), reverse=True)
-    # Where the limit itself is written, it is that which is too short, and told once.
+    # If the limit is in the document, the limit is too short: report it once.
     for window, key, name in slow[:1] if source.holds(*limit) else slow:
         own = ("controllers", key, "quiescence", "window")
         place = source.place(*(limit if source.holds(*limit) else own))
@@ -128,9 +128,9 @@ def _hasty(
 
 
 def _start(context: ProgramContext, program: CheckedProgram) -> None:
-    """Every program begins with no predicate active."""
+    """Warn if no pattern of the policy matches the start, where no predicate is active."""
     patterns = [pattern for pattern in program.policy if not pattern.strip("X" + ANY)]
-    # One that is not there may be learned, one that is empty begins nowhere.
+    # A missing policy may be learned; an empty one has no start.
     if context.source.holds("policy") and not patterns:
         state = "X" * len(program.members)
         context.add("CB706", context.source.key("policy"), state=state)
@@ -150,7 +150,7 @@ def _used(context: ProgramContext, program: CheckedProgram) -> None:
 
 
 def _levels(context: ProgramContext, program: CheckedProgram, action: Action, steps: Steps) -> None:
-    """Warn of controllers to which one above leaves nothing, whatever happens."""
+    """Warn of controllers whose joints a controller above them always takes completely."""
     own = [level for level in levels(program, action) if not level.background]
     idle: dict[str, list[str]] = {}
     for i, level in enumerate(own):
@@ -164,7 +164,7 @@ def _levels(context: ProgramContext, program: CheckedProgram, action: Action, st
 
 
 def _takes_all(above: StackLevel, joints: frozenset[str]) -> bool:
-    """Whether a level always fixes all of some joints: it is never undefined."""
+    """Return whether a level always fixes all of some joints, because it is never undefined."""
     controller = above.controller
     return (
         above.rows == len(controller.joints)

@@ -1,4 +1,4 @@
-"""Warnings about what has no effect, and about names with two meanings."""
+"""Warnings about declarations without effect, and about names with two meanings."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ def check_unused(context: ProgramContext, used: Collection[str]) -> None:
     """Warn of unused controllers, programs and parameters, and of hidden names.
 
     Args:
-        context: the program.
-        used: controllers and programs that some action or the background refers to.
+        context: Program context.
+        used: Controllers and programs that some action or the background refers to.
     """
     document, source = context.document, context.source
     for section in ("controllers", "use"):

@@ -1,4 +1,4 @@
-"""The programs that a program uses as actions, each with values and perhaps a policy of its own."""
+"""Programs that a program uses as actions, each with values and perhaps a policy of its own."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ if TYPE_CHECKING:
 
 K = TypeVar("K", PolicyDocument, "SchemaDocument")
 
-# Programs within one another, and programs that one uses in all, each with other values.
+# Bounds on nested programs, and on all used programs, each with other values.
 _DEEPEST = 64
 _MOST = 256
-# Where these are found, to check anything again with other values would go on and on.
+# Findings after which further checks with other values would not end.
 _ENDLESS = frozenset({"CB409", "CB605", "CB610"})
 
 
 class Budget:
-    """How far the uses below one program have gone; without bounds they could multiply for ever.
+    """Budget of the uses below one program, which could multiply without bounds.
 
     Attributes:
-        depth: how many programs are within one another.
-        count: how many were checked so far.
+        depth: Number of programs within one another.
+        count: Number of programs checked so far.
     """
 
     def __init__(self) -> None:
@@ -46,21 +46,21 @@ class Budget:
 
     @property
     def ended(self) -> bool:
-        """Whether there are more than anybody writes."""
+        """True if there are more programs than any realistic document has."""
         return self.depth > _DEEPEST or self.count > _MOST
 
 
 class UsedPrograms:
-    """Checks the programs that one program uses.
+    """Checks of the programs that one program uses.
 
     Args:
-        loaded: the program that uses them.
-        session: documents that were read before.
-        findings: where findings go.
-        dependencies: know the robot that all of them have to be for.
-        scope: values of the program's parameters.
-        budget: what has been used on the way to the program.
-        examine: checks a program with some values of its parameters.
+        loaded: Program that uses them.
+        session: Session with the documents read so far.
+        findings: Diagnostics so far.
+        dependencies: Dependencies with the robot that all of them have to be for.
+        scope: Values of the program's parameters.
+        budget: Budget of nested programs, shared with the programs above.
+        examine: Check of a program with some values of its parameters.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class UsedPrograms:
         self._unsuitable: list[tuple[str, Path, str, Findings]] = []
 
     def check(self) -> dict[str, CheckedProgram | None]:
-        """The programs by the names that they are used by; ``None`` where one cannot run."""
+        """Return the used programs by their names here, with ``None`` for one that cannot run."""
         return {name: self._use(name, use) for name, use in self._loaded.document.use.items()}
 
     def _use(self, name: str, use: Use) -> CheckedProgram | None:
@@ -102,12 +102,12 @@ class UsedPrograms:
             own = Findings()
             self._examine(path, {}, own)
             if not own.failed:
-                # Values that are missed by a fault of their own may be what it runs with.
+                # A value that is missing because of its own error may be needed to run.
                 if len(values) == len(use.with_) and self._source.is_whole("use", name, "with"):
                     wrong = [key for key in values if not self._runs(path, {key: values[key]})]
                     self._unsuitable.append((name, path, (*wrong, *values)[0], faults))
                 return None
-            faults = own  # with its own values it has faults already
+            faults = own  # errors with its own values, too
         self._findings.extend(faults.sorted())
         if use.schema_ is not None and use.policy is not None:
             details = {"name": name, "schema": use.schema_, "policy": use.policy}
@@ -119,7 +119,7 @@ class UsedPrograms:
         return self._learned(use.policy, program, path, ("use", name, "policy"))
 
     def _runs(self, path: Path, values: Mapping[str, str]) -> bool:
-        """Whether a program has no faults with some values of its parameters."""
+        """Return whether a program has no errors with some values of its parameters."""
         findings = Findings()
         self._examine(path, values, findings)
         return not findings.failed
@@ -128,7 +128,7 @@ class UsedPrograms:
         """Report values with which used programs cannot run.
 
         Args:
-            reported: parameters of this program whose values have been reported.
+            reported: Parameters of this program whose values have been reported.
         """
         source = self._source
         for name, path, key, faults in self._unsuitable:
@@ -151,7 +151,7 @@ class UsedPrograms:
             )
 
     def _find(self, use: Use, steps: Steps) -> Path | None:
-        """The file of a program that can be used here."""
+        """Return the file of a program that can be used here."""
         source = self._source
         path = self._dependencies.find(ProgramDocument, use.program, steps)
         if path is None:
@@ -167,7 +167,7 @@ class UsedPrograms:
         return path
 
     def _values(self, name: str, use: Use, used: Loaded[ProgramDocument]) -> dict[str, str]:
-        """The parameters of a used program, with this program's own replaced."""
+        """Return the parameters of a used program, with this program's own replaced."""
         source, values = self._source, {}
         parameters = used.source.declared(used.document.parameters, "parameters")
         for key, text in use.with_.items():
@@ -184,7 +184,7 @@ class UsedPrograms:
     def _allocated(
         self, name: str, program: CheckedProgram, values: Mapping[str, str], steps: Steps
     ) -> CheckedProgram | None:
-        """A used program that a schema allocates, or ``None`` where that does not fit."""
+        """Return a used program that a schema allocates, or ``None`` if the schema does not fit."""
         # Few programs use schemas, and their module takes a fiftieth of cb validate's time.
         from cbdsl.checking.schema import checked_schema
         from cbdsl.documents.schema import SchemaDocument
@@ -197,7 +197,7 @@ class UsedPrograms:
     def _learned(
         self, name: str, program: CheckedProgram, path: Path, steps: Steps
     ) -> CheckedProgram | None:
-        """A used program under a policy of its own, or ``None`` where that does not fit."""
+        """Return a used program under its own policy, or ``None`` if the policy does not fit."""
         loaded = self._knowledge(PolicyDocument, name, program, steps)
         if loaded is None:
             return None
@@ -209,7 +209,7 @@ class UsedPrograms:
     def _knowledge(
         self, kind: type[K], name: str, program: CheckedProgram, steps: Steps
     ) -> Loaded[K] | None:
-        """A policy or schema of a used program, or ``None`` where it is missing or of another."""
+        """Return a used program's policy or schema, or ``None`` if there is no matching one."""
         place, library = self._source.place(*steps), self._session.library
         file = find_document(kind, name, place, library, self._findings)
         loaded = self._session.read(file, kind, self._findings)

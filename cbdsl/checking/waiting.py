@@ -11,7 +11,7 @@ from cbdsl.program.controller import Controller
 
 
 class _Wait(NamedTuple):
-    """A controller waits for another, by a key of the document."""
+    """Wait of a controller for another, by a key of the document."""
 
     waiting: str
     awaited: str
@@ -22,11 +22,11 @@ Waits = Mapping[str, list[_Wait]]
 
 
 def check_waiting(context: ProgramContext, controllers: Iterable[tuple[str, Controller]]) -> None:
-    """Find circles of what ``requires`` and ``seek: {once: ...}`` name.
+    """Report circles among the controllers that ``requires`` and ``seek: {once: ...}`` name.
 
     Args:
-        context: the program's document.
-        controllers: its controllers, with their keys in the document.
+        context: Context of the program's document.
+        controllers: Controllers of the program, with their keys in the document.
     """
     waits: dict[str, list[_Wait]] = {}
     for key, controller in controllers:
@@ -50,7 +50,7 @@ def _named(key: str, controller: Controller) -> Iterator[tuple[Steps, str]]:
 
 
 def _circles(waits: Waits) -> Iterator[list[_Wait]]:
-    """The shortest way from each controller back to itself, where there is one."""
+    """Yield the shortest way from each controller back to itself, if there is one."""
     for name in waits:
         if way := _way_back(name, waits):
             yield way
@@ -59,7 +59,7 @@ def _circles(waits: Waits) -> Iterator[list[_Wait]]:
 def _way_back(name: str, waits: Waits) -> list[_Wait] | None:
     ways: dict[str, list[_Wait]] = {name: []}
     ahead = [name]
-    for each in ahead:  # which grows meanwhile
+    for each in ahead:  # the list grows
         for wait in waits.get(each, ()):
             way = [*ways[each], wait]
             if wait.awaited == name:
