@@ -233,7 +233,7 @@ class Compositions:
             self._context.add("CB404", place, names=names, name=term.name)
 
     def _was_overwritten(self) -> bool:
-        """Return whether a controller or program is declared twice, once perhaps for another name."""
+        """Return whether a controller or program is declared twice, maybe instead of another."""
         source, faults = self._context.source, self._context.loaded.faults
         left_out = set(source.broken.keys(("controllers", "use")))
         return any(fault.code == "CB107" and fault.given in left_out for fault in faults)

@@ -12,8 +12,9 @@ from pygls.uris import from_fs_path, to_fs_path, urlparse
 class Addresses:
     """Files that stand for the documents of an editor.
 
-    A document that was never saved has no file, nor has an old version of a saved one. A path in
-    the folder of the editor stands for it, from which the documents that it names are found.
+    Documents that were never saved have no file, and neither do old versions of saved documents. A
+    path in the folder of the editor stands for such a document, and its references are resolved
+    from there.
 
     Args:
         here: Folder of the editor.
@@ -25,7 +26,7 @@ class Addresses:
         self._uris: dict[Path, str] = {}
 
     def path(self, uri: str) -> Path:
-        """Return the file of a document; equal addresses have equal ones."""
+        """Return the file of a document; equal addresses have equal files."""
         if uri not in self._paths:
             file = to_fs_path(uri)
             path = Path(file) if file else self._stand_in(uri)

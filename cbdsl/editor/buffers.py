@@ -1,4 +1,4 @@
-"""Texts of an editor, saved or not, and what the checker finds in them."""
+"""Texts of an editor, saved or not, and the checker's findings in them."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from cbdsl.yaml_text.loaded import Loaded
 
 
 class Buffers:
-    """The texts that an editor has open.
+    """Texts that an editor has open.
 
     Documents that are not open are read from the disk, once, and again after ``forget``.
 
     Args:
-        here: the folder in which documents are found by name.
+        here: Folder in which documents are found by name.
 
     Attributes:
-        here: the same.
+        here: Folder in which documents are found by name.
     """
 
     def __init__(self, here: Path) -> None:
@@ -44,11 +44,11 @@ class Buffers:
         self._session = self._new_session()
 
     def forget(self) -> None:
-        """Read what is not open from the disk again."""
+        """Read documents that are not open from the disk again."""
         self._session = self._new_session()
 
     def text(self, path: Path) -> str:
-        """The text of a file; nothing where it cannot be read."""
+        """Return the text of a file; empty if it cannot be read."""
         if path in self._texts:
             return self._texts[path]
         try:
@@ -57,27 +57,27 @@ class Buffers:
             return ""
 
     def documents(self) -> list[Path]:
-        """Return the documents in the folder of the editor, and those that are open."""
+        """Return the documents in the folder of the editor, and all open documents."""
         files = {path for path, text in self._texts.items() if is_own(path, text)}
         return sorted(files.union(documents_below(self.here).documents))
 
     @property
     def library(self) -> Library:
-        """Documents by name, as the editor has them."""
+        """Documents by name, with the editor's texts."""
         return self._session.library
 
     def findings(self, path: Path) -> list[Diagnostic]:
-        """The findings that are placed in a file.
+        """Return the findings in a file.
 
         Raises:
-            PluginError: the checker of a kind of another package fails.
+            PluginError: The checker of another package's document kind fails.
         """
         # A document that was found by its name has a shorter path than the editor's.
         real, every = self.library.real, check_document(path, self._session)
         return [each for each in every if real(Path(each.place.file)) == real(path)]
 
     def document(self, path: Path) -> Loaded[Document] | None:
-        """The sound parts of a file, or ``None`` where there is nothing."""
+        """Return the sound parts of a file, or ``None`` if there are none."""
         try:
             return self._session.library.read_sound_parts(path, Document)
         except DiagnosticsError:

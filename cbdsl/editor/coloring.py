@@ -1,4 +1,4 @@
-"""Semantic tokens: what the words of compositions and references are, for an editor's colours."""
+"""Semantic tokens: kinds of the words in compositions and references, for an editor's colours."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _RESOURCES = ("feedback", "effector", "reference")
 
 
 class ColoredWord(NamedTuple):
-    """A word and its kind.
+    """Word and its kind.
 
     Attributes:
-        line: from 0.
-        start, end: columns, from 0, ``end`` exclusive.
-        kind: one of ``KINDS_OF_WORDS``.
+        line: Line, from 0.
+        start, end: Columns, from 0, ``end`` exclusive.
+        kind: One of ``KINDS_OF_WORDS``.
     """
 
     line: int
@@ -37,7 +37,7 @@ class ColoredWord(NamedTuple):
 
 
 def colored_words(buffers: Buffers, path: Path) -> Iterator[ColoredWord]:
-    """The words of a document that have a kind, from top to bottom."""
+    """Yield the words of a document that have a kind, from top to bottom."""
     lines = lines_of(buffers.text(path))
     members = dict.fromkeys(section(lines, "controllers"), "function")
     members |= dict.fromkeys(section(lines, "use"), "namespace")
@@ -57,7 +57,7 @@ def _kind(
     members: dict[str, str],
     resources: Collection[str],
 ) -> str:
-    """The kind of a word at a line and column; empty where it has none."""
+    """Return the kind of a word at a line and column; empty if it has none."""
     if word in ("◁", "<|"):
         return "operator"
     if word.startswith("$"):

@@ -1,6 +1,6 @@
-"""Where a cursor stands in a document: keys that enclose it, and the word that it is in.
+"""Cursor in a document: the keys that enclose it, and the word around it.
 
-Read from the text alone, since a document that is being typed is seldom valid.
+The code reads the text alone, because a document is seldom valid while it is edited.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 _KEY = re.compile(
     r"""^(?P<indent>\s*)(?:-\s+)?["']?(?P<key>[^\s"'#{}\[\],][^"'#{}\[\],:]*)["']?:(?=\s|$)"""
 )
-# In brackets: a key with its colon, a bracket or a comma; what is quoted holds none.
+# In brackets: a key with its colon, a bracket or a comma; quoted text contains none.
 _TOKEN = re.compile(
     r"""(?P<quoted>"[^"]*"|'[^']*')|(?P<key>[^\s{}\[\],:"'][^{}\[\],:"']*):(?=\s|$)|[{}\[\],]"""
 )
@@ -21,13 +21,13 @@ _BEFORE, _AFTER = re.compile(r"\$?[\w.]*$"), re.compile(r"^[\w.]*")
 
 
 class Cursor(NamedTuple):
-    """A place in a document.
+    """Place in a document.
 
     Attributes:
-        steps: the enclosing keys, from the outside, the one whose value is written at the end.
-        word: the name around the cursor; empty between words.
-        start, end: columns of the word, from 0, ``end`` exclusive.
-        on_key: whether a key is written rather than a value.
+        steps: Enclosing keys from the outside; the last one may be the key of the current value.
+        word: Name around the cursor; empty between words.
+        start, end: Columns of the word, from 0, ``end`` exclusive.
+        on_key: True if the cursor is on a key instead of a value.
     """
 
     steps: tuple[str, ...]
@@ -38,7 +38,7 @@ class Cursor(NamedTuple):
 
     @property
     def key(self) -> str:
-        """The innermost key; empty at the top level."""
+        """Innermost key; empty at the top level."""
         return self.steps[-1] if self.steps else ""
 
 
@@ -46,25 +46,25 @@ class EnclosingKeys:
     """Keys that enclose each line of a text, found once for all places in it.
 
     Args:
-        lines: the text.
+        lines: Lines of the text.
     """
 
     def __init__(self, lines: Sequence[str]) -> None:
         self._lines, self._above = lines, list(_keys_above(lines))
 
     def cursor(self, line: int, column: int) -> Cursor:
-        """Where the cursor stands; see ``cursor``."""
+        """Return the cursor at a line and column; see ``cursor``."""
         above = self._above[min(line, len(self._lines))]
         return _cursor(self._lines, line, column, above)
 
 
 def cursor(lines: Sequence[str], line: int, column: int) -> Cursor:
-    """Where the cursor stands.
+    """Return the cursor at a line and column.
 
     Args:
-        lines: the text.
-        line: from 0; a line after the last is empty.
-        column: characters before the cursor.
+        lines: Lines of the text.
+        line: Line, from 0; a line after the last is empty.
+        column: Number of characters before the cursor.
     """
     return EnclosingKeys(lines).cursor(line, column)
 
@@ -87,7 +87,7 @@ def _cursor(
 
 
 def _in_line(before: str) -> tuple[list[str], str | None]:
-    """Keys whose braces are open on the line, and the key whose value is being written."""
+    """Return the keys whose braces are open on the line, and the key of the current value."""
     match = _KEY.match(before)
     own = match["key"].strip() if match else None
     frames: list[tuple[str, str | None]] = []
@@ -106,7 +106,7 @@ def _in_line(before: str) -> tuple[list[str], str | None]:
 
 
 def _keys_above(lines: Sequence[str]) -> Iterator[tuple[tuple[int, str], ...]]:
-    """For each line, and after the last, the keys above that may enclose it, with their indents.
+    """Yield the keys above each line, and after the last, that may enclose it, with their indents.
 
     Indents grow from key to key: a key that is not indented more than an earlier one ends it.
     """

@@ -1,4 +1,4 @@
-"""The place where the name under the cursor is defined."""
+"""Definition of the name under the cursor."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _SECTIONS = ("controllers", "use")
 
 
 class Definition(NamedTuple):
-    """A line of a file.
+    """Line of a file.
 
     Attributes:
-        file: whose.
-        line: from 0.
+        file: Path of the file.
+        line: Line, from 0.
     """
 
     file: Path
@@ -26,7 +26,7 @@ class Definition(NamedTuple):
 
 
 def definition(buffers: Buffers, path: Path, cursor: Cursor) -> Definition | None:
-    """Where a controller, a used program, a parameter or a document is defined."""
+    """Return the place that defines a controller, a used program, a parameter or a document."""
     lines = lines_of(buffers.text(path))
     if cursor.word.startswith("$"):
         line = section(lines, "parameters").get(cursor.word[1:])

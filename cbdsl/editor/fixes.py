@@ -1,4 +1,4 @@
-"""Corrections of findings that name what was probably meant."""
+"""Corrections of findings with a name that was probably meant."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from cbdsl.errors.lines import line_ends, lines_of
 
 
 class Fix(NamedTuple):
-    """A name on a line, and what takes its place.
+    """Name on a line, and its replacement.
 
     Attributes:
-        line: from 1.
-        column: its first character, from 1.
-        end_column: the character after its last.
-        new: the name that was meant.
+        line: Line, from 1.
+        column: Column of its first character, from 1.
+        end_column: Column after its last character, from 1.
+        new: Intended name.
     """
 
     line: int
@@ -26,11 +26,11 @@ class Fix(NamedTuple):
 
 
 def fix(finding: Diagnostic, lines: Sequence[str]) -> Fix | None:
-    """The correction of a finding, or ``None`` where there is no nearest name or no such text.
+    """Return the correction of a finding, or ``None`` without a nearest name or a unique place.
 
     Args:
-        finding: in the lines.
-        lines: the text of its file.
+        finding: Finding in the lines.
+        lines: Lines of its file.
     """
     place, new = finding.place, finding.nearest
     if new is None or not finding.given or not 0 < place.line <= len(lines):

@@ -16,12 +16,12 @@ from cbdsl.types.casts import CASTS
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource
 
-# Of a controller that is declared in many.
+# Bound on the shown lines of a controller.
 _MOST_LINES = 16
 
 
 def hover(buffers: Buffers, path: Path, cursor: Cursor) -> str | None:
-    """An explanation of a key, potential, resource, document or controller; else ``None``."""
+    """Return an explanation of a key, potential, resource, document or controller, or ``None``."""
     if cursor.on_key:
         description = keys(buffers.text(path), cursor.steps).get(cursor.word)
         return f"**{cursor.word}**: {description}" if description else None
@@ -39,7 +39,7 @@ def hover(buffers: Buffers, path: Path, cursor: Cursor) -> str | None:
 
 
 def _controller(lines: Sequence[str], cursor: Cursor) -> str | None:
-    """How the controller of a composition is declared, as far as a page has room for it."""
+    """Return the declaration of a composition's controller, cut to the bound on lines."""
     first = section(lines, "controllers").get(cursor.word)
     if first is None or not is_composed(cursor.steps):
         return None
@@ -59,7 +59,7 @@ def _potential(potential: PotentialType) -> str:
 
 
 def _resource(resource: Resource) -> str:
-    """Type, unit and origin, and the casts that lead on from its type."""
+    """Return type, unit and origin of a resource, and the casts from its type."""
     lines = [
         f"**{resource.name}**: {resource.type}, {resource.type.unit}, "
         f"{resource.origin.value}{', can be moved' if resource.movable else ''}"

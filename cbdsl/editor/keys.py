@@ -1,4 +1,4 @@
-"""Keys that a section of a document may have, and what each is for."""
+"""Keys that a section of a document may have, with their descriptions."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from cbdsl.documents.ownership import declared_kind
 
 
 def keys(text: str, steps: Sequence[str]) -> dict[str, str]:
-    """Descriptions of the keys of the section that some keys lead to.
+    """Return descriptions of the keys of a section.
 
     Args:
-        text: the document; without a known kind it has no keys but those of all kinds.
-        steps: the keys, from the outside.
+        text: Text of the document; without a known kind it has only the keys of all kinds.
+        steps: Keys that lead to the section, from the outside.
     """
     kind = declared_kind(text)
     if kind is None or kind not in KINDS:
@@ -35,14 +35,14 @@ def _schema(kind: str) -> Mapping[str, Any]:
 
 
 def _inside(section: Mapping[str, Any], step: str, whole: Mapping[str, Any]) -> Iterator[Any]:
-    """The schemas that the value of a key may have."""
+    """Yield the schemas that the value of a key may have."""
     value = section.get("properties", {}).get(step, section.get("additionalProperties"))
     if isinstance(value, dict):
         yield from _plain(value, whole)
 
 
 def _plain(schema: Mapping[str, Any], whole: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
-    """A schema with references followed and alternatives apart."""
+    """Yield the alternatives of a schema, with references followed."""
     if "$ref" in schema:
         yield from _plain(whole["$defs"][schema["$ref"].rpartition("/")[2]], whole)
         return

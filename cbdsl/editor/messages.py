@@ -6,7 +6,7 @@ import json
 import re
 from typing import BinaryIO
 
-# Field names of headers have no case, and spaces around their values mean nothing.
+# Header fields are case-insensitive, and spaces around their values have no meaning.
 _LENGTH = re.compile(rb"content-length[ \t]*:[ \t]*(\d+)\s*$", re.IGNORECASE)
 _FIELD = re.compile(rb"[!#$%&'*+.^_`|~0-9A-Za-z-]+[ \t]*:")
 _LONGEST_LINE = 1 << 20
@@ -16,9 +16,9 @@ _PARSE_ERROR = -32700
 
 
 class MessageStream:
-    """Input of a language server, of which every message has a proper header.
+    """Input of a language server, in which each message has a proper header.
 
-    Bytes without one are answered with an error, once, and skipped up to the next header.
+    Bytes without a header are answered with one error, and skipped up to the next header.
 
     Args:
         source: Bytes of the editor.
@@ -50,7 +50,7 @@ class MessageStream:
             match = _LENGTH.search(line)
             if match:
                 length = int(match[1])
-                if match.start() > 0:  # behind a body without a header
+                if match.start() > 0:  # after a body without a header
                     self._refuse("it has no header 'Content-Length: BYTES'")
             elif not line.strip():
                 if length is not None and 0 < length <= MOST_BYTES:
@@ -64,7 +64,7 @@ class MessageStream:
         return None
 
     def _refuse(self, reason: str) -> None:
-        """Answer that a message cannot be read, unless that was said of the bytes before it."""
+        """Answer that a message cannot be read, once for all bytes up to the next header."""
         if self._is_skipping:
             return
         self._is_skipping = True

@@ -17,19 +17,19 @@ from cbdsl.robot.resources import resources
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
 
-#: Keys whose values are the names of documents, of the kind that has the key's name.
+#: Keys whose values are names of documents, of the kind with the key's name.
 _DOCUMENTS = frozenset({"robot", "stage", "program", "policy", "schema", "calibration"})
 _RESOURCES = ("feedback", "effector", "reference")
-#: Sections of a program in whose values its controllers are named.
+#: Sections of a program whose values name its controllers.
 _COMPOSED = ("actions", "background", "policy", "requires", "rewards", "once")
 
 
 class Choice(NamedTuple):
-    """A name that may be written.
+    """Name that may be written.
 
     Attributes:
-        name: as it is written.
-        detail: what it is, in a few words.
+        name: Name as it is written.
+        detail: Short description of it.
     """
 
     name: str
@@ -37,12 +37,12 @@ class Choice(NamedTuple):
 
 
 def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Choice]:
-    """The names that a value may have.
+    """Return the names that a value may have.
 
     Args:
-        buffers: the texts of the editor.
-        path: the document.
-        steps: keys that enclose the value.
+        buffers: Texts of the editor.
+        path: Path of the document.
+        steps: Keys that enclose the value.
     """
     key, lines = (steps[-1] if steps else ""), lines_of(buffers.text(path))
     if key == "potential":
@@ -63,7 +63,7 @@ def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Choice]:
 
 
 def section(lines: Sequence[str], name: str) -> dict[str, int]:
-    """Keys of a top-level section by the lines, from 0, that they are on."""
+    """Return the keys of a top-level section with their lines, from 0."""
     keys: dict[str, int] = {}
     inside, indent = False, None
     for number, text in enumerate(lines):
@@ -83,7 +83,7 @@ def section(lines: Sequence[str], name: str) -> dict[str, int]:
 
 
 def robot_resources(buffers: Buffers, path: Path) -> Mapping[str, Resource]:
-    """The resources of the robot that a document names; none where it names no sound one."""
+    """Return the resources of the robot that a document names; empty if that cannot be read."""
     match = re.search(r"^robot:\s*([\w-]+)", buffers.text(path), re.MULTILINE)
     if match is None:
         return {}
@@ -100,7 +100,7 @@ def _documents(buffers: Buffers, path: Path, kind: str) -> list[Choice]:
 
 
 def document_named(buffers: Buffers, path: Path, key: str, name: str) -> Path | None:
-    """The file of a document that the value of a key names."""
+    """Return the file of a document that the value of a key names."""
     if key not in _DOCUMENTS:
         return None
     model: type[Document] = KINDS.get(key).model
@@ -112,7 +112,7 @@ def _resource(resource: Resource) -> Choice:
 
 
 def is_composed(steps: Sequence[str]) -> bool:
-    """Whether compositions are written there: an action, a policy's value, a composite."""
+    """Return whether a place has compositions: an action, a policy's value, or a composite."""
     if not steps:
         return False
     return (

@@ -1,4 +1,4 @@
-"""Positions of an editor: lines and columns in the units that it was promised."""
+"""Positions of an editor: lines and columns in the negotiated units."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lsprotocol import types as lsp
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.lines import line_ends, lines_of
 
-# The protocol knows fewer line ends than YAML, whose lines findings count.
+# The protocol has fewer line ends than YAML, by which findings count lines.
 _BREAK = re.compile("\r\n|[\n\r]")
 
 
@@ -29,7 +29,7 @@ class Positions:
     Lines and columns of a text count characters, from 0, in lines as ``lines_of`` ends them.
 
     Args:
-        text: The text.
+        text: Text of the document.
         codec: Encoding of the positions.
     """
 
@@ -40,12 +40,12 @@ class Positions:
         self._shown = [0, *(match.end() for match in _BREAK.finditer(text))]
 
     def range(self, line: int, start: int, end: int) -> lsp.Range:
-        """Convert a stretch of a line.
+        """Convert a span of a line.
 
         Args:
-            line: Its line.
+            line: Line of the span, from 0.
             start: Column of its first character; columns beyond the line count one unit each.
-            end: Column behind its last character.
+            end: Column after its last character.
         """
         return lsp.Range(self._position(line, start), self._position(line, end))
 
@@ -60,7 +60,7 @@ class Positions:
         return lsp.Range(lsp.Position(0, 0), end)
 
     def spot(self, position: lsp.Position) -> tuple[int, int]:
-        """Convert a position into a line and a column; beyond a line's end it is its end."""
+        """Convert a position into a line and a column; limit the column to the line's end."""
         if position.line >= len(self._shown):
             return len(self._lines) + position.line - len(self._shown), 0
         line = position.line

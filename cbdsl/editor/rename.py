@@ -1,4 +1,4 @@
-"""Renaming: the places of a name in all documents that have it."""
+"""Renaming: the places of a name in all documents that contain it."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _MEMBERS = ("controllers", "use")
 
 
 class Occurrence(NamedTuple):
-    """A stretch of a line.
+    """Span of a line.
 
     Attributes:
-        line: from 0.
-        start, end: columns, from 0, ``end`` exclusive.
+        line: Line, from 0.
+        start, end: Columns, from 0, ``end`` exclusive.
     """
 
     line: int
@@ -33,13 +33,13 @@ class Occurrence(NamedTuple):
 
 
 class Renaming(NamedTuple):
-    """Everything that a new name changes.
+    """All changes of a new name.
 
     Attributes:
-        old: the name that is replaced, without its dollar sign.
-        spots: its places, by file.
-        moved: the file that has the name of its document, if that is renamed.
-        taken: names that others of its kind have already.
+        old: Name that is replaced, without its dollar sign.
+        spots: Places of the name, by file.
+        moved: File with the name of its document, if that document is renamed.
+        taken: Names of the same kind that exist already.
     """
 
     old: str
@@ -49,15 +49,15 @@ class Renaming(NamedTuple):
 
 
 def is_name(text: str) -> bool:
-    """Whether something can be the name of a controller, a parameter or a document."""
+    """Return whether a text can be the name of a controller, a parameter or a document."""
     return re.match(NAME_PATTERN, text) is not None
 
 
 def renaming(buffers: Buffers, path: Path, at: Cursor) -> Renaming | None:
-    """The places of the name under the cursor; ``None`` where none can be renamed.
+    """Return the places of the name under the cursor, or ``None`` if it cannot be renamed.
 
-    Names of parameters are those of one program. Controllers and used programs are named in its
-    policies, too. Documents are named in all documents in the folder of the editor.
+    Parameters are renamed in one program. Controllers and used programs are also renamed in its
+    policies. Documents are renamed in all documents in the folder of the editor.
     """
     lines = lines_of(buffers.text(path))
     if at.word.startswith("$") or (at.on_key and at.steps == ("parameters",)):
@@ -109,7 +109,7 @@ def _member_spots(lines: Sequence[str], name: str) -> Iterator[Occurrence]:
 
 
 def _names_member(lines: Sequence[str], at: Cursor) -> bool:
-    """Whether a word at a place is a controller's name, or a used program's."""
+    """Return whether a word at a place is the name of a controller or of a used program."""
     if not at.steps:
         return False
     if _top(lines, "kind") == "policy":
@@ -136,11 +136,11 @@ def _of_document(buffers: Buffers, file: Path, kind: str, name: str) -> Renaming
 
 
 def _top(lines: Sequence[str], key: str) -> str:
-    """The value of a key at the top level, as far as it is a name."""
+    """Return the value of a key at the top level, as far as it is a name."""
     pattern = re.compile(rf"{key}:\s*[\"']?([\w-]+)")
     return next((match[1] for line in lines if (match := pattern.match(line))), "")
 
 
 def _code(line: str) -> str:
-    """A line without its comment."""
+    """Return a line without its comment."""
     return re.split(r"(?:^|\s)#", line, maxsplit=1)[0]

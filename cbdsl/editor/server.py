@@ -1,4 +1,4 @@
-"""The language server: the protocol of editors around the checker."""
+"""Language server: the protocol of editors around the checker."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _SEVERITIES = {
     Severity.WARNING: lsp.DiagnosticSeverity.Warning,
     Severity.NOTE: lsp.DiagnosticSeverity.Information,
 }
-# Beyond this an editor shows nothing that anybody reads.
+# No reader of an editor's list looks at more choices.
 _MOST_CHOICES = 500
 
 
@@ -133,7 +133,7 @@ class Server(LanguageServer):
         if at.on_key:
             known = keys(self.buffers.text(path), at.steps)
             offered += [(name, description, key) for name, description in known.items()]
-        # Editors disagree on what a word is; names have dots.
+        # Editors differ in their definition of a word; names have dots.
         items = [
             lsp.CompletionItem(name, detail=detail, kind=kind, text_edit=lsp.TextEdit(whole, name))
             for name, detail, kind in offered
@@ -166,10 +166,10 @@ class Server(LanguageServer):
         return [action for each in touched if (action := self._action(path, each)) is not None]
 
     def rename(self, path: Path, position: lsp.Position, new: str) -> lsp.WorkspaceEdit | None:
-        """Return the changes that give the name at a position another one.
+        """Return the changes that replace the name at a position by another one.
 
         Raises:
-            JsonRpcException: The other one is no name, or is taken; editors show why.
+            JsonRpcException: The new name is invalid or taken; editors show the reason.
         """
         named = renaming(self.buffers, path, self.cursor(path, position))
         new = new.removeprefix("$")
@@ -204,7 +204,7 @@ class Server(LanguageServer):
         return positions.range(positions.spot(position)[0], start, at.end)
 
     def colored(self, path: Path) -> lsp.SemanticTokens:
-        """Return the words that have a kind, each relative to the one before."""
+        """Return the words that have a kind, each relative to the previous one."""
         positions, data, last = self.positions(path), list[int](), lsp.Position(0, 0)
         for word in colored_words(self.buffers, path):
             where = positions.range(word.line, word.start, word.end)
@@ -216,7 +216,7 @@ class Server(LanguageServer):
         return lsp.SemanticTokens(data)
 
     def formatting(self, path: Path) -> list[lsp.TextEdit]:
-        """Return the changes that lay a document out; none if it is no YAML, or undeclared."""
+        """Return the changes that format a document; none if it is invalid YAML, or undeclared."""
         text = self.buffers.text(path)
         if not is_declared(text):
             return []
@@ -251,7 +251,7 @@ class Server(LanguageServer):
 
 
 def build(version: str, here: Path) -> Server:
-    """A server with all that it answers."""
+    """Return a server with all its features."""
     server = Server(version, here)
     _follow(server)
     _answer(server)
@@ -260,7 +260,7 @@ def build(version: str, here: Path) -> Server:
 
 
 def _follow(server: Server) -> None:
-    """Have it follow what is opened, typed and saved."""
+    """Register handlers for opened, edited and saved documents."""
 
     @server.feature(lsp.INITIALIZED)
     def _(params: lsp.InitializedParams) -> None:
@@ -293,7 +293,7 @@ def _follow(server: Server) -> None:
 
 
 def _answer(server: Server) -> None:
-    """Have it answer requests about a place; files of other tools have no answers."""
+    """Register handlers for requests about a place; files of other tools get no answers."""
 
     @server.feature(
         lsp.TEXT_DOCUMENT_COMPLETION, lsp.CompletionOptions(trigger_characters=[".", "$", " "])
@@ -321,7 +321,7 @@ def _answer(server: Server) -> None:
 
 
 def _change(server: Server) -> None:
-    """Have it rename, colour and format; files of other tools stay as they are."""
+    """Register handlers that rename, colour and format; files of other tools stay unchanged."""
 
     @server.feature(lsp.TEXT_DOCUMENT_RENAME, lsp.RenameOptions(prepare_provider=True))
     def _(params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:

@@ -1,4 +1,4 @@
-"""The syntax tree of a composition."""
+"""Syntax tree of a composition."""
 
 from typing import NamedTuple
 
@@ -6,21 +6,21 @@ SUBJECT_TO = " ◁ "
 
 
 class Span(NamedTuple):
-    """A stretch of a composition's text; columns from 1, ``end`` is the one after the last."""
+    """Span of a composition's text; columns from 1, ``end`` exclusive."""
 
     start: int
     end: int
 
 
 class Argument(NamedTuple):
-    """A name that a call hands over, possibly with ``$`` and dots."""
+    """Argument of a call: a name, possibly with ``$`` and dots."""
 
     text: str
     span: Span
 
 
 class Term(NamedTuple):
-    """A controller or program by its name, with what it is called with; ``span`` is its name's."""
+    """Controller or program by name, with the arguments of a call; ``span`` is that of the name."""
 
     name: str
     arguments: tuple[Argument, ...]

@@ -19,8 +19,8 @@ _ARGUMENT = re.compile(r"\$?[A-Za-z][A-Za-z0-9_]*(?:\.\$?[A-Za-z0-9_]+)*")
 _SUBJECT_TO = re.compile(r"◁|<\|")
 _OPEN, _COMMA, _CLOSE = re.compile(r"\("), re.compile(","), re.compile(r"\)")
 
-# Signs that are taken for the operator, and signs that point the other way. Patterns in texts are
-# compiled where a fault needs them.
+# Signs that are mistaken for the operator, and signs that point in the opposite direction. The
+# patterns are compiled only for an error.
 _LOOK_ALIKES = (
     (r"<(?!\|)[<-]*|[⊲◀◂◃⋖«←⟵⇐]", "write '◁', or '<|' in ASCII"),
     (r"\|>|>+|->|[▷⊳▶▸▹⋗»→⟶⇒]", "'b ▷ a' is written 'a ◁ b', or 'a <| b' in ASCII"),
@@ -28,7 +28,7 @@ _LOOK_ALIKES = (
 
 
 class CompositionError(ValueError):
-    """A text that is no composition; ``span`` is where it stops being one."""
+    """Error of a text that is not a composition; ``span`` is the first invalid part."""
 
     def __init__(self, message: str, span: Span) -> None:
         super().__init__(message)
@@ -36,11 +36,11 @@ class CompositionError(ValueError):
 
 
 class LookAlikeError(CompositionError):
-    """A sign in the place of the operator that is not the operator.
+    """Sign that is mistaken for the operator.
 
     Attributes:
-        sign: the sign.
-        suggestion: the remedy, as a clause.
+        sign: Sign as written.
+        suggestion: Remedy, as a clause.
     """
 
     def __init__(self, sign: str, suggestion: str, span: Span) -> None:
@@ -54,13 +54,13 @@ def parse(text: str) -> Expression:
     """Read a composition such as ``posture ◁ reach(sat_10, right_arm)``.
 
     Raises:
-        CompositionError: the text is no composition; the error knows where.
+        CompositionError: The text is not a composition; the error has the place.
     """
     return _Scanner(text).expression()
 
 
 class _Scanner:
-    """A text and how far it has been read."""
+    """Text with the position up to which it has been read."""
 
     def __init__(self, text: str) -> None:
         self._text = text
@@ -93,12 +93,12 @@ class _Scanner:
         return Argument(argument[0], _span(argument))
 
     def _next(self) -> int:
-        """Index of the first character after the space that follows."""
+        """Return the index of the first character after the following space."""
         space = _SPACE.match(self._text, self._read)
         return space.end() if space else self._read
 
     def _take(self, pattern: re.Pattern[str]) -> re.Match[str] | None:
-        """The next token, read, if it is of a pattern."""
+        """Return the next token, and read it, if it matches a pattern."""
         token = pattern.match(self._text, self._next())
         if token is not None:
             self._read = token.end()
@@ -111,7 +111,7 @@ class _Scanner:
         return token
 
     def _error(self, *allowed: str) -> CompositionError:
-        """The error that the next token is none of those allowed."""
+        """Return the error that the next token is none of the allowed ones."""
         wanted, start = " or ".join(allowed), self._next()
         if start == len(self._text):
             end = self._read + 1
@@ -122,7 +122,7 @@ class _Scanner:
         return CompositionError(f"'{sign}' where {wanted} should be", span)
 
     def _look_alike(self) -> LookAlikeError | None:
-        """The error that a look-alike of the operator is next, if one is."""
+        """Return the error for a look-alike of the operator, if one is next."""
         for pattern, suggestion in _LOOK_ALIKES:
             if sign := re.compile(pattern).match(self._text, self._next()):
                 return LookAlikeError(sign[0], suggestion, _span(sign))
