@@ -67,7 +67,7 @@ class Compositions:
         Args:
             key: Name of the composition.
             parts: Names of the parts.
-            rewarded: Whether each controller of the composition reads the environment, by name.
+            rewarded: True for controllers of the composition that read the environment, by name.
         """
         for i, part in enumerate(parts):
             if part not in rewarded:

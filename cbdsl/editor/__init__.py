@@ -1,1 +1,1 @@
-"""The language server: findings, completion, hover, definitions and fixes, while one types."""
+"""Language server: findings, completion, hover, definitions and fixes during editing."""

@@ -76,7 +76,7 @@ class Agreement:
     def _conclude(self, feedback: Resource, of: dict[str, Findings]) -> None:
         against = [part for part, findings in of.items() if findings.failed]
         self.holds = not against
-        if self.holds:  # no part warns of anything
+        if self.holds:  # no part has warnings
             return
         suitable = self._suitable() if len(against) > 1 else []
         if len(against) < 2 or feedback.name in suitable:

@@ -39,7 +39,7 @@ _DIMENSIONS: dict[str, tuple[str, ...]] = {
 }
 
 
-#: Types whose literals may end with a quaternion, and how many components stand before it.
+#: Types whose literals may end with a quaternion, with the number of components before it.
 _QUATERNIONS = {"orientation": 0, "pose": 3}
 # With four decimals a component, the norm of a unit quaternion is within this distance of 1.
 _UNIT = 2e-3

@@ -42,7 +42,7 @@ class Uses:
         return self._used[path]
 
     def _read(self, path: Path) -> list[Path]:
-        from cbdsl.documents.program import ProgramDocument  # only where programs use others
+        from cbdsl.documents.program import ProgramDocument  # only needed if programs use others
 
         as_found = self._as_found[path]
         try:

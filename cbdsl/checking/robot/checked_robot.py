@@ -45,7 +45,7 @@ from cbdsl.yaml_text.source_map import Step
 
 
 class CheckedRobot(NamedTuple):
-    """A checked robot.
+    """Robot after the checks of its document.
 
     Attributes:
         loaded: Document of the robot.
@@ -64,7 +64,7 @@ class CheckedRobot(NamedTuple):
 
     @property
     def document(self) -> RobotDocument:
-        """The robot's document."""
+        """Document of the robot."""
         return self.loaded.document
 
     def declaration(self, resource: Resource) -> Place:

@@ -131,7 +131,7 @@ def check_margins(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Fin
         for i, joint in enumerate(effector.joints):
             limits = model.joints.get(joint)
             if limits is None or unsupported(limits) is not None:
-                continue  # which is reported
+                continue  # reported elsewhere
             if not limits.lower + margin <= limits.upper - margin:
                 details = {"lower": f"{limits.lower:.4g}", "upper": f"{limits.upper:.4g}"}
                 place = source.place("effectors", name, "joints", i)

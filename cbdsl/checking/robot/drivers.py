@@ -164,7 +164,7 @@ class _DriverCheck:
             return
         named = {effector for driver in robot.drivers.values() for effector in driver.moves}
         if not named <= {*robot.effectors, *robot.groups}:
-            return  # which of them moves the others is open
+            return  # an unknown name may be meant for the remaining effectors
         movers: dict[str, list[str]] = {name: [] for name in robot.effectors}
         for name, driver in robot.drivers.items():
             for effector in driver.moves:

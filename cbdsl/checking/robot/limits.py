@@ -16,7 +16,7 @@ def is_of_another_kind(written: object, unit: str) -> bool:
     try:
         given = parse_quantity(written)[1] if isinstance(written, str) else None
     except QuantityError:
-        return False  # which is reported
+        return False  # reported elsewhere
     return given is not None and given.dimension != UNITS[unit].dimension
 
 

@@ -18,7 +18,7 @@ _TIP = ("position", "orientation", "pose")
 
 
 def check_names(loaded: Loaded[RobotDocument], findings: Findings) -> None:
-    """Report ambiguous names, which programs could not resolve."""
+    """Report names that already have another meaning in programs."""
     robot, source = loaded.document, loaded.source
     for steps, meaning in _taken(robot):
         findings.add("CB314", source.key(*steps), name=steps[-1], meaning=meaning)
