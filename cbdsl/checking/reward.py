@@ -1,4 +1,4 @@
-"""Check that a program can be rewarded (Eq 4.2 to 4.4)."""
+"""Check of programs for possible rewards (Eq 4.2 to 4.4)."""
 
 from __future__ import annotations
 
