@@ -11,26 +11,26 @@ from cbdsl.runtime.controller_runs import ControllerRuns
 
 
 class Active(NamedTuple):
-    """A controller that acts now, and the controllers it acts together with."""
+    """Controller that acts now, with the controllers it acts together with."""
 
     run: ControllerRun
     peers: Mapping[str, ControllerRun]
 
 
 class ActionLevels:
-    """Levels of each action of a program, above its background; each highest priority first.
+    """Levels of each action of a program above its background, highest priority first.
 
     Args:
-        program: whose actions.
-        make: makes the runs of their controllers.
+        program: Program that has the actions.
+        make: Factory of the controllers' runs.
 
     Attributes:
-        background: controllers that act below every action.
-        alone: levels of the background alone.
-        stacks: an action's own controllers, by its name; a program by itself has none.
-        waiting: of a stack, controllers that seek, each with those that wait meanwhile.
-        leads: of a stack, controllers that give the members' predicates.
-        acting: levels while a stack acts.
+        background: Controllers that act below every action.
+        alone: Levels of the background alone.
+        stacks: Controllers of each action, by its name; an action that is only a program has none.
+        waiting: Seeking controllers of each stack, with the controllers that wait meanwhile.
+        leads: Controllers of each stack that determine the members' predicates.
+        acting: Levels while a stack acts.
     """
 
     def __init__(self, program: CheckedProgram, make: ControllerRuns) -> None:
@@ -39,7 +39,7 @@ class ActionLevels:
             for action in program.actions
             if action.composition is not None
         }
-        # The order in which controllers are met is that of their rows in the plan.
+        # The order of creation is the order of the rows in the plan.
         self.stacks = {name: make.stack(own) for name, own in composed.items()}
         self.waiting = {name: list(make.waiting(own)) for name, own in composed.items()}
         self.background = make.stack(program.background) if program.background else ()
@@ -58,17 +58,17 @@ class ActionLevels:
         }
 
     def above_background(self, acting: Sequence[Active]) -> tuple[Active, ...]:
-        """Levels, and below them the background, as far as it is not among them."""
+        """Return the levels with the remaining background controllers below them."""
         running = [item.run for item in acting]
         below = [Active(run, {}) for run in self.background if run not in running]
         return (*acting, *below)
 
     def of_stack(self, runs: Sequence[ControllerRun]) -> tuple[Active, ...]:
-        """Levels while some controllers act, which may require what is in the background, too."""
+        """Return the levels while some controllers act, which may also require the background."""
         return self._levels(runs, None)
 
     def with_child(self, action: Action, acting: Sequence[Active]) -> tuple[Active, ...]:
-        """Levels of a program, among the controllers that it is composed with, if any."""
+        """Return the levels of a program among the controllers that it is composed with, if any."""
         runs = self.stacks.get(action.name)
         if runs is None:
             return self.above_background(acting)
@@ -80,10 +80,10 @@ class ActionLevels:
     def _levels(
         self, runs: Sequence[ControllerRun], below: Sequence[ControllerRun] | None
     ) -> tuple[Active, ...]:
-        """Levels of controllers, whose peers are each other and what is below them.
+        """Return the levels of controllers, whose peers are each other and the controllers below.
 
         Args:
-            below: highest priority first; the program's background without.
+            below: Lower controllers, highest priority first; ``None`` for the program's background.
         """
         below = self.background if below is None else below
         peers = {run.controller.name: run for run in (*below, *runs)}
@@ -91,5 +91,5 @@ class ActionLevels:
 
 
 def _below(action: Action, make: ControllerRuns) -> Sequence[ControllerRun] | None:
-    """The background of an action's own allocation: of several, that of the same hand."""
+    """Return the background of an action's allocation, or ``None`` for the program's."""
     return None if action.background is None else make.stack(action.background)

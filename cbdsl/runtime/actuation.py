@@ -1,4 +1,4 @@
-"""From levels to joint references: the control law applied to the controllers that act."""
+"""Actuation: the control law turns the levels of active controllers into joint references."""
 
 from __future__ import annotations
 
@@ -25,27 +25,28 @@ from cbdsl.types.potential import POTENTIALS
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Controllers, and the names of those that each acts together with.
+# Controllers, each with the names of its peers.
 _Acting = tuple[tuple[ControllerRun, tuple[str, ...]], ...]
 
 
 @dataclass(slots=True)
 class ControllerBatch:
-    """Controllers that act together, as one compiled call takes them.
+    """Controllers that act together, arranged for one compiled call.
 
     Attributes:
-        active: the controllers, highest priority first, with those that they act together with.
-        runs: the controllers alone.
-        acting: their slots, those that others require first, those of the controllers that they
-            follow and require, and their places in the order of priority, shape (runs, 4).
-        joints: indices of the joints that they move among all actuated ones, shape (n,).
-        columns: the same for each controller, -1 for joints that it does not move, shape (runs, n).
-        law: of these joints.
-        step: of the law, with the stack of their levels.
-        selection: the rows of the signal table that they need.
-        prepared: those of them that have something to prepare before the tick.
-        computes: whether that is computed from the rows of the tick.
-        arguments: of ``tick``, for as long as table and plan are of ``versions``.
+        active: Controllers with their peers, highest priority first.
+        runs: Runs of these controllers.
+        acting: Rows of slot, slot of the followed controller, slot of the required controller and
+            place in the order of priority, required controllers first, shape (runs, 4).
+        joints: Indices of the moved joints among all actuated ones, shape (n,).
+        columns: The same indices for each controller, -1 for joints it does not move, shape (runs,
+            n).
+        law: Control law of these joints.
+        step: Step of the law, with the stack of the levels.
+        selection: Required rows of the signal table.
+        prepared: Runs that need preparation before the tick.
+        computes: True if a preparation uses the rows of the tick.
+        arguments: Arguments of ``tick``, valid while table and plan are of ``versions``.
     """
 
     active: Sequence[Active]
@@ -62,20 +63,20 @@ class ControllerBatch:
     versions: tuple[int, int] = field(default=(-1, -1))
 
     def begin(self) -> None:
-        """Act instead of other controllers."""
+        """Start to act in place of other controllers."""
         self.step.stack.forget()
         for run, columns in zip(self.runs, self.columns, strict=True):
             run.columns = columns
 
 
 class Actuation:
-    """Integrates the law's displacements into joint references.
+    """Integrator of the law's displacements into joint references.
 
     Attributes:
-        settings: the law's guards for ticks of this length.
-        load_guards: bounds on what fingers and hands press with.
-        reference: position references of all actuated joints, rad, shape (n,).
-        step: of the last tick's levels, or ``None`` where nothing acted.
+        settings: Guards of the law for ticks of this length.
+        load_guards: Bounds on the loads of fingers, hands and arms.
+        reference: Position references of all actuated joints, rad, shape (n,).
+        step: Step of the last tick's levels, or ``None`` if no controller acted.
     """
 
     def __init__(
@@ -88,8 +89,8 @@ class Actuation:
     ) -> None:
         control = robot.control
         self._signals, self._plan, self._period = signals, plan, period
-        # The robot's are those for its own rate. In a tick that lasts longer the joints move
-        # farther and their Jacobians change more, unless those are larger by as much.
+        # The robot's settings are for its own rate. In a longer tick the joints move farther and
+        # their Jacobians change more, so damping and singular value grow with the tick.
         longer = period * control.rate
         self.settings = LawSettings(
             damping=control.damping * longer**2,
@@ -108,12 +109,12 @@ class Actuation:
         self._forget()
 
     def resume(self, reference: Floats) -> None:
-        """Start from the references of an episode before, rad, shape (n,)."""
+        """Start from the references of the last episode, rad, shape (n,)."""
         self.reference[:] = reference
         self._forget()
 
     def _forget(self) -> None:
-        """Forget who acted."""
+        """Forget the last active controllers."""
         self.load_guards.reset()
         self.step: Step | None = None
         self._last: ControllerBatch | None = None
@@ -122,7 +123,7 @@ class Actuation:
         """Evaluate the active controllers and move the references by the law's step.
 
         Raises:
-            SignalError: a number that a controller would act on is not finite; nothing has moved.
+            SignalError: If an input of a controller is not finite; the references have not moved.
         """
         self.step, batch = None, self._take_over(active)
         if batch is None:
@@ -150,7 +151,7 @@ class Actuation:
         self.load_guards.note()
 
     def _take_over(self, active: Sequence[Active]) -> ControllerBatch | None:
-        """The controllers that act from now on; ``None`` where a program has ended."""
+        """Return the controllers that act from now on; ``None`` if the program has ended."""
         last = self._last
         if last is None or active is not last.active:
             self._last = batch = self._batch(active) if active else None
@@ -161,12 +162,12 @@ class Actuation:
         return self._last
 
     def stuck(self) -> tuple[str, ...]:
-        """Levels that were at the nearest point to their targets, highest priority first."""
+        """Return the levels at the nearest point to their targets, highest priority first."""
         reports = () if self.step is None else self.step.reports
         return tuple(report.name for report in reports if report.stuck)
 
     def at_limits(self) -> tuple[str, ...]:
-        """The joints that their limits held back in the last tick."""
+        """Return the joints held back by their limits in the last tick."""
         if self._last is None or self.step is None:
             return ()
         return tuple(
@@ -176,7 +177,7 @@ class Actuation:
         )
 
     def _arrange(self, batch: ControllerBatch) -> None:
-        """Take the arrays of table and plan as they are now."""
+        """Bind the current arrays of table and plan."""
         signals, plan, stack = self._signals, self._plan, batch.step.stack
         batch.versions = signals.table.version, plan.version
         batch.arguments = (
@@ -189,7 +190,7 @@ class Actuation:
         )  # fmt: skip
 
     def _batch(self, active: Sequence[Active]) -> ControllerBatch:
-        """The controllers that act, allocated when they act together for the first time."""
+        """Return the batch of the active controllers, allocated when they first act together."""
         key = tuple([(item.run, tuple(item.peers)) for item in active])
         batch = self._batches.get(key)
         if batch is None:
@@ -197,7 +198,7 @@ class Actuation:
         return batch
 
     def _allocate(self, active: Sequence[Active]) -> ControllerBatch:
-        """The active controllers' levels, and the union of their joints."""
+        """Return a new batch with the active controllers' levels and the union of their joints."""
         signals, runs = self._signals, tuple([item.run for item in active])
         names = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
         joints, limits = signals.joints.pick(names), signals.kinematics
@@ -223,7 +224,7 @@ class Actuation:
 
 
 def _fault_of(runs: Sequence[ControllerRun], error: Exception) -> Exception | None:
-    """The fault of another package's potential among those that act; ``None`` for no such."""
+    """Return the fault of the first plug-in potential in use; ``None`` without one."""
     for name in dict.fromkeys(run.controller.potential for run in runs):
         if not POTENTIALS.registry.is_builtin(name):
             return POTENTIALS.registry.fault(name, f"{type(error).__name__}: {error}")
@@ -231,9 +232,9 @@ def _fault_of(runs: Sequence[ControllerRun], error: Exception) -> Exception | No
 
 
 def _required_first(active: Sequence[Active]) -> list[tuple[int, int, int, int]]:
-    """Rows of ``ControllerBatch.acting``, in order of priority as far as requirements allow.
+    """Return the rows of ``ControllerBatch.acting``, by priority as far as requirements allow.
 
-    Whatever is required is decided in the same tick before what requires it.
+    A required controller is decided in the same tick before the controllers that require it.
     """
     rows = {item.run.slot: (*_peers(item), place) for place, item in enumerate(active)}
     ordered: dict[int, None] = {}
@@ -246,7 +247,7 @@ def _required_first(active: Sequence[Active]) -> list[tuple[int, int, int, int]]
 
 
 def _peers(item: Active) -> tuple[int, int]:
-    """Slots of the controllers that one follows and requires; -1 where none acts with it."""
+    """Return the slots of the followed and the required controller; -1 if it does not act."""
     controller = item.run.controller
     seek = controller.seek
     return _slot(item.peers, seek.once if seek else None), _slot(item.peers, controller.requires)

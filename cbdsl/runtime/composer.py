@@ -1,4 +1,4 @@
-"""The composer: gains, references and the stack of a program that runs, changed by hand."""
+"""Composer: manual changes to the gains, references and stack of a running program."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.program_run import ProgramRun
 
-# Farther away nothing can be reached, m.
+# Largest coordinate of a target, m; no robot reaches farther.
 _FARTHEST = 100.0
 
 
 class ComposerError(Exception):
-    """A change cannot be made; the message says why."""
+    """Error of a change that cannot be made; the message gives the reason."""
 
 
 class Composer:
-    """Changes of a running program by hand, which last over its episodes.
+    """Manual changes to a running program, which persist across its episodes.
 
-    Controllers have their own names; those of programs that are used as actions are qualified by
-    the actions' names. Only the program's own can be composed.
+    Controllers keep their names; in programs used as actions, the action's name qualifies them.
+    Only the main program's controllers can be composed.
 
     Attributes:
-        gains: 1/s, by controller, of those that were changed.
-        targets: positions that are held instead of references, m, shape (3,), by controller.
-        stack: names of the controllers that act instead of the program's actions, highest priority
-            first; ``None`` while it chooses them itself.
+        gains: Changed gains, 1/s, by controller.
+        targets: Positions held in place of references, m, shape (3,), by controller.
+        stack: Names of the controllers that replace the program's actions, highest priority first;
+            ``None`` while the program chooses its actions.
     """
 
     def __init__(self) -> None:
@@ -39,7 +39,7 @@ class Composer:
         self._run: ProgramRun | None = None
 
     def begin(self, run: ProgramRun) -> None:
-        """Make the changes to the run of an episode that has begun."""
+        """Apply the changes to the run of an episode that has begun."""
         self._run = run
         for name, gain in self.gains.items():
             self._named(name).gain = gain
@@ -50,12 +50,12 @@ class Composer:
 
     @property
     def own(self) -> tuple[str, ...]:
-        """Controllers that can be composed: those that the program's actions and background use."""
+        """Controllers that can be composed: those of the program's actions and background."""
         return tuple(run.controller.name for run in self._running.runs)
 
     @property
     def acting(self) -> tuple[str, ...]:
-        """Those of them that act now above the background, highest priority first."""
+        """Composable controllers that act now above the background, highest priority first."""
         run = self._running
         return tuple(
             each.run.controller.name
@@ -67,10 +67,10 @@ class Composer:
         """Change a controller's gain.
 
         Returns:
-            The gain, 1/s.
+            Gain, 1/s.
 
         Raises:
-            ComposerError: there is no such controller, or it cannot have this gain.
+            ComposerError: If the controller is unknown, or its gain cannot have this value.
         """
         run = self._named(name)
         if run.controller.tip_stiffness is not None:
@@ -82,14 +82,15 @@ class Composer:
         return gain
 
     def hold(self, name: str, target: Sequence[float] | None) -> None:
-        """Hold a position as a controller's reference, or give it its own again.
+        """Hold a position as a controller's reference, or restore its own reference.
 
         Args:
-            name: of the controller.
-            target: position, m, shape (3,), world frame; ``None`` for its own reference.
+            name: Name of the controller.
+            target: Position, m, shape (3,), world frame; ``None`` for the controller's own
+                reference.
 
         Raises:
-            ComposerError: there is no such controller, or it has no position to hold.
+            ComposerError: If the controller is unknown, or has no position to hold.
         """
         run = self._named(name)
         if not run.can_hold:
@@ -104,13 +105,13 @@ class Composer:
         run.hold_reference(np.array(self.targets[name]))
 
     def compose(self, names: Sequence[str] | None) -> None:
-        """Let some controllers act instead of the program's actions.
+        """Replace the program's actions by a stack of controllers.
 
         Args:
-            names: highest priority first; ``None`` lets the program choose again.
+            names: Controllers, highest priority first; ``None`` returns the choice to the program.
 
         Raises:
-            ComposerError: one is none of the program's own, or is named twice, or there is none.
+            ComposerError: If a name is unknown or repeated, or no name is given.
         """
         if names is not None:
             if not names or len(set(names)) != len(names):
@@ -122,7 +123,7 @@ class Composer:
         self.stack = None if names is None else tuple(names)
 
     def positions(self) -> Mapping[str, list[float]]:
-        """References that can be held elsewhere, m, by controller, of those that act."""
+        """Return the active controllers' references that can be held elsewhere, m, by name."""
         return {
             name: run.reference.tolist()
             for name, run in named_runs(self._running)

@@ -1,4 +1,4 @@
-"""The context of a schema: its features, read from the robot's own signals."""
+"""Context of a schema: its features, read from the robot's own signals."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from cbdsl.sensing.signals import Signals
 
 
 class ContextReader:
-    """Reads the features by which a schema allocates.
+    """Reader of the features by which a schema allocates.
 
     Args:
-        schema: names them.
-        signals: of the robot.
+        schema: Schema that names the features.
+        signals: Signals of the robot.
     """
 
     def __init__(self, schema: Schema, signals: Signals) -> None:
@@ -26,11 +26,11 @@ class ContextReader:
         ]
 
     def lacks(self, feature: str) -> bool:
-        """Whether a feature is undefined now."""
+        """Return whether a feature is undefined now."""
         return self._signals.reading(self._bound[feature]) is None
 
     def read(self) -> Mapping[str, float]:
-        """The numbers of all features now, by name, in SI; NaN where a signal is undefined."""
+        """Return the current numbers of all features, by name, in SI; NaN while undefined."""
         numbers: dict[str, float] = {}
         for row, names in self._rows:
             reading = self._signals.reading(row)

@@ -1,4 +1,4 @@
-"""The rows of the signal table that a controller reads."""
+"""Rows of the signal table that a controller reads."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ Floats = NDArray[np.float64]
 
 
 class ControllerRows(NamedTuple):
-    """Numbers of rows; -1 for no reference.
+    """Numbers of a controller's rows; -1 for no reference.
 
     Attributes:
-        declared: of the reference as the program has it.
-        reference: of the same as modifiers change it.
-        feedback: of the feedback.
+        declared: Row of the reference as the program declares it.
+        reference: Row of the reference as modifiers change it.
+        feedback: Row of the feedback.
     """
 
     declared: int
@@ -48,7 +48,7 @@ def bind_rows(controller: Controller, signals: Signals) -> ControllerRows:
 
 
 class Anchor(NamedTuple):
-    """How a slot keeps its feedback at activation, as of ``plan.SlotForm``."""
+    """Storage of the feedback at activation, as in ``plan.SlotForm``."""
 
     anchor: int = -1
     offset: int = -1
@@ -56,7 +56,7 @@ class Anchor(NamedTuple):
 
 
 def anchor_of(controller: Controller, signals: Signals, rows: ControllerRows) -> Anchor:
-    """How a controller keeps its feedback at activation; without any where it does not."""
+    """Return how a controller stores its feedback at activation; empty if it does not."""
     reference, kind = controller.reference, controller.feedback.type.name
     if not isinstance(reference, Relative) or reference.base is not None:
         return Anchor()
@@ -109,7 +109,7 @@ def _palms(source: Source) -> NetForces:
 def _constant(
     reference: Literal | AlongNormals, controller: Controller, signals: Signals
 ) -> Floats:
-    """A constant reference as a row has it."""
+    """Return a constant reference in the form of a row."""
     kind, source = controller.compared.name, controller.feedback.source
     if isinstance(reference, AlongNormals):
         if isinstance(source, FingerForces):

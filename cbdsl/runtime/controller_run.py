@@ -1,4 +1,4 @@
-"""One controller while it runs: a view of its slot in the plan."""
+"""Run of one controller: a view of its slot in the plan."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ Integers = NDArray[np.int64]
 
 
 class Evaluation(NamedTuple):
-    """A potential in this tick, in k task coordinates and the n joints of a composition.
+    """Potential in this tick, in k task coordinates and the n joints of a composition.
 
     Attributes:
-        phi: the potential.
-        residual: error in task coordinates, shape (k,).
-        jacobian: task coordinates per joint, shape (k, n).
+        phi: Value of the potential.
+        residual: Error in task coordinates, shape (k,).
+        jacobian: Task coordinates per joint, shape (k, n).
     """
 
     phi: float
@@ -48,18 +48,18 @@ class Evaluation(NamedTuple):
 
 
 class ControllerRun:
-    """A controller's state between its activation and its deactivation.
+    """State of a controller between its activation and its deactivation.
 
     Attributes:
-        controller: what runs.
-        own: indices of the effector's joints among all actuated ones, shape (m,).
-        slides: True if all of these joints slide, so that positions are in m.
-        slot: its number in the plan.
-        rows: of the signal table that it compares.
-        needs: all rows that it reads.
-        preparation: before the tick.
-        columns: which joint each of the n of the composition that it acts in is, -1 for those that
-            count as still, shape (n,).
+        controller: Controller that runs.
+        own: Indices of the effector's joints among all actuated ones, shape (m,).
+        slides: True if all of these joints are prismatic, so that positions are in m.
+        slot: Number of its slot in the plan.
+        rows: Compared rows of the signal table.
+        needs: All rows that it reads.
+        preparation: Preparation before the tick.
+        columns: Joint index of each of the n joints of the acting composition, -1 for joints that
+            count as fixed, shape (n,).
     """
 
     columns: Integers
@@ -99,12 +99,12 @@ class ControllerRun:
         self.preparation = Preparation(controller, signals, self.rows, self._potential)
         self.needs = tuple([row for row in (*self.rows, form.carrier) if row >= 0])
         self.slot = plan.add(form)
-        # Row of a reference that is held by hand, once there was one.
+        # Row of a manually held reference, once there is one.
         self._held = -1
         self._own_reference = self.rows.reference
 
     def begin(self, rng: np.random.Generator) -> None:
-        """Begin an episode, in which ``rng`` is for all that is drawn."""
+        """Begin an episode with ``rng`` as the source of all samples."""
         self.preparation.begin(rng)
         self.deactivate()
 
@@ -114,21 +114,21 @@ class ControllerRun:
         self.preparation.forget()
 
     def activate(self) -> None:
-        """Start anew where it was idle or at rest on a sample; otherwise go on."""
+        """Start again if it was idle or at rest on a sample; otherwise go on."""
         predicate = self.predicate
         if predicate == "X" or (self.preparation.samples and predicate == "1"):
             self.deactivate()
             self.predicate = "0"
 
     def restart_quiescence(self) -> None:
-        """Judge rest by what the potential does from now on."""
+        """Judge rest from the potential's course from now on."""
         restart(self._plan.notes[self.slot])
 
     def prepare(self) -> None:
-        """Prepare what this controller needs before the tick.
+        """Prepare the controller before the tick.
 
         Raises:
-            SignalError: the reference is not finite; the message names it.
+            SignalError: If the reference is not finite; the message names it.
         """
         self.preparation.draw()
         if self.preparation.computes:
@@ -136,7 +136,7 @@ class ControllerRun:
 
     @property
     def predicate(self) -> str:
-        """X - 0 1 (Eq 4.1)."""
+        """Predicate X, -, 0 or 1 (Eq 4.1)."""
         predicate: Predicate = PREDICATES[self._plan.predicates.item(self.slot)]
         return predicate
 
@@ -146,7 +146,7 @@ class ControllerRun:
 
     @property
     def phi(self) -> float:
-        """The potential, NaN while undefined."""
+        """Potential, NaN while undefined."""
         phi: float = self._plan.slots["phi"].item(self.slot)
         return phi
 
@@ -158,23 +158,23 @@ class ControllerRun:
 
     @property
     def seeking(self) -> bool:
-        """Whether it acts to make its feedback defined."""
+        """True if it acts to make its feedback defined."""
         seeking: bool = self._plan.seeking.item(self.slot)
         return seeking
 
     @property
     def engaged(self) -> bool:
-        """Whether it is defined, or was and seeks to be again; what requires it acts as long."""
+        """True if defined, or seeking again; controllers that require it act meanwhile."""
         return bool(self._record["engaged"])
 
     @property
     def exhausted(self) -> bool:
-        """Whether it has sought in vain."""
+        """True if its search ended without success."""
         return bool(self._record["exhausted"])
 
     @property
     def gain(self) -> float:
-        """Its gain, 1/s."""
+        """Gain, 1/s."""
         return float(self._record["bounds"][0])
 
     @gain.setter
@@ -184,14 +184,14 @@ class ControllerRun:
 
     @property
     def largest_gain(self) -> float:
-        """The largest gain that takes no residual past 0 within a tick, 1/s."""
+        """Largest gain that takes no residual past 0 within a tick, 1/s."""
         return 2.0 / self._period
 
     @property
     def can_hold(self) -> bool:
-        """Whether another position can be held as its reference.
+        """True if another position can be held as its reference.
 
-        Nothing may write over it before each tick.
+        No preparation may overwrite that position before a tick.
         """
         kind = self.controller.compared.name
         has_reference = self.rows.reference >= 0 and kind == "position"
@@ -200,7 +200,7 @@ class ControllerRun:
 
     @property
     def reference(self) -> Floats:
-        """The reference in this tick, in SI, NaN while undefined; empty without one."""
+        """Reference in this tick, in SI, NaN while undefined; empty without one."""
         row = self.rows.reference
         if row < 0:
             return np.zeros(0)
@@ -208,7 +208,7 @@ class ControllerRun:
         return values if self._signals.table.is_defined(row) else np.full_like(values, np.nan)
 
     def hold_reference(self, values: Floats | None) -> None:
-        """Compare with a constant from now on; ``None`` gives back what the program has."""
+        """Compare with a constant from now on; ``None`` restores the program's reference."""
         if values is None:
             row = self._own_reference
         else:
@@ -226,11 +226,11 @@ class ControllerRun:
 
     @property
     def settled(self) -> bool:
-        """Whether it is defined, and its error small enough to count as at rest."""
+        """True if it is defined, and its error is small enough to count as at rest."""
         return self.error <= self._bound()
 
     def evaluate(self) -> Evaluation | None:
-        """The potential in this tick, in the joints that act; ``None`` while undefined."""
+        """Return the potential in this tick, in the active joints; ``None`` while undefined."""
         if math.isnan(self.phi):
             return None
         rows = self._signals.table.rows(self.rows.feedback)
@@ -240,7 +240,7 @@ class ControllerRun:
         return Evaluation(phi, residual, slope @ jacobian)
 
     def refuse(self) -> SignalError:
-        """The reason why this tick's numbers cannot be computed with, naming the resource."""
+        """Return the reason why this tick's numbers cannot be used, naming the resource."""
         name, (value, reference) = self.controller.feedback.name, self._values()
         try:
             require_finite(reference, f"the reference of {name}")
@@ -264,14 +264,14 @@ class ControllerRun:
         return parameters
 
     def _values(self) -> tuple[Floats, Floats]:
-        """The feedback and its reference, as the potential takes them."""
+        """Return the feedback and its reference as inputs of the potential."""
         table = self._signals.table
         return table.values(self.rows.feedback), (
             table.values(self.rows.reference) if self.rows.reference >= 0 else np.zeros(0)
         )
 
     def _bound(self) -> float:
-        """The largest error at rest, in the unit of the feedback."""
+        """Return the largest error at rest, in the unit of the feedback."""
         table = self._signals.table
         return float(error_bound(self._record, table.records, table.value))
 
@@ -281,7 +281,7 @@ def _tolerance(controller: Controller) -> float:
     quiescence, reference = controller.quiescence, controller.reference
     bounds = [math.inf if quiescence.tolerance is None else quiescence.tolerance]
     if quiescence.within is not None and isinstance(reference, Relative):
-        # The reference itself follows the feedback; its displacement is constant.
+        # The reference follows the feedback; its displacement is constant.
         bounds.append(quiescence.within * math.hypot(*reference.offset))
     return min(bounds)
 

@@ -1,4 +1,4 @@
-"""Runs of the controllers of one program, each made once."""
+"""Runs of the controllers of one program, each created once."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from cbdsl.sensing.signals import Signals
 
 
 class ControllerRuns:
-    """Makes one run per controller, however many actions share it.
+    """Factory of one run per controller, even if several actions share it.
 
     Args:
-        signals, plan, period: see ``ControllerRun``.
+        signals, plan, period: Arguments of ``ControllerRun``.
     """
 
     def __init__(self, signals: Signals, plan: ControllerPlan, period: float) -> None:
@@ -23,22 +23,22 @@ class ControllerRuns:
         self._runs: dict[Controller, ControllerRun] = {}
 
     def run(self, controller: Controller) -> ControllerRun:
-        """The run of a controller."""
+        """Return the run of a controller."""
         if controller not in self._runs:
             self._runs[controller] = ControllerRun(controller, *self._context)
         return self._runs[controller]
 
     def stack(self, composition: Composition) -> tuple[ControllerRun, ...]:
-        """The runs of a composition's controllers, highest priority first."""
+        """Return the runs of a composition's controllers, highest priority first."""
         return tuple(map(self.run, reversed(composition.controllers)))
 
     def waiting(
         self, composition: Composition
     ) -> Iterator[tuple[ControllerRun, Sequence[ControllerRun]]]:
-        """Controllers that seek once another has arrived, and those that wait meanwhile.
+        """Yield each controller that seeks once another has arrived, with the waiting controllers.
 
-        That is the whole primitive that the other is a part of. Whether it has come to rest is
-        judged from the end of the search, since what is found may set it in motion again.
+        The whole primitive of the other controller waits. Its rest is judged from the end of the
+        search, because the search result may set it in motion again.
         """
         for seeker in self.stack(composition):
             seek = seeker.controller.seek
@@ -47,7 +47,7 @@ class ControllerRuns:
                     yield seeker, [self.run(each) for each in primitive.controllers]
 
     def lead(self, primitive: Primitive, place: int) -> MemberLead:
-        """Controllers that give the predicate of a primitive at this place of the state."""
+        """Return the controllers that determine a primitive's predicate at a place of the state."""
         optimising = [each for each in primitive.controllers[:-1] if each.reference is None]
         awaited = dict.fromkeys((*optimising, *primitive.earners, *primitive.conditions))
         awaited.pop(primitive.lead, None)
@@ -59,5 +59,5 @@ class ControllerRuns:
 
     @property
     def all(self) -> tuple[ControllerRun, ...]:
-        """All runs that were made."""
+        """All runs created so far."""
         return tuple(self._runs.values())

@@ -1,4 +1,4 @@
-"""Ending of an episode: a sentence from the last readings of its controllers."""
+"""Ending of an episode as a sentence, from the last readings of its controllers."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Origin
 
-# Configurations of joints that slide.
+# Key for the configuration of prismatic joints.
 _SLIDE = "slide"
 
-# How errors of these types are told: factor from SI, and unit.
+# Reported units of errors by type: factor from SI, and unit.
 _UNITS = {
     "position": (100.0, "cm"),
     "offset": (100.0, "cm"),
@@ -25,7 +25,7 @@ _UNITS = {
     _SLIDE: (1000.0, "mm"),
 }
 
-#: Error beyond which what came to rest has not arrived, in SI, where no tolerance says it.
+#: Error above which a controller at rest is far from its goal, in SI, if it has no tolerance.
 _FAR = {
     "position": 0.02,
     "heading": math.radians(5),
@@ -36,7 +36,7 @@ _FAR = {
 
 _VERDICTS = {"success": "Succeeded", "failure": "Failed"}
 
-# Potential below which a field's displacement leads to its goal itself.
+# Potential below which a field's displacement leads to its goal directly.
 _NEAR = 1e-2
 
 
@@ -47,19 +47,19 @@ def describe(
     guards: Sequence[str] = (),
     stuck: Sequence[str] = (),
 ) -> str:
-    """Sentence on how a program ended and what its controllers had to do with it.
+    """Return a sentence on how a program ended and how its controllers contributed.
 
     Args:
-        run: the program, at its end.
-        seconds: how long it ran.
-        at_limits: joints that their limits held back at the end.
-        guards: a clause for each guard that the motion gave way to.
+        run: Run of the program, at its end.
+        seconds: Duration, s.
+        at_limits: Joints held back by their limits at the end.
+        guards: One clause for each guard that limited the motion.
         stuck: Levels at the nearest point to their targets, highest priority first.
     """
     verdict = _VERDICTS.get(run.outcome, "Done" if run.predicate == "1" else "Not rewarded")
     if run.rewarded and not run.outcome:
         verdict = "Rewarded"
-    # Rewards on the way say nothing of what the program is for.
+    # Intermediate rewards do not show whether the program reached its purpose.
     if run.program.success and not run.outcome and not run.program.reward_ends:
         verdict = "Neither succeeded nor failed"
     reasons = _evidence(run, stuck)
@@ -75,13 +75,13 @@ def describe(
 
 
 def describe_lateness(run: ProgramRun, seconds: float, taken: float, deadline: float) -> str:
-    """Sentence on an episode that ended because a control tick took too long.
+    """Return a sentence on an episode that ended because a control tick took too long.
 
     Args:
-        run: the program, where it stopped.
-        seconds: how long it ran.
-        taken: by the tick, wall time, s.
-        deadline: of a tick, s.
+        run: Run of the program, where it stopped.
+        seconds: Duration, s.
+        taken: Wall time of the tick, s.
+        deadline: Deadline of a tick, s.
     """
     return (
         f"Halted after {seconds:.1f} s in state {run.state}: a control tick took "
@@ -91,12 +91,12 @@ def describe_lateness(run: ProgramRun, seconds: float, taken: float, deadline: f
 
 
 def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
-    """Sentence on an episode that was interrupted, or failed.
+    """Return a sentence on an episode that was interrupted or failed.
 
     Args:
-        run: the program, where it stopped.
-        seconds: how long it ran.
-        cause: what stopped it.
+        run: Run of the program, where it stopped.
+        seconds: Duration, s.
+        cause: Exception that stopped it.
     """
     where = f"after {seconds:.1f} s in state {run.state}"
     if isinstance(cause, (KeyboardInterrupt, GeneratorExit)):
@@ -105,7 +105,7 @@ def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
 
 
 def stayed_far(run: ProgramRun) -> tuple[str, ...]:
-    """Controllers of the last action at rest far from their goals, highest priority first."""
+    """Return the last action's controllers at rest far from their goals, highest priority first."""
     action = run.action
     if action is None:
         return ()
@@ -116,7 +116,7 @@ def stayed_far(run: ProgramRun) -> tuple[str, ...]:
 
 
 def _evidence(run: ProgramRun, stuck: Sequence[str]) -> list[str]:
-    """A clause for each member that its last action involved, highest priority first."""
+    """Return a clause for each member that the last action involved, highest priority first."""
     action = run.action
     if action is None:
         return []
@@ -139,7 +139,7 @@ def _evidence(run: ProgramRun, stuck: Sequence[str]) -> list[str]:
 
 
 def _lacked(lead: ControllerRun, run: ProgramRun) -> ControllerRun | None:
-    """The controller that another one requires and does not have."""
+    """Return the controller that an undefined controller requires and lacks."""
     if not math.isnan(lead.error):
         return None
     for item in run.active():
@@ -147,14 +147,15 @@ def _lacked(lead: ControllerRun, run: ProgramRun) -> ControllerRun | None:
             required = item.peers.get(lead.controller.requires or "")
             if required is None:
                 return None
-            # What seeks to be defined again is engaged, and what requires it may be undefined.
+            # A seeking controller is engaged although undefined; the controller that requires it
+            # may be undefined, too.
             lacks = not required.engaged or math.isnan(required.error)
             return required if lacks else None
     return None
 
 
 def _absence(required: ControllerRun) -> str:
-    """Lack of a required controller, as a clause."""
+    """Return the lack of a required controller as a clause."""
     was_there = required.engaged or required.exhausted
     if required.controller.task.name == "force" and not was_there:
         return f"{required.controller.name} felt nothing"
@@ -177,7 +178,7 @@ def _clause(lead: ControllerRun, stuck: Sequence[str] = ()) -> str:
     if controller.reference is None:
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
     factor, unit = _UNITS.get(_quantity(lead), (1.0, ""))
-    # The residual of a field is bounded: far from the goal the goal is farther away than that.
+    # The residual of a field is bounded: a distant goal is farther away than the residual.
     is_field = POTENTIALS[controller.potential].field
     at_least = "at least " if is_field and lead.phi > _NEAR else ""
     distance = f"{at_least}{factor * lead.error:.{1 if unit else 3}f} {unit}".rstrip()
@@ -185,13 +186,13 @@ def _clause(lead: ControllerRun, stuck: Sequence[str] = ()) -> str:
 
 
 def _nearest(lead: ControllerRun, stuck: Sequence[str]) -> str:
-    """Return where a level is that gets no nearer to its target."""
+    """Return the place of a level that gets no nearer to its target."""
     is_first = lead.controller.name == stuck[0]
     return "at the nearest point within reach" if is_first else "as near as higher levels allow"
 
 
 def is_far(lead: ControllerRun) -> bool:
-    """Whether an error is larger than what its tolerance allows, or than people call near."""
+    """Return whether an error exceeds its tolerance or, without one, its default bound."""
     if not lead.settled:
         return True
     if lead.controller.quiescence.tolerance is not None:
@@ -200,7 +201,7 @@ def is_far(lead: ControllerRun) -> bool:
 
 
 def _quantity(lead: ControllerRun) -> str:
-    """Return the name of the error's type; that of joints which slide has its own unit."""
+    """Return the name of the error's type; prismatic joints have a unit of their own."""
     kind = lead.controller.task.name
     return _SLIDE if kind == "configuration" and lead.slides else kind
 

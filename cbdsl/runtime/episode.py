@@ -33,14 +33,14 @@ from cbdsl.types.resource import Resource
 
 
 class EpisodeError(UsageError):
-    """An episode cannot go on; the message says which, when and why."""
+    """Error of an episode that cannot go on; the message gives seed, time and reason."""
 
 
 class DeadlineError(EpisodeError):
-    """A control tick took longer than its backend allows.
+    """Error of a control tick that took longer than its backend allows.
 
     Attributes:
-        result: of the episode, whose ending is the message.
+        result: Result of the episode, whose ending is the message.
     """
 
     def __init__(self, result: EpisodeResult) -> None:
@@ -53,18 +53,18 @@ class EpisodeResult:
     """Outcome of an episode.
 
     Attributes:
-        program, stage, context, seed: what was run.
-        rewarded: whether the program earned its reward.
-        predicates: the states that were passed, from all X to the last.
-        actions: the actions between them.
-        ticks: control ticks.
-        sim_seconds, wall_seconds: how long it took.
-        renderer: what made the images.
-        ending: how it ended and why, as a sentence.
-        outcome: ``success`` or ``failure`` by its program's states; empty where it has none, or
-            came to none.
-        guards: for each guard that the motion gave way to, how long and at which force.
-        far: controllers of the last action that came to rest far from their goals.
+        program, stage, context, seed: Names of program, stage and context, and the seed.
+        rewarded: True if the program earned its reward.
+        predicates: States of the episode, from all X to the last.
+        actions: Actions between the states.
+        ticks: Number of control ticks.
+        sim_seconds, wall_seconds: Simulated and wall time of the episode, s.
+        renderer: Name of the image source.
+        ending: Reason of the end, as a sentence.
+        outcome: ``success`` or ``failure`` by its program's states; empty if they define none or it
+            reached none.
+        guards: Duration and force for each guard that limited the motion.
+        far: Controllers of the last action that came to rest far from their goals.
     """
 
     program: str
@@ -99,7 +99,7 @@ EndListener = Callable[[EpisodeResult], None]
 
 
 class _Begun(NamedTuple):
-    """An episode that was begun: on which stage, in which context, when, and its transitions."""
+    """Episode that has begun: stage, context, seed, start time, and its transitions."""
 
     stage: str
     context: str
@@ -109,16 +109,16 @@ class _Begun(NamedTuple):
 
 
 class Runner:
-    """Runs episodes of one program with one backend.
+    """Runner of episodes of one program with one backend.
 
     Args:
-        robot: the robot that the program was checked against.
-        kinematics: of the same robot.
-        program: what to run.
-        backend: where.
-        policy: chooses the actions instead of the program's written policy.
-        clock: the wall time that deadlines are held against, s.
-        observed: resources that listeners read besides those of the program.
+        robot: Robot that the program was checked against.
+        kinematics: Kinematics of the same robot.
+        program: Program to run.
+        backend: Backend to run it on.
+        policy: Policy that chooses the actions in place of the program's written policy.
+        clock: Clock for the deadlines, wall time, s.
+        observed: Resources that listeners read besides those of the program.
     """
 
     def __init__(
@@ -140,7 +140,7 @@ class Runner:
         plan, period = ControllerPlan(), backend.control_period
         self._run = ProgramRun(program, self.signals, plan, period)
         self._actuation = Actuation(robot, self.signals, plan, period, program.all_guards)
-        # The runner of the last episode, and whether its world goes on in this one.
+        # Runner of the last episode, and whether its world continues in this one.
         self._before: Runner | None = None
         self._goes_on = False
         self._ticks, self._time = 0, 0.0
@@ -159,22 +159,22 @@ class Runner:
         """Run one episode; the same seed gives the same episode.
 
         Args:
-            stage: who is shown what, where.
-            seed: of all chance.
-            context: of the stage; drawn without one.
-            on_transition: is told of each transition.
-            on_tick: is told of each control tick.
-            on_end: is told the result, also of an episode that was begun and is then interrupted
-                or fails.
-            undisturbed: whether the experimenter leaves a world that goes on as it is.
+            stage: Stage of the episode.
+            seed: Seed of all random numbers.
+            context: Context of the stage; drawn if ``None``.
+            on_transition: Listener that receives each transition.
+            on_tick: Listener that receives each control tick.
+            on_end: Listener that receives the result, also of an episode that is interrupted or
+                fails.
+            undisturbed: True if the experimenter leaves a continuing world as it is.
 
         Raises:
-            BackendError: the stage names something that it or the robot does not have.
-            EpisodeError: a sensor gave NaN or infinity, or a controller cannot compute with what
-                it was given.
-            DeadlineError: a tick took longer than the backend allows.
+            BackendError: If the stage names an element that the backend or the robot lacks.
+            EpisodeError: If a sensor gave NaN or infinity, or a controller cannot compute with its
+                inputs.
+            DeadlineError: If a tick took longer than the backend allows.
 
-        Whatever is raised, Ctrl-C too, the backend is halted before.
+        The backend is halted before any exception leaves, including that of Ctrl-C.
         """
         ticks = self.ticks(
             stage, seed, context, on_transition, on_tick, on_end, undisturbed=undisturbed
@@ -198,15 +198,15 @@ class Runner:
         *,
         undisturbed: bool = False,
     ) -> Generator[Tick, None, EpisodeResult]:
-        """Run one episode tick by tick, which halts between them; see ``run``.
+        """Run one episode tick by tick; the generator pauses between them; see ``run``.
 
-        Whoever closes the generator interrupts the episode.
+        Closing the generator interrupts the episode.
 
         Yields:
-            The state after each tick but the last, before the world goes on.
+            State after each tick but the last, before the world goes on.
 
         Returns:
-            The outcome.
+            Outcome of the episode.
         """
         began = time.perf_counter()
         begun: _Begun | None = None
@@ -238,7 +238,7 @@ class Runner:
         raise lateness
 
     def _stop(self, cause: BaseException, begun: _Begun | None, on_end: EndListener) -> None:
-        """Halt the robot, and report an episode that was begun; what fails then is a note."""
+        """Halt the robot, and report a begun episode; an error while reporting becomes a note."""
         try:
             self._calls.halt(cause)
         finally:
@@ -253,30 +253,30 @@ class Runner:
 
     @property
     def program(self) -> CheckedProgram:
-        """Program that it runs."""
+        """Program that the runner runs."""
         return self._program
 
     @property
     def predicate(self) -> str:
-        """The program's, as an action: 0 running, 1 achieved, - ended without, X idle."""
+        """Predicate of the program as an action: 0 running, 1 achieved, - ended without, X idle."""
         return self._run.predicate
 
     def take_over(self, before: Runner) -> None:
-        """Go on where another program left the same robot, on a stage whose world is persistent."""
+        """Continue from another runner of the same robot, on a stage whose world is persistent."""
         self._before = before
 
     def _resume(
         self, stage: StageDocument, context: str | None, *, undisturbed: bool
     ) -> str | None:
-        """Begin an episode in the world as it is, on a stage that asks for it, after another one.
+        """Begin an episode in the world of the last one, if the stage is persistent.
 
-        References and tare stay, so that what is in a hand is held, and felt.
+        References and tare stay, so that a held object stays held and its load measured.
 
         Returns:
-            The name of the context; ``None`` where the world has to be reset.
+            Name of the context; ``None`` if the world has to be reset.
 
         Raises:
-            BackendError: the backend's world cannot go on.
+            BackendError: If the backend's world cannot go on.
         """
         before = self._before
         if not stage.world.persistent or before is None:
@@ -290,14 +290,14 @@ class Runner:
         return drawn
 
     def _reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
-        """Begin an episode in a new world; returns the name of its context."""
+        """Begin an episode in a new world; return the name of its context."""
         drawn = self._calls.reset(stage, context, rng, self.signals.vision.channels)
         self.signals.reset()
         self._before, self._goes_on = self, False
         return drawn
 
     def _result(self, begun: _Begun, ending: str) -> EpisodeResult:
-        """Outcome so far; without an ending of its own that of the program."""
+        """Return the outcome so far; an empty ending is replaced by the program's."""
         run, passed = self._run, begun.passed
         guards = self._actuation.load_guards.clauses
         return EpisodeResult(
@@ -330,7 +330,7 @@ class Runner:
         """Run the control ticks of an episode, and count them.
 
         Returns:
-            Why the episode ends, if the last tick was late.
+            Description of the lateness if the last tick was late; empty otherwise.
         """
         run, backend, calls = self._run, self._backend, self._calls
         for ticks in count():
@@ -349,13 +349,13 @@ class Runner:
                 return describe_lateness(run, observation.time, taken, backend.deadline)
             yield tick
             if run.predicate != "0":
-                break  # whoever runs it has ended it
+                break  # the caller ended the program meanwhile
             calls.apply(self._actuation.reference)
             calls.step()
         return ""
 
     def _advance(self, observation: Observation, seed: int, *, first: bool) -> None:
-        """Take in an observation, and find the next reference and predicates."""
+        """Process an observation, and compute the next reference and predicates."""
         try:
             self.signals.update(observation)
             if first:
@@ -369,7 +369,7 @@ class Runner:
 
 
 def resources_of(program: CheckedProgram) -> Sequence[Resource]:
-    """Every resource that a program and the programs it uses can read."""
+    """Return every resource that a program and the programs it uses can read."""
     resources: dict[Resource, None] = {}
     compositions = [program.background, *(action.composition for action in program.actions)]
     for composition in compositions:

@@ -1,4 +1,4 @@
-"""Episode watchers: who is told everything of episodes, one after another."""
+"""Episode watchers: observers of one episode after another."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from cbdsl.runtime.episode import EpisodeResult, Tick
 
 
 class EpisodeWatcher(Protocol):
-    """Watcher of episodes; the world waits while it is told."""
+    """Observer of episodes; the world waits during each call."""
 
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
-        """An episode of a program begins on a stage."""
+        """Note that an episode of a program begins on a stage."""
         ...
 
     def note_transition(self, transition: Transition) -> None:
-        """The state of a program changed."""
+        """Note that the state of a program changed."""
         ...
 
     def note_tick(self, tick: Tick) -> None:
-        """A control tick is over, before its references are applied."""
+        """Note that a control tick is over, before its references are applied."""
         ...
 
     def note_end(self, result: EpisodeResult) -> None:
-        """The episode ended, in whatever way."""
+        """Note that the episode ended, for any reason."""
         ...

@@ -1,4 +1,4 @@
-"""Explanations: why each level moved as it did in a tick, and what that did to its potential."""
+"""Explanations: why each level moved as it did in a tick, and the effect on its potential."""
 
 from __future__ import annotations
 
@@ -18,37 +18,37 @@ from cbdsl.types.potential import POTENTIALS
 
 Floats = NDArray[np.float64]
 
-#: What a level is held by where joints at their limits took its freedom.
+#: Holder of a level whose freedom is taken by joints at their limits.
 LIMITS = "joint limits"
 
-#: What a level is held by where its target is out of reach.
+#: Holder of a level whose target is out of reach.
 REACH = "reach"
 
-# A level that achieves less of what it wants is asked who took the rest.
+# Share of the requested displacement below which the blocking level is reported.
 _SMALL_SHARE = 0.5
-# A level that achieves more than this share is asked who pushes it on.
+# Share of the requested displacement above which the pushing level is reported.
 _LARGE_SHARE = 1.5
-# Whoever responds to less of a level's velocity than this did not take it.
+# Minimum response to a level's task velocity above which a higher level blocks it.
 _TAKEN = 0.1
-# Displacement of a task in a tick, in its unit, that is rounding: of less there is no share.
+# Displacement of a task in a tick, in its unit, that is rounding; below it no share is defined.
 _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class LevelExplanation:
-    """Why a level moved as it did.
+    """Reason for a level's motion.
 
     Attributes:
-        name: the controller, qualified by the programs that use it.
-        phi: its potential, NaN while undefined.
-        share: as in ``LevelReport``; NaN where the level requests no displacement.
-        rank, singular_value: as in ``LevelReport``.
-        predicted: change of phi that the step of the tick before was to make by now, to first
-            order; NaN where that is not known.
-        measured: change of phi since the tick before; NaN where there was none.
-        held_by: Level above, or ``LIMITS``, that takes most of its freedom; ``REACH`` if none does
-            and it is at the nearest point to its target; empty otherwise.
-        pushed_by: the level whose motion carries it further than it wants, if its share is far
+        name: Name of the controller, qualified by the programs that use it.
+        phi: Potential, NaN while undefined.
+        share: Share as in ``LevelReport``; NaN if the level requests no displacement.
+        rank, singular_value: Numbers as in ``LevelReport``.
+        predicted: Change of phi by now that the last tick's step predicts to first order; NaN if
+            unknown.
+        measured: Change of phi since the last tick; NaN in the first.
+        held_by: Higher level, or ``LIMITS``, that takes most of this level's freedom; ``REACH`` if
+            none does and the level is at the nearest point to its target; empty otherwise.
+        pushed_by: Level whose motion carries this level beyond its request, if the share is far
             above 1; empty otherwise.
     """
 
@@ -68,9 +68,9 @@ class TickExplanation:
     """Levels that acted in a tick.
 
     Attributes:
-        levels: highest priority first.
-        at_limits: joints that their limits held back.
-        guards: names of those that the motion gave way to.
+        levels: Explanations of the levels, highest priority first.
+        at_limits: Joints held back by their limits.
+        guards: Names of the guards that limited the motion.
     """
 
     levels: tuple[LevelExplanation, ...]
@@ -79,13 +79,13 @@ class TickExplanation:
 
 
 class Explanation:
-    """Explains the ticks of one episode, each compared with the one before."""
+    """Explainer of the ticks of one episode, each compared with the last."""
 
     def __init__(self) -> None:
         self._before: dict[str, tuple[float, float]] = {}
 
     def note(self, tick: Tick) -> TickExplanation:
-        """Explain a tick; to be called once for each."""
+        """Explain a tick; call this once a tick."""
         step = tick.actuation.step
         if step is None:
             self._before = {}
@@ -124,7 +124,7 @@ class Explanation:
 
 
 def named_runs(run: ProgramRun, prefix: str = "") -> Iterator[tuple[str, ControllerRun]]:
-    """All controllers of a program and of the programs it uses, with qualified names."""
+    """Yield all controllers of a program and its subprograms, with qualified names."""
     for each in run.runs:
         yield prefix + each.controller.name, each
     for name, child in run.children.items():
@@ -132,13 +132,13 @@ def named_runs(run: ProgramRun, prefix: str = "") -> Iterator[tuple[str, Control
 
 
 def _run(program: ProgramRun, name: str) -> tuple[str, ControllerRun]:
-    """The controller that a level belongs to: of several with its name, one that is active."""
+    """Return the run that a level belongs to; an active one is preferred among namesakes."""
     namesakes = [each for each in named_runs(program) if each[1].controller.name == name]
     return next((each for each in namesakes if each[1].predicate != "X"), namesakes[0])
 
 
 def _change(run: ControllerRun, level: Level, displacement: Floats) -> float:
-    """The change of phi that a displacement, rad, shape (n,), makes to first order."""
+    """Return the change of phi by a displacement, rad, shape (n,), to first order."""
     kind = POTENTIALS[run.controller.potential]
     evaluation = None if kind.field else run.evaluate()
     if evaluation is None:
@@ -148,13 +148,13 @@ def _change(run: ControllerRun, level: Level, displacement: Floats) -> float:
 
 
 def _legible(report: LevelReport, level: Level) -> LevelReport:
-    """Return a report without a share where the level requests no displacement."""
+    """Return a report whose share is NaN if the level requests no displacement."""
     requested = float(np.linalg.norm(level.velocity))
     return replace(report, share=math.nan) if requested <= _ROUNDING else report
 
 
 def _others(step: Step, place: int, names: Sequence[str]) -> tuple[str, str]:
-    """Return the level that holds a level back, and the one that pushes it on; or nothing."""
+    """Return the level that holds a level back and the level that pushes it, or empty names."""
     share = _legible(step.reports[place], step.levels[place]).share
     if share < _SMALL_SHARE:
         return _holder(step, place, names), ""
@@ -162,7 +162,7 @@ def _others(step: Step, place: int, names: Sequence[str]) -> tuple[str, str]:
 
 
 def _pusher(step: Step, place: int, names: Sequence[str]) -> str:
-    """Whose own motion, as if it were alone, goes furthest in a level's wanted direction."""
+    """Return the level whose own motion goes furthest along a level's requested velocity."""
     level = step.levels[place]
     pushed = {
         names[other]: float(
@@ -176,7 +176,7 @@ def _pusher(step: Step, place: int, names: Sequence[str]) -> str:
 
 
 def _holder(step: Step, place: int, names: Sequence[str]) -> str:
-    """Who took most of what a level would do if it were alone: a level above, or the limits."""
+    """Return the higher level, or the limits, that took most of a level's own displacement."""
     level = step.levels[place]
     wish = np.linalg.pinv(level.jacobian) @ level.velocity
     size = float(wish @ wish)
@@ -195,6 +195,6 @@ def _holder(step: Step, place: int, names: Sequence[str]) -> str:
 
 
 def _projected(jacobian: Floats, displacement: Floats) -> Floats:
-    """The part of a displacement, shape (n,), that a task of this Jacobian responds to."""
+    """Return the part of a displacement, shape (n,), that a task of this Jacobian responds to."""
     part: Floats = np.linalg.pinv(jacobian) @ (jacobian @ displacement)
     return part

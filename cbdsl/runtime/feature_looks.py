@@ -1,4 +1,4 @@
-"""Looks for features that a program's first choice needs."""
+"""Searches for the features that a program's first choice needs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cbdsl.runtime.context import ContextReader
 
 
 class LookingProgram(Protocol):
-    """A run of a program that looks for a feature; see ``ProgramRun``."""
+    """Run of a program that searches for a feature; see ``ProgramRun``."""
 
     predicate: str
 
@@ -21,14 +21,14 @@ class LookingProgram(Protocol):
 
 
 class FeatureLooks:
-    """Programs that look for undefined features, one after the other.
+    """Sequence of programs that search for undefined features.
 
     Args:
-        programs: that look, by feature.
-        context: whose features they are; where there is none, nothing is looked for.
+        programs: Search programs by feature.
+        context: Reader of the features; without one nothing is searched.
 
     Attributes:
-        current: the program that looks now, if one does.
+        current: Program that searches now, if any.
     """
 
     def __init__(
@@ -38,20 +38,20 @@ class FeatureLooks:
         self.forget()
 
     def forget(self) -> None:
-        """Look for nothing more."""
+        """End all searches."""
         self.current: LookingProgram | None = None
         self._pending: list[str] = []
 
     def begin(self) -> bool:
-        """Look for the first feature that is undefined; whether there is one."""
+        """Search for the first undefined feature; return whether there is one."""
         self._pending = list(self._programs)
         return self._next()
 
     def advance(self, look: LookingProgram) -> bool:
-        """Go on with the current program, and with the next one once that ended; whether one looks.
+        """Advance the current search, or begin the next after its end; return whether one runs.
 
         Args:
-            look: the current one.
+            look: Current search program.
         """
         look.advance()
         if look.predicate == "0":

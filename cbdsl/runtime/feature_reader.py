@@ -1,4 +1,4 @@
-"""Feature reader: what an action's signals are when it begins to act on them (Section 6.2.2)."""
+"""Reader of the features of an action when it begins to act on them (Section 6.2.2)."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.resource import Resource, SurfacePoint
 
-# Images come at a quarter of the ticks at most, and nothing that is seen changes in between.
+# Images come at most every fourth tick, and visual signals do not change in between.
 _EVERY = 4
 
 
 class FeatureReader:
-    """Reads features once, at the first moment of an episode at which all of them are defined.
+    """Reader of features, once, at the first moment of an episode when all are defined.
 
-    Where that never comes, it is the first moment at which most of them are. A feature that is
-    drawn, such as a point of a surface, is the draw of the controller that goes there.
+    If there is no such moment, it reads them when most of them are defined. A feature that is
+    drawn, such as a point of a surface, is the sample of the controller that goes there.
 
     Args:
-        features: the resources by name.
-        watched: resources of which only is noted for how long they were defined.
+        features: Resources by name.
+        watched: Resources of which only the defined time is recorded, by name.
 
     Attributes:
-        values: components of the features that were defined, in SI, by name.
-        seconds: for how long each of ``watched`` was defined, s, by name.
+        values: Components of the defined features, in SI, by name.
+        seconds: Time for which each of ``watched`` was defined, s, by name.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class FeatureReader:
         self._ticks, self._time = 0, 0.0
 
     def note_tick(self, tick: Tick) -> None:
-        """Read what is still to be read; a listener of ``Runner.run``."""
+        """Read the features that are still to be read; a listener of ``Runner.run``."""
         self._ticks += 1
         if self._ticks % _EVERY:
             return
@@ -61,7 +61,7 @@ class FeatureReader:
 
 
 def _draws(tick: Tick, run: ProgramRun, resource: Resource) -> Iterator[tuple[float, ...]]:
-    """Points that controllers of a program have drawn and go to."""
+    """Yield the points that controllers of a program have drawn as references."""
     table = tick.signals.table
     for controller in run.runs:
         own = controller.rows.declared

@@ -1,4 +1,4 @@
-"""Journals of lines: what was done so far, from which an interrupted command goes on."""
+"""Journals of lines: the completed steps, from which an interrupted command continues."""
 
 from __future__ import annotations
 
@@ -14,36 +14,37 @@ from typing import Any, BinaryIO, Self
 
 from cbdsl.errors.errors import UsageError
 
-# A process that lost its cluster may still be busy with its last line, s.
+# Time for which a process that lost its cluster may be busy with its last line, s.
 _PATIENCE = 60.0
 
 
 class JournalError(UsageError):
-    """A journal cannot be used; the message says why and what to do."""
+    """Error of an unusable journal; the message gives the reason and the remedy."""
 
 
 class DamagedJournalError(JournalError):
-    """A line of a journal cannot be used; the message says which, and what to do."""
+    """Error of an unusable line of a journal; the message gives the line and the remedy."""
 
 
 class LineJournal:
-    """File of JSON lines: the identity of an undertaking, then each step as soon as it is done.
+    """File of JSON lines: the identity of an undertaking, then each step when it is complete.
 
-    A line that a killed process left unfinished counts for nothing, and is overwritten.
-    No two processes write the same journal: the second waits a minute for the first to end.
+    An unfinished line of a killed process is ignored and overwritten. Two processes never write the
+    same journal: the second waits a minute for the first to end.
 
     Args:
-        path: the file; where it is there, the undertaking goes on.
-        identity: all that the steps depend on, as JSON has it.
-        what: the undertaking's name in messages.
+        path: Path of the file; the undertaking continues if the file exists.
+        identity: All inputs of the steps, as JSON data.
+        what: Name of the undertaking in messages.
 
     Attributes:
-        path: the file.
-        rows: the steps that the file held.
+        path: Path of the file.
+        rows: Steps read from the file.
 
     Raises:
-        JournalError: the file belongs to another undertaking, or is none, or is being written.
-        OSError: it cannot be read or written.
+        JournalError: If the file belongs to another undertaking, is no journal, or is being
+            written.
+        OSError: If the file cannot be read or written.
     """
 
     def __init__(self, path: Path, identity: Mapping[str, Any], what: str = "trial") -> None:
@@ -69,7 +70,7 @@ class LineJournal:
         try:
             self.append_row(identity)
         except OSError:
-            path.unlink()  # a journal that holds nothing would only be in the way
+            path.unlink()  # an empty journal would block the next attempt
             raise
 
     def __enter__(self) -> Self:
@@ -87,10 +88,10 @@ class LineJournal:
         """Append a line and flush it to disk.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: If the line cannot be written.
         """
         left = memoryview(json.dumps(row, ensure_ascii=False).encode() + b"\n")
-        while left:  # a disk that is nearly full takes a part, and says so only of the next
+        while left:  # a nearly full disk takes a part, and fails only at the next write
             left = left[self._file.write(left) :]
         os.fsync(self._file.fileno())
 
@@ -98,16 +99,16 @@ class LineJournal:
 def rows_of(
     data: bytes, path: Path, first: int = 1, what: str = "trial"
 ) -> tuple[list[dict[str, Any]], int]:
-    """Complete lines in a part of a journal, and where they end.
+    """Return the complete lines of a part of a journal, and the offset of their end.
 
     Args:
-        data: from the beginning of a line; what follows the last end of a line is left out.
-        path: of the journal, for messages.
-        first: the number of its first line.
-        what: it is a journal of, for messages.
+        data: Bytes from the beginning of a line; an unfinished last line is left out.
+        path: Path of the journal, for messages.
+        first: Number of the first line.
+        what: Name of the undertaking, for messages.
 
     Raises:
-        JournalError: it is no journal.
+        JournalError: If the data is no journal.
     """
     sound = data.rfind(b"\n") + 1
     lines = data[:sound].split(b"\n")[:-1]
@@ -125,7 +126,7 @@ def _row(line: bytes, path: Path, number: int, what: str) -> dict[str, Any]:
 
 
 def damaged(path: Path, number: int, problem: str, what: str = "trial") -> JournalError:
-    """The error of a line that cannot be used."""
+    """Return the error of a line that cannot be used."""
     if number == 1:
         return DamagedJournalError(f"{path} is no journal of a {what}: of line 1, {problem}")
     option = "" if what == "calibration" else ", with --resume where it has that"
@@ -143,7 +144,7 @@ def require_same(
     """Check that two identities are the same.
 
     Raises:
-        JournalError: they are not; it says what differs.
+        JournalError: If they differ; the message lists the differences.
     """
     if differences := "; ".join(_differences(known, wanted)):
         raise JournalError(
@@ -153,7 +154,7 @@ def require_same(
 
 
 def _differences(known: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[str]:
-    """Differences between two identities, in words."""
+    """Yield the differences between two identities, in words."""
     for key in {**known, **wanted}:
         old, new = known.get(key), wanted.get(key)
         if old == new:
@@ -181,8 +182,8 @@ def lock(file: BinaryIO, path: Path, patience: float) -> None:
     """Lock a file; the lock ends with the process, however that ends.
 
     Raises:
-        JournalError: somebody else is, and does not end within ``patience``, s.
-        OSError: the file system knows no locks.
+        JournalError: If another process holds the lock for longer than ``patience``, s.
+        OSError: If the file system does not support locks.
     """
     deadline = time.monotonic() + patience
     while True:

@@ -1,4 +1,4 @@
-"""Guards of a run: which they are, how long the motion gave way to each, and at which force."""
+"""Load guards of a run: their bounds, how long each limited the motion, and the forces."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from cbdsl.control.load_guard import JOINT_PACE, LOAD_GUARD, PACE
 from cbdsl.program.checked import Guards
 from cbdsl.sensing.signals import Signals
 
-# Time in which what the joints of an arm felt fades, s.
+# Time constant with which measured joint torques of an arm fade, s.
 _MEMORY = 3.0
 
 
 class LoadGuards:
-    """The bounds on fingers, hands and arms that a program states.
+    """Bounds of a program on the loads of fingers, hands and arms.
 
     Attributes:
-        names: of the fingers, hands and arms.
-        records: shape (g,) of ``LOAD_GUARD``.
-        rows: of the signal table that they need.
+        names: Names of the fingers, hands and arms.
+        records: Records of ``LOAD_GUARD``, shape (g,).
+        rows: Required rows of the signal table.
 
     Args:
-        guards: of the program.
-        signals: of the robot.
-        period: of the control ticks, s.
+        guards: Guards of the program.
+        signals: Signals of the robot.
+        period: Period of the control ticks, s.
     """
 
     def __init__(self, guards: Guards, signals: Signals, period: float) -> None:
@@ -55,16 +55,16 @@ class LoadGuards:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the episode before."""
+        """Forget the last episode."""
         self.records["held"], self.records["torques"] = False, 0.0
         self._ticks = np.zeros(len(self.names), dtype=np.int64)
         self._most = np.zeros(len(self.names))
 
     def note_strain(self) -> None:
-        """Take in the torques of arms before the tick.
+        """Store the torques of arms before the tick.
 
-        A rigid contact that has given way is over, and without a memory the next blow comes as fast
-        as the one before. So what was felt fades slowly, from the bound at most.
+        A rigid contact that has given way is over. Without a memory the next impact would be as
+        fast as the last. So measured torques fade slowly, starting at the bound at most.
         """
         for number, joints in self._joints:
             guard, strain = self.records[number], self._strain.torques[joints]
@@ -77,24 +77,24 @@ class LoadGuards:
                 memory *= kept / before
 
     def note(self) -> None:
-        """Take in what the tick made of them."""
+        """Count the ticks in which guards limited the motion, and keep the largest forces."""
         if self.names:
             self._ticks += self.records["held"]
             np.maximum(self._most, self.records["force"], out=self._most)
 
     @property
     def holding(self) -> tuple[str, ...]:
-        """Names of those that the motion gave way to in the last tick."""
+        """Names of the guards that limited the motion in the last tick."""
         return tuple(np.array(self.names)[self.records["held"]].tolist())
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Of the bounds."""
+        """Units of the bounds."""
         return tuple("N m" if joints else "N" for joints in self.records["joints"])
 
     @property
     def clauses(self) -> tuple[str, ...]:
-        """For each that the motion gave way to, how long and at most at which force."""
+        """One clause for each guard that limited the motion: how long, and the largest force."""
         rows = zip(self.names, self.records["bound"], self._ticks, self._most, strict=True)
         return tuple(
             f"the guard of {name} ({bound:g} {unit}) held for {ticks * self._period:.1f} s, at "
@@ -105,7 +105,7 @@ class LoadGuards:
 
 
 def _arms(guards: Guards, signals: Signals) -> Iterator[tuple[str, NDArray[np.int64], int]]:
-    """Name, joints and the row of their positions of each effector that has a tip."""
+    """Yield name, joints and position row of each effector that has a tip."""
     for name, effector in signals.robot.effectors.items():
         if guards.joint_torque is not None and effector.tip is not None:
             joints = signals.joints.of(name)
@@ -113,7 +113,7 @@ def _arms(guards: Guards, signals: Signals) -> Iterator[tuple[str, NDArray[np.in
 
 
 def _bounds(guards: Guards, signals: Signals) -> Iterator[tuple[str, tuple[int, int], int, float]]:
-    """Name, load cells, row and bound of each guard."""
+    """Yield name, load cells, row and bound of each guard."""
     for hand, cells in signals.robot.load_cells.items():
         first, last = signals.touch.span(hand)
         links = [cell.link for cell in cells.values()]

@@ -1,4 +1,4 @@
-"""Objects that a program acts on, that were seen, and that the robot remembers nowhere."""
+"""Objects of a program that were seen once and have no remembered position."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from cbdsl.types.resource import RELATIVE, VISUAL, Resource
 
 
 class Loss(NamedTuple):
-    """An object that was seen and is remembered nowhere.
+    """Object that was seen once and has no remembered position.
 
     Attributes:
-        channel: whose object it is.
-        seconds: since it was seen last.
-        place: where that was, m, world frame.
+        channel: Name of the object's channel.
+        seconds: Time since the object was last seen, s.
+        place: Last seen position, m, world frame.
     """
 
     channel: str
@@ -33,12 +33,12 @@ class Loss(NamedTuple):
 
 
 class LostObjects:
-    """Finds the lost objects of a program's channels; its obstacles may go.
+    """Finder of the lost objects of a program's channels; obstacles do not count.
 
     Args:
-        program: whose controllers act on objects.
-        vision: of the robot.
-        aliases: channels by the names that programs may give them.
+        program: Program whose controllers act on objects.
+        vision: Vision of the robot.
+        aliases: Channels by their names in programs.
     """
 
     def __init__(self, program: CheckedProgram, vision: Vision, aliases: Mapping[str, str]) -> None:
@@ -60,7 +60,7 @@ class LostObjects:
 
 
 def _channels(program: CheckedProgram) -> Iterator[str]:
-    """Channels of the objects that a program, or one that it uses, acts on."""
+    """Yield the channels of the objects that a program and its subprograms act on."""
     compositions = [action.composition for action in program.actions]
     for composition in (*compositions, program.background):
         for controller in composition.controllers if composition else ():
@@ -73,7 +73,7 @@ def _channels(program: CheckedProgram) -> Iterator[str]:
 
 
 def _compared(controller: Controller) -> Iterator[Resource]:
-    """A controller's feedback, and its reference or what that is relative to."""
+    """Yield a controller's feedback and its reference, or the base of a relative reference."""
     yield controller.feedback
     reference = controller.reference
     base = reference.base if isinstance(reference, Relative) else reference

@@ -1,4 +1,4 @@
-"""The controller that leads a member of a state, and those that it waits for."""
+"""Leading controller of a member of a state, and the controllers it waits for."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from cbdsl.runtime.controller_run import ControllerRun
 
 
 class MemberLead(NamedTuple):
-    """The controller that leads a member, and what the member optimises below it.
+    """Leading controller of a member, and the lower controllers that it waits for.
 
     Attributes:
-        place: the member's place in the state.
-        run: the controller with the highest priority.
-        awaited: its other controllers that it is not at rest before: those that have no reference,
-            and no goal but their rest, and those that a reward depends on.
-        earners: its controllers that are rewarded; empty for no reward.
-        conditions: its controllers that have to be at rest for a reward, and earn none.
+        place: Index of the member in the state.
+        run: Run of the controller with the highest priority.
+        awaited: Runs that must rest first: controllers without a reference, whose only goal is
+            rest, and controllers that a reward depends on.
+        earners: Runs of the rewarded controllers; empty if no reward is possible.
+        conditions: Runs that have to be at rest for a reward, but earn none.
     """
 
     place: int
@@ -27,7 +27,7 @@ class MemberLead(NamedTuple):
 
     @property
     def predicate(self) -> str:
-        """The leading controller's; at rest only when what is awaited below it is, too."""
+        """Predicate of the leading controller; at rest only if the awaited controllers are, too."""
         leading = self.run.predicate
         for run in self.awaited if leading == "1" else ():
             needed = run in self.earners or run in self.conditions
@@ -37,7 +37,7 @@ class MemberLead(NamedTuple):
 
     @property
     def is_earned(self) -> bool:
-        """Whether all that its reward depends on is at rest where it should be."""
+        """True if all controllers that its reward depends on are at rest within their bounds."""
         if not self.earners:
             return False
         needed = (*self.earners, *self.conditions)

@@ -25,13 +25,13 @@ Change = Callable[[Floats, Floats, float, Mapping[str, float]], Floats]
 
 
 class Preparation:
-    """Prepares one controller's rows and parameters in Python, before the compiled tick.
+    """Preparation of one controller's rows and parameters in Python, before the compiled tick.
 
     Attributes:
-        samples: whether the reference is drawn from an internal model or a surface.
-        computes: whether something is computed from the signals of this tick.
-        is_needed: whether there is anything to prepare.
-        no_path: why no free path leads to the reference; empty where one does.
+        samples: True if the reference is drawn from an internal model or a surface.
+        computes: True if a preparation uses the signals of this tick.
+        is_needed: True if there is anything to prepare.
+        no_path: Reason why no free path leads to the reference; empty if one does.
     """
 
     def __init__(
@@ -47,25 +47,25 @@ class Preparation:
         ]
         self.samples = controller.is_drawn
         is_anchored = isinstance(reference, Relative) and reference.base is None
-        # Drawn or kept at each activation.
+        # References drawn or stored at each activation.
         self._is_renewed = self.samples or is_anchored
         self.computes = bool(self._changes) or self._solve is not None
         self.is_needed = self.samples or self.computes
         self.no_path = ""
 
     def begin(self, rng: np.random.Generator) -> None:
-        """Begin an episode, in which ``rng`` is for all that is drawn."""
+        """Begin an episode with ``rng`` as the source of all samples."""
         self._rng = rng
         self._sampler: Sampler | None = None
 
     def forget(self) -> None:
-        """Forget the sample, the value at activation and the path: it was deactivated."""
+        """Forget the sample, the value at activation and the path after deactivation."""
         self.no_path = ""
         if self._is_renewed:
             self._signals.table.forget(self._rows.declared)
 
     def draw(self) -> None:
-        """Draw the reference if it is a sample that is still to be drawn."""
+        """Draw the reference if it is a sample and not drawn yet."""
         if not self.samples or self._signals.table.is_defined(self._rows.declared):
             return
         drawn = self._sample()
@@ -73,16 +73,16 @@ class Preparation:
             self._signals.table.write(self._rows.declared, Reading(drawn, None, 0))
 
     def prepare(self, parameters: Floats) -> bool:
-        """Change the reference and solve, once the rows are those of this tick.
+        """Change the reference and solve the field, once the rows are of this tick.
 
         Args:
-            parameters: of the controller's potential, which a field is written to.
+            parameters: Parameters of the controller's potential; a field writes to them.
 
         Returns:
-            Whether the controller can act.
+            True if the controller can act.
 
         Raises:
-            SignalError: the reference is not finite; the message names it.
+            SignalError: If the reference is not finite; the message names it.
         """
         table, rows = self._signals.table, self._rows
         if self._changes:
@@ -106,7 +106,7 @@ class Preparation:
         return self._sampler.draw()
 
     def _change_reference(self) -> None:
-        """Write the reference as modifiers change it."""
+        """Write the reference as changed by the modifiers."""
         table, signals, rows = self._signals.table, self._signals, self._rows
         if not table.is_defined(rows.declared):
             table.forget(rows.reference)
@@ -119,11 +119,11 @@ class Preparation:
                 value = np.broadcast_to(changed, value.shape)
             except Exception as error:
                 raise _fault(modifier, error) from error
-        # A reference that may move in every tick is as new as the posture.
+        # A reference that may move in every tick has the time stamp of the posture.
         table.write(rows.reference, Reading(value, None, signals.tips.stamp, record["radius"]))
 
     def _ends(self) -> tuple[Floats, Floats]:
-        """Where a path begins and where it leads."""
+        """Return start and goal of a path."""
         name, table = self._controller.feedback.name, self._signals.table
         value, goal = table.values(self._rows.feedback), table.values(self._rows.reference)
         require_finite(goal, f"the reference of {name}")
@@ -131,7 +131,7 @@ class Preparation:
         return value, goal
 
     def _obstacles(self, goal: Floats) -> Iterator[Obstacle]:
-        """Where obstacles are now; what is not seen or felt is not there."""
+        """Yield the current obstacles; an unseen and untouched obstacle is absent."""
         field = self._controller.field
         if field is None:
             return
@@ -152,10 +152,10 @@ class Preparation:
 
 
 def change_of(modifier: Modifier) -> Change:
-    """The function that changes a reference.
+    """Return the function that changes a reference.
 
     Raises:
-        PluginError: its package does not have it.
+        PluginError: If the modifier's package does not have it.
     """
     module, function = MODIFIERS.get(modifier.name).implementation.split(":")
     try:

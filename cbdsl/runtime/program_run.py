@@ -1,4 +1,4 @@
-"""One program while it runs: predicates, state transitions and rewards (Algorithm 1)."""
+"""Run of one program: predicates, state transitions and rewards (Algorithm 1)."""
 
 from __future__ import annotations
 
@@ -26,16 +26,17 @@ Listener = Callable[[Transition], None]
 
 
 class ProgramRun:
-    """Chooses actions by the predicates of its members, and is itself one of four predicates.
+    """Run of a program that chooses actions by its members' predicates and has one itself.
 
     Attributes:
-        program: what runs.
-        state: predicates, one character per member.
-        predicate: of the program as an action: 0 running, 1 achieved, - ended without, X idle.
-        rewarded: whether a transition was rewarded: the last, if that ends it.
-        outcome: ``success`` or ``failure`` where its state says so; empty otherwise.
-        ending: why it ended, as a clause; empty while it runs.
-        is_open: whether a deferred choice is to be made by ``decide``.
+        program: Program that runs.
+        state: Predicates, one character per member.
+        predicate: Predicate of the program as an action: 0 running, 1 achieved, - ended without, X
+            idle.
+        rewarded: True if a transition was rewarded: the last, if a reward ends the program.
+        outcome: ``success`` or ``failure`` if its state is one of these; empty otherwise.
+        ending: Reason of the end, as a clause; empty while it runs.
+        is_open: True if a deferred choice is pending for ``decide``.
     """
 
     def __init__(
@@ -67,31 +68,31 @@ class ProgramRun:
             for feature, look in program.looks.items()
         }
         self._looks = FeatureLooks(looks, self._context)
-        # An action has no such name: it would be two.
+        # These keys differ from all names of actions, because they consist of several words.
         self.children |= {f"look for {feature}": each for feature, each in looks.items()}
-        # What the child that runs now lets act, and the same above the background.
+        # Active levels of the current child, and the same above the background.
         self._of_child: Sequence[Active] | None = None
         self._of_action = ""
         self._all_active: Sequence[Active] = ()
-        # What predicates read as while an action runs, and the numbers that they had then.
+        # Codes of the predicates at the last reading, and the state read from them.
         self._noted, self._reading = b"", ""
         self._plan, self._slots = plan, slice(first, first + len(self.runs))
 
     def begin(
         self, rng: np.random.Generator, listener: Listener, policy: Policy | None = None
     ) -> None:
-        """Begin an episode; nothing of the one before is left.
+        """Begin an episode; discard the last.
 
         Args:
-            rng: for all that is drawn.
-            listener: is told each transition, of the programs that are used as actions as well.
-            policy: chooses the actions instead of the program's written policy.
+            rng: Source of all samples.
+            listener: Listener that receives each transition, also of programs used as actions.
+            policy: Policy that chooses the actions in place of the program's written policy.
         """
         self._listener = listener
         self._policy = policy or self._written
-        # Asking a protocol takes much longer than choosing.
+        # A protocol check takes much longer than a choice.
         self._contextual = self._policy if isinstance(self._policy, ContextPolicy) else None
-        # What is learned is how to be rewarded.
+        # A learner learns to be rewarded, so a reward ends its episodes.
         self._reward_ends = self.program.reward_ends or policy is not None
         for run in self.runs:
             run.begin(rng)
@@ -100,7 +101,7 @@ class ProgramRun:
         self.deactivate()
 
     def deactivate(self) -> None:
-        """Stop and forget."""
+        """Stop, and forget the activation."""
         for run in self.runs:
             run.deactivate()
         for child in self.children.values():
@@ -120,7 +121,7 @@ class ProgramRun:
         self._ticks = self._idle_ticks = self._all_ticks = 0
 
     def activate(self) -> None:
-        """Start anew unless it is running."""
+        """Start from the beginning unless it is running."""
         if self.predicate == "0":
             return
         self.deactivate()
@@ -133,7 +134,7 @@ class ProgramRun:
             self._choose(changed=True)
 
     def _look_on(self, look: LookingProgram) -> None:
-        """Go on to look; choose as soon as all that is looked for was found, or was not."""
+        """Advance the search; choose an action once all searches have ended."""
         self._all_ticks += 1
         if not self._looks.advance(look):
             self._choose(changed=True)
@@ -149,9 +150,9 @@ class ProgramRun:
         return self._action
 
     def active(self) -> Sequence[Active]:
-        """Levels that act now, highest priority first, down to the background.
+        """Return the active levels, highest priority first, down to the background.
 
-        The same object as before while the same acts.
+        The returned object stays the same while the same controllers act.
         """
         if self._composed is not None:
             return self._composed
@@ -175,13 +176,13 @@ class ProgramRun:
         return self._all_active
 
     def compose(self, names: Sequence[str] | None) -> None:
-        """Let a stack act instead of actions, and the background below it.
+        """Let a stack act in place of actions, above the background.
 
-        Meanwhile the program has no transitions, is not rewarded and does not end.
+        Meanwhile the program has no transitions, earns no reward and does not end.
 
         Args:
-            names: of its own controllers, highest priority first; ``None`` lets it choose again,
-                from the state in which nothing is active.
+            names: Controllers of the program, highest priority first; ``None`` returns the choice
+                to the program, from the state in which no controller is active.
         """
         named = {run.controller.name: run for run in self.runs}
         stack = tuple(named[name] for name in names or ())
@@ -202,7 +203,7 @@ class ProgramRun:
         self._choose(changed=True)
 
     def _make_children(self, signals: Signals, plan: ControllerPlan) -> dict[str, ProgramRun]:
-        """Runs of the programs by action; one for all actions that run it for the same member."""
+        """Return the runs of subprograms by action, one for each member and allocation."""
         made: dict[tuple[str, str], ProgramRun] = {}
         children = {}
         for action in self.program.actions:
@@ -217,21 +218,21 @@ class ProgramRun:
     def _inner(
         self, program: CheckedProgram, signals: Signals, plan: ControllerPlan, name: str
     ) -> ProgramRun:
-        """Make the run of a program that is used under a name."""
+        """Return the run of a program that is used under a name."""
         use = f"{self._use}.{name}" if self._use else name
         return ProgramRun(program, signals, plan, self._period, self._depth + 1, use)
 
     @property
     def losses(self) -> tuple[str, ...]:
-        """A clause for each object that was seen, and is remembered nowhere."""
+        """One clause for each object that was seen and has no remembered position."""
         return tuple(map(str, self._lost.find(self._signals.time)))
 
     def leads(self, action: Action) -> list[ControllerRun]:
-        """The leading controllers of an action's primitives, highest priority first."""
+        """Return the leading controllers of an action's primitives, highest priority first."""
         return [lead.run for lead in reversed(self._levels.leads.get(action.name, []))]
 
     def advance(self) -> None:
-        """Take in the predicates of this tick; change the action where the state changed."""
+        """Read the predicates of this tick; change the action if the state changed."""
         if self.predicate != "0" or self.is_open or self._composed is not None:
             return
         look = self._looks.current
@@ -274,8 +275,8 @@ class ProgramRun:
         self._all_ticks += 1
         self._restart_quiescence(action)
         state = self._read_state(action)
-        # A program has transitions of its own to run out of. It may also end the way it ended
-        # before, within one tick, and then it is over although the state has not changed.
+        # A program limits its own transitions. It may also end again with its last predicate
+        # within one tick, and then it is over although the state has not changed.
         if child is None or action.composition is not None:
             overdue = self._is_overdue(action, state)
         else:
@@ -284,13 +285,13 @@ class ProgramRun:
             self._transit(state)
 
     def _is_awaited(self, action: Action) -> bool:
-        """Whether a program that waits for what it is composed with begins now."""
+        """Return whether a program that waits for its accompanying controllers begins now."""
         if action.composition is None or self.children[action.name].predicate != "X":
             return False
         return all(lead.predicate == "1" for lead in self._levels.leads[action.name])
 
     def _is_overdue(self, action: Action, state: str) -> bool:
-        """Whether an action has lasted as long as it may, in all or with nothing on its way."""
+        """Return whether an action has used up its time, in total or without activity."""
         if self._ticks * self._period > self.program.transition_time:
             return True
         if self.program.idle_time is None:
@@ -300,21 +301,21 @@ class ProgramRun:
         return self._idle_ticks * self._period > self.program.idle_time
 
     def _restart_quiescence(self, action: Action) -> None:
-        """Judge anew whether what waits for a search is at rest, as long as the search goes on."""
+        """Restart the quiescence of controllers that wait for a search while it goes on."""
         for seeker, waiting in self._levels.waiting.get(action.name, ()):
             if seeker.seeking:
                 for run in waiting:
                     run.restart_quiescence()
 
     def _read_state(self, action: Action) -> str:
-        """The members' predicates while ``action`` runs."""
+        """Return the members' predicates while ``action`` runs."""
         noted = self._plan.predicates[self._slots].tobytes()
         if noted != self._noted or action.program is not None:
             self._noted, self._reading = noted, self._read_members(action)
         return self._reading
 
     def _read_members(self, action: Action) -> str:
-        """The same as each member has it."""
+        """Return the predicates, read from each member."""
         state = ["X"] * len(self.program.members)
         if action.program is not None:
             own = self.children[action.name].predicate
@@ -357,7 +358,7 @@ class ProgramRun:
             self._choose(changed=changed)
 
     def _concludes(self, state: str) -> bool:
-        """Whether a state is one of success or of failure, by which the program has ended."""
+        """Return whether a state is one of success or failure; if so, end the program."""
         program = self.program
         for outcome, patterns in (("success", program.success), ("failure", program.failure)):
             for pattern in patterns:
@@ -368,9 +369,9 @@ class ProgramRun:
         return False
 
     def _rewarding(self, action: Action, state: str) -> tuple[str, ...]:
-        """The members that newly quiesce on a signal from the environment (Eq 4.2-4.4).
+        """Return the members that newly quiesce on a signal from the environment (Eq 4.2-4.4).
 
-        A program in the place of a rewarded controller is rewarded as that would have been.
+        A program in the place of a rewarded controller is rewarded in the same way.
         """
         own = tuple(
             self.program.members[lead.place]
@@ -394,10 +395,10 @@ class ProgramRun:
             self._begin_action(name, changed)
 
     def decide(self, name: str | None) -> None:
-        """Make the choice that is open.
+        """Make the pending choice.
 
         Args:
-            name: of an action; ``None`` ends the program.
+            name: Name of an action; ``None`` ends the program.
         """
         if not self.is_open:
             raise ValueError("no choice is open")
@@ -424,7 +425,7 @@ class ProgramRun:
             run.activate()
 
     def _begin_withdrawal(self) -> None:
-        """Leave everything to the background until that is at rest."""
+        """Leave all control to the background until it is at rest."""
         if self._action is not None:
             if self._action.program is not None:
                 self.children[self._action.name].deactivate()
@@ -454,10 +455,9 @@ class ProgramRun:
         return f"{self._action.name} changed nothing in {seconds:.0f} s (state {self.state})"
 
     def _outcome(self, changed: bool) -> str:
-        """Its own predicate at the end of its policy.
+        """Return the program's own predicate at the end of its policy.
 
-        A program that nothing in the environment can reward has done what it can when its last
-        action came to rest.
+        A program without rewardable members succeeds when its last action is quiescent.
         """
         leads = [lead for some in self._levels.leads.values() for lead in some]
         rewardable = any(lead.earners for lead in leads)

@@ -1,4 +1,4 @@
-"""Recordings: what a run sensed, wanted and concluded, kept for later viewing."""
+"""Recordings: sensed signals, references and conclusions of a run, kept for later viewing."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Centroid, Resource, StereoPosition, Tip
 
-#: Of the files; raised where a reader of older ones would be misled.
+#: Version of the files; raised if a reader of older files would be misled.
 VERSION = 2
 
-# Half of the images' width is enough to see what happened.
+# Half of the images' width is enough to show the events.
 _THUMBNAIL_SCALE = 0.5
 
 # An orientation is a rotation matrix and a pose a homogeneous transform; the rest are vectors.
 _SHAPES = {"orientation": (3, 3), "pose": (4, 4)}
 
-# Sources of positions that can be shown in the world; others are differences of such.
+# Sources of positions that can be shown in the world; other sources are their differences.
 _PLACES = (Tip, Centroid, StereoPosition)
 
-#: What is kept of a level, and how.
+#: Recorded numbers of a level and their types.
 _LEVEL = {
     "level_priority": np.int8,
     "level_share": np.float32,
@@ -50,22 +50,27 @@ _ABSENT = (-1, np.nan, 0, np.nan, np.nan, -1)
 
 
 class Recording:
-    """Keeps one episode and writes it to two files: numbers as NPZ, the rest as JSON.
+    """Recorder of one episode into two files: numbers as NPZ, the rest as JSON.
 
-    The NPZ holds, per control tick: ``time`` s, ``positions`` and ``references`` of the actuated
-    joints in rad (T, n), their ``velocities`` in rad/s (T, n), ``potentials`` (T, c) and ``errors``
-    (T, c) with NaN where undefined, ``loads`` in N and N m (T, cells, 6), ``level_...`` (T, c) and
-    ``at_limits`` (T, n) as in
-    ``LevelExplanation``, as ``signal_<resource>`` the value of each resource in SI (T, ...), NaN
-    while undefined, and ``scene`` (T, bodies, 7), where each body truly is: its position, m, and
-    its quaternion (x, y, z, w), NaN while it is not in the world. Per image: ``image_time`` and
-    ``image_<camera>``.
+    The NPZ holds, per control tick:
+
+    - ``time``, s.
+    - ``positions`` and ``references`` of the actuated joints, rad (T, n), their ``velocities``,
+      rad/s (T, n), and ``at_limits`` (T, n) as in ``LevelExplanation``.
+    - ``potentials`` and ``errors`` (T, c), NaN while undefined, and ``level_...`` (T, c) as in
+      ``LevelExplanation``.
+    - ``loads``, N and N m (T, cells, 6).
+    - ``signal_<resource>``: value of each resource in SI (T, ...), NaN while undefined.
+    - ``scene`` (T, bodies, 7): true position, m, and quaternion (x, y, z, w) of each body, NaN
+      while it is not in the world.
+
+    Per image it holds ``image_time`` and ``image_<camera>``.
 
     Args:
-        program: what runs; what it draws is no signal.
-        robot: on what.
-        urdf: its model.
-        scenery: the world, for people who look at the recording; nothing else asks for it.
+        program: Program that runs; its samples are not recorded as signals.
+        robot: Robot that it runs on.
+        urdf: Path of the robot's URDF model.
+        scenery: Function that returns the state of the world, for display only.
     """
 
     def __init__(
@@ -104,7 +109,7 @@ class Recording:
 
     @property
     def ticks(self) -> int:
-        """Control ticks that are kept in full."""
+        """Number of control ticks that are recorded completely."""
         return self._ticks
 
     def note_transition(self, transition: Transition) -> None:
@@ -140,7 +145,7 @@ class Recording:
         for camera, image in observation.images.items():
             small = cv2.resize(image, None, fx=_THUMBNAIL_SCALE, fy=_THUMBNAIL_SCALE)
             self._images.setdefault(f"image_{camera}", []).append(small)
-        self._ticks += 1  # an interrupt may come anywhere before
+        self._ticks += 1  # an interrupt may come at any earlier line
 
     def _note_levels(self, tick: Tick) -> None:
         explained = self._explanation.note(tick)
@@ -164,10 +169,10 @@ class Recording:
         self._poses.append(poses)
 
     def write(self, directory: Path, result: EpisodeResult) -> Path:
-        """Write ``episode_<seed>.npz`` and ``.json`` below ``directory``; returns the latter.
+        """Write ``episode_<seed>.npz`` and ``.json`` below ``directory``; return the latter.
 
         Raises:
-            OSError: they cannot be written; it names the file.
+            OSError: If they cannot be written; the error names the file.
         """
         directory.mkdir(parents=True, exist_ok=True)
         arrays_file, summary_file = RecordingFolder(directory).files(result.seed)
@@ -241,14 +246,14 @@ class Recording:
 
 
 def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[float, ...]:
-    """A level as ``_LEVEL`` has it; who held it by index, the limits behind all controllers."""
+    """Return the numbers of ``_LEVEL``; holder indices count the limits after all controllers."""
     holders = [*names, LIMITS, REACH]
     held_by = holders.index(level.held_by) if level.held_by else -1
     return (priority, level.share, level.rank, level.singular_value, level.predicted, held_by)
 
 
 def members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
-    """Members that the letters of the states stand for, by program."""
+    """Return the members that the characters of the states stand for, by program."""
     own = {program.name: program.members}
     for action in program.actions:
         if action.program is not None:
@@ -259,7 +264,7 @@ def members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
 
 
 def triple(controller: Controller) -> dict[str, object]:
-    """Typed triple of a controller, for people; the unit is that of its error."""
+    """Return the typed triple of a controller for display, with the unit of its error."""
     reference = controller.reference
     if isinstance(reference, Literal):
         shown = ", ".join(f"{value:g}" for value in reference.values)
@@ -279,12 +284,12 @@ def triple(controller: Controller) -> dict[str, object]:
 
 
 def is_place(resource: Resource) -> bool:
-    """Whether a resource's value is a point in the world."""
+    """Return whether a resource's value is a point in the world."""
     return str(resource.type) == "position" and isinstance(resource.source, _PLACES)
 
 
 def _value(resource: Resource, signals: Signals) -> NDArray[np.float64]:
-    """A resource's value in SI, or NaN in the same shape while it is undefined."""
+    """Return a resource's value in SI, or NaN in the same shape while it is undefined."""
     reading = signals.read(resource)
     if reading is not None:
         return reading.value
@@ -292,7 +297,7 @@ def _value(resource: Resource, signals: Signals) -> NDArray[np.float64]:
 
 
 def drawn(part: Part) -> dict[str, object]:
-    """A part as JSON has it, a mesh with as few triangles as a page needs."""
+    """Return a part as JSON data, with its mesh simplified for display on a page."""
     row = part._asdict()
     mesh = row.pop("mesh")
     if mesh is not None:

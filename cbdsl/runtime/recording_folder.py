@@ -1,4 +1,4 @@
-"""Folder of recordings: nothing in it is written over unasked, nor by two processes at once."""
+"""Folder of recordings, protected from accidental overwriting and from concurrent processes."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from cbdsl.errors.errors import UsageError
 class RecordingFolder:
     """Place of the two files of each recorded episode.
 
-    Args:
+    Path of the folder; ``require_ready`` creates it.
         path: the folder; made when it is made ready.
-        overwrite: whether recordings that are there may be replaced.
+        overwrite: True if existing recordings may be replaced.
     """
 
     def __init__(self, path: Path, *, overwrite: bool = False) -> None:
         self.path, self._overwrite = path, overwrite
 
     def files(self, seed: int) -> tuple[Path, Path]:
-        """NPZ and JSON file of the episode with a seed."""
+        """Return the NPZ and the JSON file of the episode with a seed."""
         stem = self.path / f"episode_{seed}"
         return stem.with_suffix(".npz"), stem.with_suffix(".json")
 
     def require_ready(self, seeds: Iterable[int]) -> None:
-        """Make the folder, and check before the episodes that they can be kept.
+        """Create the folder, and check before the episodes that they can be recorded.
 
         Raises:
-            UsageError: it holds a recording of one of them.
-            OSError: it cannot be made or written.
+            UsageError: If it holds a recording of one of them.
+            OSError: If it cannot be created or written.
         """
         self.path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=self.path):
@@ -47,8 +47,8 @@ class RecordingFolder:
         """Keep other processes from recording the same episode here meanwhile.
 
         Raises:
-            UsageError: one does, or did by now.
-            OSError: the folder cannot be written, or its file system knows no locks.
+            UsageError: If another process records the episode, or has recorded it.
+            OSError: If the folder cannot be written, or its file system does not support locks.
         """
         name = self.path / f".episode_{seed}.lock"
         with name.open("wb") as file:
@@ -75,14 +75,14 @@ class RecordingFolder:
 
 
 def replace_file(path: Path, fill: Callable[[BinaryIO], object]) -> None:
-    """Write a file so that nobody ever sees half of it.
+    """Write a file atomically, so that no reader sees an incomplete file.
 
     Args:
-        path: of the file.
-        fill: writes its contents.
+        path: Path of the file.
+        fill: Function that writes the contents.
 
     Raises:
-        OSError: it cannot be written; it names the file.
+        OSError: If the file cannot be written; the error names it.
     """
     partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
     try:

@@ -1,4 +1,4 @@
-"""The setting in which a controller's modifiers change its slot."""
+"""Context in which a controller's modifiers change its slot."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from cbdsl.types.modifier import MODIFIERS, ModifierType, declared
 
 
 class SlotSetting(NamedTuple):
-    """Everything that a modifier may look at when a controller gets its slot.
+    """Inputs of a modifier when a controller gets its slot.
 
     Attributes:
-        controller: whose slot it is.
-        signals: of the robot.
-        period: of the control ticks, s.
+        controller: Controller of the slot.
+        signals: Signals of the robot.
+        period: Period of the control ticks, s.
     """
 
     controller: Controller
@@ -27,10 +27,10 @@ class SlotSetting(NamedTuple):
 
 
 def modified(form: SlotForm, setting: SlotSetting) -> SlotForm:
-    """A slot as all of its controller's modifiers change it.
+    """Return a slot as changed by all modifiers of its controller.
 
     Raises:
-        PluginError: a modifier of another package fails; the message names both.
+        PluginError: If a modifier of another package fails; the message names both.
     """
     for kind, options in declared(setting.controller):
         if setting.controller.potential in kind.read_by:
@@ -56,10 +56,10 @@ def _bind_of(kind: ModifierType) -> Callable[[SlotForm, Any, SlotSetting], SlotF
 
 
 def _changed(form: SlotForm, changed: object) -> SlotForm:
-    """Refuse what is no slot, or has another number of coordinates.
+    """Return a changed slot, or refuse it if its type or number of coordinates is wrong.
 
     Raises:
-        ValueError: it is not.
+        ValueError: If the type or the number of coordinates is wrong.
     """
     if not isinstance(changed, SlotForm):
         raise ValueError(f"it returns a {type(changed).__name__}, not a SlotForm")

@@ -1,1 +1,1 @@
-"""Modifiers of cbdsl's own, each in a file of its own."""
+"""Built-in modifiers, one per file."""

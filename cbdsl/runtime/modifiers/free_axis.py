@@ -1,4 +1,4 @@
-"""The free axis: an orientation is compared in the tip's two other axes."""
+"""Free axis: an orientation is compared in the tip's two other axes only."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def bind(form: SlotForm, axis: str, setting: SlotSetting) -> SlotForm:
-    """The slot of a spring that lets the tip turn about an axis."""
+    """Return the slot of a spring that lets the tip turn about an axis."""
     from cbdsl.control.spring import spring
 
     kind = setting.controller.feedback.type

@@ -1,4 +1,4 @@
-"""The funnel: an approach from above, the higher the larger the lateral error."""
+"""Funnel: an approach from above, whose height grows with the lateral error."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _read(section: FunnelSection, _: Call) -> Funnel:
 
 
 def bind(form: SlotForm, funnel: Funnel, _: SlotSetting) -> SlotForm:
-    """The slot of a controller that comes from above."""
+    """Return the slot of a controller that approaches from above."""
     return form._replace(funnel=funnel)
 
 

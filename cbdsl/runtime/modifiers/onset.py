@@ -1,4 +1,4 @@
-"""The onset: a controller of a load is undefined until that has changed."""
+"""Onset: a controller of a load is undefined until the load has changed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _read(section: OnsetSection, _: Call) -> Onset:
 
 
 def bind(form: SlotForm, onset: Onset, setting: SlotSetting) -> SlotForm:
-    """The slot of a controller that waits for a change along its reference's displacement."""
+    """Return the slot of a controller that waits for a load change along its displacement."""
     from cbdsl.control.onset import OnsetForm
 
     source, signals = setting.controller.feedback.source, setting.signals
@@ -42,7 +42,7 @@ def bind(form: SlotForm, onset: Onset, setting: SlotSetting) -> SlotForm:
 ONSET = ModifierType(
     name="onset",
     summary="undefined until a load has changed",
-    # Of which loads it is, is told with its reference.
+    # The check of its reference restricts the types of loads.
     accepts=frozenset(TYPES),
     options={
         "change": "force",

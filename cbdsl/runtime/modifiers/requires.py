@@ -1,4 +1,4 @@
-"""Requirements: a controller is undefined without another one that acts with it."""
+"""Requirements: a controller is undefined unless another controller acts with it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def _read(text: str, call: Call) -> str | None:
 
 
 def bind(form: SlotForm, name: str, _: SlotSetting) -> SlotForm:
-    """The slot of a controller that another one has to act with."""
+    """Return the slot of a controller that requires another."""
     return form._replace(requires=True)
 
 

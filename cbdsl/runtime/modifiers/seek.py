@@ -1,4 +1,4 @@
-"""Seeking: a controller acts although its feedback is undefined, as to find contact."""
+"""Seeking: a controller acts although its feedback is undefined, for example to find contact."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _read(section: SeekSection, call: Call) -> Seek:
 
 
 def bind(form: SlotForm, seek: Seek, setting: SlotSetting) -> SlotForm:
-    """The slot of a controller that seeks, without end or until the fingers have closed."""
+    """Return the slot of a controller that seeks, without end or until the fingers have closed."""
     from cbdsl.control.plan import Search
 
     search = Search(seek.once is not None, seek.within, math.nan, ())

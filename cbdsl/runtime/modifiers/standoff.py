@@ -1,4 +1,4 @@
-"""The standoff: the control point of a tip in front of it, the farther the larger the thing."""
+"""Standoff: the control point in front of a tip, whose distance grows with the object's size."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _fault(section: StandoffSection) -> OptionFault | None:
 
 
 def bind(form: SlotForm, standoff: Standoff, setting: SlotSetting) -> SlotForm:
-    """The slot of a controller whose feedback is the control point."""
+    """Return the slot of a controller whose feedback is the control point."""
     source = setting.controller.feedback.source
     assert isinstance(source, Tip)
     row = setting.signals.kinematic_rows.tip_off(source, form.reference, standoff)
