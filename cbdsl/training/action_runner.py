@@ -1,4 +1,4 @@
-"""Action runner: carries out explored actions one after another in a world that goes on."""
+"""Action runner: runs explored actions one after another in a world that goes on."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from cbdsl.types.resource import Resource
 Features = Mapping[str, tuple[float, ...]]
 """Components of features that were defined, in SI, by name."""
 
-# A region that is seen for so long is one, s.
+# Time for which a region must be seen to be accepted, s.
 _BELIEVED = 0.3
 
 
 class ActionRunner:
-    """Runs actions, and between them the program that brings the robot back.
+    """Runner of actions, and of the program between them that brings the robot back.
 
-    The experimenter has one turn before each action, ``noop`` too, and none in between.
+    The experimenter has one turn before each action, also before ``noop``, and none in between.
 
     Args:
-        robot: the robot that programs were checked against.
-        kinematics: of the same robot.
-        backend: its body.
-        stage: the world.
-        actions: what can be done.
-        between: what the robot does after each of them, which makes it ready for the next.
-        longest: time of an action, s.
-        watcher: is told everything of the episodes, if there is one.
+        robot: Robot that programs were checked against.
+        kinematics: Kinematics of the same robot.
+        backend: Backend that embodies the robot.
+        stage: Stage that describes the world.
+        actions: Actions that can be chosen.
+        between: Program that runs after each action and makes the robot ready for the next.
+        longest: Longest time of an action, s.
+        watcher: Observer of the episodes, if any.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class ActionRunner:
         self._turns = 0
 
     def known(self, names: Sequence[str]) -> dict[str, Explorable]:
-        """Actions by name, those among them that others turn out to be."""
+        """Return the actions with these names, including the marks of other actions."""
         marks = [mark for each in self._actions.values() for mark in each.marks.values()]
         everything = {**self._actions, **{mark.name: mark for mark in marks}}
         return {name: everything[name] for name in names if name in everything}
@@ -70,13 +70,13 @@ class ActionRunner:
         """Carry out an action.
 
         Args:
-            name: of the action.
-            known: names of all actions, whose features are looked at when it is over.
-            seed: of all chance in it.
-            undisturbed: whether the experimenter leaves out the turn before it.
+            name: Name of the action.
+            known: Names of all actions whose features are read after the action.
+            seed: Seed of all its random numbers.
+            undisturbed: True if the experimenter leaves out the turn before it.
 
-        Whatever stops the action, its outcome says so: the next one begins in a world that is set
-        up anew.
+        An error ends the action and is reported in its outcome. The next action then begins in a
+        world that is set up again.
         """
         try:
             outcome = self._act(name, known, seed, undisturbed)
@@ -87,10 +87,10 @@ class ActionRunner:
         return outcome._replace(ahead=ahead, sim_seconds=outcome.sim_seconds + seconds)
 
     def look(self, known: Sequence[str], seed: int) -> dict[str, Features]:
-        """Set the world up anew, bring the robot back, and look at what each action would find.
+        """Set the world up again, bring the robot back, and read the features of each action.
 
         Raises:
-            EpisodeError, BackendError: it cannot.
+            EpisodeError, BackendError: If the robot cannot do this.
         """
         self._last = None
         return self._come_back(known, seed, undisturbed=False)[0]
@@ -108,10 +108,10 @@ class ActionRunner:
     def _inspect(
         self, action: Explorable, known: Sequence[str], seed: int, undisturbed: bool
     ) -> ActionOutcome:
-        """Run an action that looks for a mark of one of several channels.
+        """Run an action that searches for a mark of one of several channels.
 
-        Rewarded or not, it counts as the action that was chosen. The marks that it shows become
-        actions, which count from when they are chosen themselves.
+        The outcome counts for the chosen action, rewarded or not. Visible marks become actions,
+        whose statistics begin when they are chosen themselves.
         """
         open_marks = [m for m, each in action.marks.items() if each.name not in known]
         if not open_marks:
@@ -140,7 +140,7 @@ class ActionRunner:
     def _come_back(
         self, known: Sequence[str], seed: int, *, undisturbed: bool
     ) -> tuple[dict[str, Features], float]:
-        """Make the robot ready, and look at what each action would find."""
+        """Make the robot ready, and read the features of each action."""
         observed = [each for action in self._actions.values() for each in action.observed]
         runner = self._runner("", self._between, observed)
         result = self._run(runner, seed, None, undisturbed=undisturbed)
@@ -174,7 +174,7 @@ class ActionRunner:
     def _watched(
         self, runner: Runner, seed: int, reader: FeatureReader | None, *, undisturbed: bool
     ) -> EpisodeResult:
-        """Run an episode, of which reader and watcher are told."""
+        """Run an episode that reports to reader and watcher."""
         stage, watcher = self._stage, self._watcher
         note_tick = None if reader is None else reader.note_tick
         if watcher is None:
@@ -198,7 +198,7 @@ class ActionRunner:
 
 
 def _value(runner: Runner, resource: Resource) -> tuple[float, ...] | None:
-    """Value of a signal now; a draw has none."""
+    """Return the current value of a signal; ``None`` for a sample."""
     if resource.name not in {each.name for each in runner.observed}:
         return None
     reading = runner.signals.read(resource)

@@ -1,4 +1,4 @@
-"""Catalogs as they are written: what an exploration knows, with where it comes from."""
+"""Conversion of an exploration's knowledge and provenance to a catalog document."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ def catalog_document(
     actions: Mapping[str, Explorable],
     provenance: CatalogProvenance,
 ) -> CatalogDocument:
-    """Catalog of an exploration.
+    """Return the catalog of an exploration.
 
     Args:
-        name: of the catalog.
-        feature: channel by which the object is known.
-        exploration: at its end.
-        outcomes: of its actions.
-        actions: what its actions run, by name.
-        provenance: where the catalog comes from.
+        name: Name of the catalog.
+        feature: Channel of the object.
+        exploration: Exploration at its end.
+        outcomes: Outcomes of its actions.
+        actions: Explorable actions by name.
+        provenance: Provenance of the catalog.
     """
     robot = next(iter(actions.values())).program.robot
     failures = {each.action: each.ending for each in outcomes if each.failed}
@@ -60,7 +60,7 @@ def catalog_document(
 
 
 def step_columns(exploration: Exploration) -> StepColumns | None:
-    """Steps of an exploration, where it took any."""
+    """Return the steps of an exploration; ``None`` if there are none."""
     steps = exploration.steps
     if not steps:
         return None
@@ -87,14 +87,14 @@ def affordance_values(
     signals: Mapping[str, Resource],
     failure: str = "",
 ) -> dict[str, Any]:
-    """Knowledge of an action, as an ``AffordanceSection`` has it.
+    """Return the knowledge of an action as values of an ``AffordanceSection``.
 
     Args:
-        name: of the action.
-        exploration: at its end.
-        program: that runs.
-        signals: that its model is over, by name of the feature.
-        failure: why it can no longer be run, if it cannot.
+        name: Name of the action.
+        exploration: Exploration at its end.
+        program: Program of the action.
+        signals: Signals of its model, by name of the feature.
+        failure: Reason why it can no longer be run; empty if it can.
     """
     affordance = exploration.affordances[name]
     model = affordance.model
@@ -138,7 +138,7 @@ def _habituation(name: str, exploration: Exploration, affordance: Affordance) ->
 
 
 def _samples(samples: SampleStatistics) -> SampleModel | None:
-    """Mean and covariance of samples, where there are some."""
+    """Return mean and covariance of samples; ``None`` without samples."""
     if not samples.weight:
         return None
     covariance = samples.covariance.tolist()
@@ -150,5 +150,5 @@ def _samples(samples: SampleStatistics) -> SampleModel | None:
 
 
 def _rounded(value: float) -> float:
-    """A number with as many digits as mean something, the same on every machine."""
+    """Return a number rounded to its significant digits, the same on every machine."""
     return float(f"{value:.9g}")

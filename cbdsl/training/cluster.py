@@ -1,4 +1,4 @@
-"""Jobs such as trials, side by side on a Dask cluster."""
+"""Parallel jobs, such as trials, on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from cbdsl.training.worker import work
 
 J = TypeVar("J", bound=Job)
 
-# How often a supervisor hears that time passes, s.
+# Period of the supervisor's calls, s.
 _PERIOD = 1.0
-# How long a cluster may be without workers: those of a busy machine room may have to queue, s.
+# Longest time of a cluster without workers, s; workers of a busy cluster may have to queue.
 _PATIENCE = 900.0
-# No lines about workers that come and go: the supervisor hears of them.
+# Loggers of workers that come and go; the supervisor is notified of them.
 _LOGGERS = ("distributed", "distributed.client", "distributed.core", "tornado.application")
-# Names the authority whose signature lets one in.
+# Setting of the certificate authority that both ends trust.
 _CA_FILE = "DASK_DISTRIBUTED__COMM__TLS__CA_FILE"
 _MARKER = ".cb_learn_"
 _GONE = "the cluster's scheduler is gone, or gave the trials up"
@@ -41,7 +41,7 @@ def run_on_cluster(
 ) -> None:
     """Run jobs on a cluster; outcomes do not depend on its workers.
 
-    A trial whose worker is killed goes on from its journal at another.
+    A trial whose worker is killed continues from its journal on another worker.
 
     Args:
         jobs: Jobs, such as trials.
@@ -50,7 +50,7 @@ def run_on_cluster(
         patience: Longest time without any worker, s.
 
     Raises:
-        UsageError: the cluster is not there, goes away, or has no workers for too long.
+        UsageError: If the cluster is not there, goes away, or has no workers for too long.
     """
     folder = jobs[0].path.parent
     with (
@@ -65,7 +65,7 @@ def run_on_cluster(
 
 @contextmanager
 def _marker(folder: Path) -> Iterator[Path]:
-    """File by which workers see that a folder is this one; those of killed commands are removed."""
+    """Yield a file by which workers recognise a folder; remove the files of killed commands."""
     for left in folder.glob(f"{_MARKER}*"):
         if not _is_running(left.name.removeprefix(_MARKER)):
             left.unlink(missing_ok=True)
@@ -78,7 +78,7 @@ def _marker(folder: Path) -> Iterator[Path]:
 
 
 def _is_running(owner: str) -> bool:
-    """Return whether the command that made a marker may still run: those elsewhere always may."""
+    """Return whether the owner of a marker may still run; owners on other hosts always may."""
     host, _, rest = owner.rpartition("_")[0].rpartition("_")
     if host != socket.gethostname() or not rest.isdigit():
         return True
@@ -99,10 +99,10 @@ def _silence() -> Iterator[None]:
 
 
 def _client(scheduler: str) -> Client:
-    """Client of a scheduler.
+    """Return the client of a scheduler.
 
     Raises:
-        UsageError: none is reached, or it does not let this one in.
+        UsageError: If no scheduler answers, or it refuses the connection.
     """
     absent = _absent_certificates() if scheduler.startswith("tls://") else []
     if absent:
@@ -117,7 +117,7 @@ def _client(scheduler: str) -> Client:
             )
     except MemoryError:  # Dask takes the first bytes of an answer for its length
         problem = "what answers there is no scheduler of Dask"
-    except TypeError:  # as Dask says that it lacks certificates
+    except TypeError:  # Dask's error for missing certificates
         problem = f"TLS needs certificates, which Dask's settings name, such as {_CA_FILE}"
     except RuntimeError as error:
         if "encryption required" not in str(error):
@@ -127,7 +127,7 @@ def _client(scheduler: str) -> Client:
 
 
 def _absent_certificates() -> list[str]:
-    """Files of certificates that Dask's settings name and that are not there."""
+    """Return the certificate files that Dask's settings name and that do not exist."""
     keys = ("ca-file", "client.cert", "client.key")
     named = (dask.config.get(f"distributed.comm.tls.{key}", None) for key in keys)
     return [
@@ -141,7 +141,7 @@ def _supervise(
     supervisor: Supervisor[J],
     patience: float,
 ) -> None:
-    """Wait for all jobs, as long as there are workers."""
+    """Wait for all jobs, while there are workers."""
     last_seen = time.monotonic()
     while futures:
         workers = _workers(client)
@@ -157,10 +157,10 @@ def _supervise(
 
 
 def _workers(client: Client) -> int:
-    """Number of workers of a cluster.
+    """Return the number of workers of a cluster.
 
     Raises:
-        UsageError: there is no cluster any more.
+        UsageError: If the cluster is gone.
     """
     try:
         if client.status == "running":

@@ -1,4 +1,4 @@
-"""Episode runners: episodes of a stage on a backend."""
+"""Runners of single episodes of a stage on a backend."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Ti
 
 
 class EpisodeRunner(Protocol):
-    """Runs one episode after another."""
+    """Runner of one episode after another."""
 
     def run(
         self,
@@ -32,23 +32,24 @@ class EpisodeRunner(Protocol):
         """Run an episode.
 
         Args:
-            program: what runs.
-            policy: chooses its actions.
-            seed: equal ones give equal episodes, as long as the policy chooses equally.
-            see: is told each transition of the program before the next action is chosen.
+            program: Program to run.
+            policy: Policy that chooses its actions.
+            seed: Seed; equal seeds give equal episodes if the policy chooses equally.
+            see: Listener that receives each transition of the program before the next action is
+                chosen.
         """
         ...
 
 
 class BackendEpisodeRunner:
-    """Runs episodes of a stage on a backend.
+    """Runner of episodes of a stage on a backend.
 
     Args:
-        robot: the robot that programs were checked against.
-        kinematics: of the same robot.
-        backend: its body.
-        stage: the training context.
-        watcher: is told everything of the episodes, if there is one.
+        robot: Robot that programs were checked against.
+        kinematics: Kinematics of the same robot.
+        backend: Backend that embodies the robot.
+        stage: Training context.
+        watcher: Observer of the episodes, if any.
     """
 
     def __init__(
@@ -70,10 +71,10 @@ class BackendEpisodeRunner:
         seed: int,
         see: Callable[[Transition], None],
     ) -> Experience:
-        """See ``EpisodeRunner.run``.
+        """Run an episode; see ``EpisodeRunner.run``.
 
         Raises:
-            BackendError, EpisodeError: as ``Runner.run``.
+            BackendError, EpisodeError: Errors of ``Runner.run``.
         """
         runner, watcher = self._runner(program, policy), self._watcher
         transitions: list[Transition] = []
@@ -113,7 +114,7 @@ class BackendEpisodeRunner:
         )
 
     def _runner(self, program: CheckedProgram, policy: Policy) -> Runner:
-        """Runner of the last episode, where program and policy are the same again."""
+        """Return the runner of the last episode if program and policy are the same."""
         if self._last is not None:
             before, chooser, runner = self._last
             if before is program and chooser is policy:
@@ -126,7 +127,7 @@ class BackendEpisodeRunner:
 
 
 def moved(controller: Controller) -> str:
-    """Effector or group whose joints a controller moves."""
+    """Return the effector or group whose joints a controller moves."""
     source = controller.effector.source
     if isinstance(source, (Centroid, Separation)):
         return source.group

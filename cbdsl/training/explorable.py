@@ -1,4 +1,4 @@
-"""Explorable actions: programs bound to a feature, and the signals that their models are over."""
+"""Explorable actions: programs bound to a feature, and the signals of their models."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.channel_names import hue_names
 from cbdsl.types.resource import Heading, MarkHeading, Resource, StereoPosition, SurfacePoint
 
-#: Stands for a channel that is found while the action runs.
+#: Placeholder of a channel that is found while the action runs.
 OPEN = "?"
 
 
 @dataclass(frozen=True)
 class Explorable:
-    """An action that can be explored.
+    """Action that can be explored.
 
     Attributes:
-        name: in the catalog.
-        program: what runs.
-        digest: of its text.
-        features: signals that its model is over, by name.
-        presence: heading that is defined while what it acts on is seen.
-        marks: actions that it can turn out to be, by the channel that is found while it runs.
+        name: Name in the catalog.
+        program: Program of the action.
+        digest: Digest of the program's text.
+        features: Signals of its model, by name.
+        presence: Heading that is defined while the action's object is seen.
+        marks: Possible actions by the channel that is found while this action runs.
     """
 
     name: str
@@ -38,7 +38,7 @@ class Explorable:
 
     @property
     def forms(self) -> tuple[FeatureForm, ...]:
-        """The features as a model sees them."""
+        """Forms of the features for a model."""
         return tuple(
             FeatureForm(name, resource.type.unit, resource.type.size)
             for name, resource in self.features.items()
@@ -46,7 +46,7 @@ class Explorable:
 
     @property
     def observed(self) -> tuple[Resource, ...]:
-        """All signals that are read beside those of its program."""
+        """All signals that are read besides the signals of its program."""
         own = [each for each in self.features.values() if not isinstance(each.source, SurfacePoint)]
         marked = [each for mark in self.marks.values() for each in mark.observed]
         return (*own, self.presence, *marked)
@@ -55,18 +55,18 @@ class Explorable:
 def features_of(
     program: CheckedProgram, resources: Mapping[str, Resource]
 ) -> tuple[dict[str, Resource], Resource] | None:
-    """Features of a program, after what it is rewarded for, and the heading to what it acts on.
+    """Return the features of a program's rewarded signal, and the heading to its object.
 
-    Of what is tracked they are heading, its velocity and the region's extent in the first camera;
-    of what is touched position, velocity and volume, and of a surface the point that is drawn
+    For a tracked object they are heading, its velocity and the region's extent in the first camera.
+    For a touched object they are position, velocity and volume, for a surface the drawn point
     (Section 6.2.2).
 
     Args:
-        program: the program.
-        resources: of its robot, by name.
+        program: Checked program.
+        resources: Resources of its robot, by name.
 
     Returns:
-        ``None`` where the program is rewarded for neither.
+        Features and heading; ``None`` if the program is rewarded for neither tracking nor touching.
     """
     rewarded = [each.lead for each in program.primitives.values() if each.rewarded]
     tracked = next(filter(None, [_tracked(each.feedback) for each in rewarded]), None)
@@ -87,13 +87,13 @@ def features_of(
 def explorable(
     name: str, program: CheckedProgram, digest: ProgramDigest, resources: Mapping[str, Resource]
 ) -> Explorable | None:
-    """An action, or ``None`` where its program is rewarded for nothing that it tracks or touches.
+    """Return an action; ``None`` if its program is rewarded for neither tracking nor touching.
 
     Args:
-        name: in the catalog.
-        program: what runs.
-        digest: of its text.
-        resources: of its robot, by name.
+        name: Name in the catalog.
+        program: Program of the action.
+        digest: Digest of the program's text.
+        resources: Resources of its robot, by name.
     """
     read = features_of(program, resources)
     return None if read is None else Explorable(name, program, digest, *read)
@@ -105,13 +105,13 @@ def with_marks(
     bind: Callable[[str, Mapping[str, str]], Explorable],
     robot: RobotDocument,
 ) -> Explorable:
-    """An action of which a value may be open (``?``): one mark for each channel that it can be.
+    """Return an action; an open value (``?``) gives it one mark for each possible channel.
 
     Args:
-        name: in the catalog.
-        values: of its program's parameters, at most one of them open.
-        bind: an action from its name and its values.
-        robot: has the channels; that of the action itself is left out.
+        name: Name in the catalog.
+        values: Values of its program's parameters, at most one of them open.
+        bind: Function that returns an action for a name and its values.
+        robot: Robot that defines the channels; the action's own channel is left out.
     """
     closed = {key: value for key, value in values.items() if value != OPEN}
     action = bind(name, closed)
@@ -125,7 +125,7 @@ def with_marks(
 
 
 def other_hues(robot: RobotDocument, own: Collection[str]) -> list[str]:
-    """Channels of hue besides some, by their aliases where they have some."""
+    """Return the channels of hue except some, by their aliases if they have any."""
     channels = robot.vision.channels
     aliases = {channel: alias for alias, channel in channels.aliases.items()}
     taken = {channels.aliases.get(name, name) for name in own}
@@ -133,7 +133,7 @@ def other_hues(robot: RobotDocument, own: Collection[str]) -> list[str]:
 
 
 def _tracked(feedback: Resource) -> str | None:
-    """The channel that a heading leads to; ``None`` for any other signal, and a mark of any hue."""
+    """Return the channel of a heading or of a mark of one hue; ``None`` for other signals."""
     if isinstance(feedback.source, Heading):
         return feedback.name.partition(".")[2]
     if isinstance(feedback.source, MarkHeading) and len(feedback.source.hues) == 1:
@@ -152,7 +152,7 @@ def _known(
 
 
 def _heading(channel: str, resources: Mapping[str, Resource]) -> Resource:
-    """Heading of a channel in the first camera."""
+    """Return the heading of a channel in the first camera."""
     return next(
         each
         for name, each in resources.items()
@@ -167,7 +167,7 @@ def _is(resource: Resource, kind: type) -> bool:
 
 
 def _places(program: CheckedProgram) -> Iterator[Resource]:
-    """Places that controllers of a program go to, its own first."""
+    """Yield the places that controllers of a program go to, its own first."""
     for action in program.actions:
         for controller in action.controllers:
             reference = controller.reference

@@ -1,4 +1,4 @@
-"""Explorable pairs: two things, one of which can be brought to the other."""
+"""Explorable pairs of objects, one of which can be brought to the other."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from cbdsl.types.resource import Resource
 
 
 class ExplorablePair(NamedTuple):
-    """Two things, one of which can be brought to the other.
+    """Pair of objects, one of which can be brought to the other.
 
     Attributes:
-        upper, lower: names of the things.
-        context: of the stage that shows them.
-        program: bound to their channels.
-        digest: of its text.
-        features: signals of both, by name.
+        upper, lower: Names of the objects.
+        context: Context of the stage that shows them.
+        program: Program bound to their channels.
+        digest: Digest of the program's text.
+        features: Signals of both, by name.
     """
 
     upper: str
@@ -31,7 +31,7 @@ class ExplorablePair(NamedTuple):
 
     @property
     def forms(self) -> tuple[FeatureForm, ...]:
-        """The features as a model sees them."""
+        """Forms of the features for a model."""
         return tuple(
             FeatureForm(name, resource.type.unit, resource.type.size)
             for name, resource in self.features.items()

@@ -1,4 +1,4 @@
-"""Journal of an exploration: the actions that were taken, and those that joined it."""
+"""Journal of an exploration: the completed actions, and the actions that joined later."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import Any, NamedTuple, Self, TypeGuard
 
 from cbdsl.runtime.line_journal import JournalError, LineJournal, damaged, require_same
 
-# What may be otherwise from when actions join: with them, and with the world that they need.
+# Parts of the identity that may change when actions join, or when the world changes.
 _JOINABLE = ("programs", "policies", "stage")
 
 
 class Phase(NamedTuple):
-    """A part of an exploration with the same actions in the same world.
+    """Part of an exploration with the same actions in the same world.
 
     Attributes:
-        after: how many actions were taken before.
-        programs: names of the actions.
-        stage: name and digest of the world, as JSON has them.
+        after: Number of actions completed in earlier phases.
+        programs: Names of the actions.
+        stage: Name and digest of the world, as JSON data.
     """
 
     after: int
@@ -29,21 +29,22 @@ class Phase(NamedTuple):
 
 
 class ExplorationJournal:
-    """Actions, each as soon as it is over.
+    """Journal of actions, each written when it is over.
 
     Args:
-        path: the file; where it is there, the exploration goes on.
-        identity: all that the actions depend on, as JSON has it.
-        joins: whether other actions may join those that are there, or another world follow.
+        path: Path of the file; the exploration continues if the file exists.
+        identity: All inputs of the actions, as JSON data.
+        joins: True if other actions may join the existing actions, or another world may follow.
 
     Attributes:
-        path: the file.
-        rows: the actions that the file held, with the numbers of their lines.
-        phases: in their order; the last one is that which goes on.
+        path: Path of the file.
+        rows: Actions read from the file, with the numbers of their lines.
+        phases: Phases in their order; the last one goes on.
 
     Raises:
-        JournalError: the file belongs to another exploration, or is none, or is being written.
-        OSError: it cannot be read or written.
+        JournalError: If the file belongs to another exploration, is no journal, or is being
+            written.
+        OSError: If the file cannot be read or written.
     """
 
     def __init__(self, path: Path, identity: Mapping[str, Any], *, joins: bool = False) -> None:
@@ -63,7 +64,7 @@ class ExplorationJournal:
             raise
 
     def _take_up(self, now: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Sort what the file held; the last phase's actions and world."""
+        """Sort the rows of the file; return the last phase's actions and world."""
         for line, row in enumerate(self._lines.rows, 2):
             if "joined" in row:
                 now = row["joined"]
@@ -89,7 +90,7 @@ class ExplorationJournal:
         """Append an action and flush it to disk.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: If the action cannot be written.
         """
         self._lines.append_row(row)
 
@@ -99,7 +100,7 @@ def _phase(after: int, known: Mapping[str, Any]) -> Phase:
 
 
 def _first(path: Path) -> Mapping[str, Any]:
-    """Identity that the exploration in a file began with; empty where none can be read."""
+    """Return the identity at the beginning of a file; empty if none can be read."""
     if not path.is_file():
         return {}
     with path.open("rb") as file:
@@ -112,17 +113,17 @@ def _first(path: Path) -> Mapping[str, Any]:
 
 
 def _is_joinable(row: object) -> TypeGuard[Mapping[str, Any]]:
-    """Whether a row of a file says which actions, policies and world there are."""
+    """Return whether a row of a file has actions, policies and world."""
     return isinstance(row, dict) and all(isinstance(row.get(key), dict) for key in _JOINABLE)
 
 
 def _require_joinable(
     path: Path, known: Mapping[str, Any], wanted: Mapping[str, Any], *, joins: bool
 ) -> None:
-    """Check that what is wanted joins what is there, and takes nothing of it away.
+    """Check that requested actions join the existing actions, and remove none of them.
 
     Raises:
-        JournalError: it does not.
+        JournalError: If they do not.
     """
     try:
         if joins:

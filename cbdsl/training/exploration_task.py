@@ -33,35 +33,35 @@ from cbdsl.training.exploration_watcher import ExplorationWatcher
 from cbdsl.training.provenance import versions
 from cbdsl.yaml_text.writer import remove_leftovers, write
 
-# What an action's seed is used for besides the world (0) and the program's draws (1).
+# Stream of an action's seed for choices, beside the world (0) and the program's draws (1).
 _CHOICE = 2
 
-#: Is told the number of actions that are over, the newest with its outcome, and its wall time, s.
+#: Listener for number of completed actions, newest step, its outcome and its wall time, s.
 ExplorationObserver = Callable[[int, ExplorationStep, ActionOutcome, float], None]
 
 
 @dataclass(frozen=True)
 class ExplorationTask:
-    """One exploration with everything it needs; it can be sent to another process.
+    """Exploration with all its inputs; it can be sent to another process.
 
     Attributes:
-        actions: what can be done.
-        between: the program that brings the robot back after each of them.
-        feature: channel by which the object is known.
-        robot: what acts.
-        urdf: the robot's model.
-        stage: the world.
-        backend: name of what embodies the robot.
-        algorithm: one of ``EXPLORATIONS``.
-        constants: of the algorithm.
-        seed: of all chance.
-        number: which of several explorations with this seed.
-        count: how many actions at most.
-        until_habituated: whether it ends before, when all models have habituated.
-        command: what explores it again.
-        path: the catalog's file.
-        cameras: kind of the backend's cameras, its own choice when ``None``.
-        joins: whether some of the actions may join an exploration that has begun without them.
+        actions: Actions that can be chosen.
+        between: Program that brings the robot back after each action.
+        feature: Channel of the object.
+        robot: Robot that acts.
+        urdf: Path of the robot's URDF model.
+        stage: Stage that describes the world.
+        backend: Name of the backend.
+        algorithm: Algorithm, one of ``EXPLORATIONS``.
+        constants: Constants of the algorithm.
+        seed: Seed of all random numbers.
+        number: Number of this exploration among several with this seed.
+        count: Largest number of actions.
+        until_habituated: True if it ends early when all models have habituated.
+        command: Command that repeats the exploration.
+        path: Path of the catalog.
+        cameras: Kind of the backend's cameras; ``None`` for the backend's default.
+        joins: True if some of the actions may join an exploration that began without them.
     """
 
     actions: tuple[Explorable, ...]
@@ -84,15 +84,15 @@ class ExplorationTask:
 
     @property
     def journal(self) -> Path:
-        """File of its actions, each as soon as it is over."""
+        """File of its actions, each written when it is over."""
         return exploration_journal(self.path)
 
     def require_ready(self, *, resume: bool) -> None:
-        """Check, before anything moves, that the outcome can be written.
+        """Check that the outcome can be written, before the robot moves.
 
         Raises:
-            JournalError: something is in the way.
-            OSError: nothing can be written there.
+            JournalError: If other files are in the way.
+            OSError: If the files cannot be written.
         """
         require_writable(self.path, self.journal, resume=resume)
 
@@ -103,17 +103,17 @@ class ExplorationTask:
         observer: ExplorationObserver = lambda number, step, outcome, seconds: None,
         watcher: ExplorationWatcher | None = None,
     ) -> CatalogDocument:
-        """Carry out the remaining actions on a body, and write the catalog.
+        """Run the remaining actions on a body, and write the catalog.
 
         Args:
-            body: of the robot.
-            kinematics: of the robot.
-            observer: is told each action when it is over.
-            watcher: is told everything, its episodes too, if there is one.
+            body: Backend that embodies the robot.
+            kinematics: Kinematics of the robot.
+            observer: Listener that receives each completed action.
+            watcher: Observer of the exploration and its episodes, if any.
 
         Raises:
-            JournalError: the journal is of something else.
-            OSError: journal or catalog cannot be written.
+            JournalError: If the journal belongs to another undertaking.
+            OSError: If journal or catalog cannot be written.
         """
         runner = ActionRunner(
             self.robot,
@@ -159,12 +159,12 @@ class ExplorationTask:
         return document
 
     def _exploration(self, phase: Phase) -> Exploration:
-        """The exploration before its first action."""
+        """Return the exploration before its first action."""
         made: Exploration = EXPLORATIONS[self.algorithm](self._forms(phase), self.constants)
         return made
 
     def _admit(self, exploration: Exploration, phases: Iterable[Phase], done: int) -> None:
-        """Add the actions that join after so many."""
+        """Add the actions that join after a number of completed actions."""
         for phase in phases:
             if phase.after == done:
                 exploration.add(self._forms(phase))
@@ -180,7 +180,7 @@ class ExplorationTask:
         path: Path,
         line: int,
     ) -> None:
-        """Check that an action of a journal is one that there is."""
+        """Check that an action of a journal exists."""
         for name in (outcome.action, *outcome.opened):
             if name not in (NOOP, *exploration.affordances, *runner.known([name])):
                 raise damaged(path, line, f"there is no action '{name}'", "exploration")
@@ -204,7 +204,7 @@ class ExplorationTask:
         return int(entropy.generate_state(1)[0])
 
     def _identity(self, renderer: str) -> dict[str, Any]:
-        """All that the actions depend on, as JSON; how many are asked for matters to none."""
+        """Return all inputs of the actions as JSON data; the number of actions is none of them."""
         leave_out = {"command", "actions", "joined"}
         provenance = self._provenance(renderer, 0, ())
         return provenance.model_dump(mode="json", exclude=leave_out)
@@ -234,7 +234,7 @@ class ExplorationTask:
 
 
 def exploration_journal(path: Path) -> Path:
-    """File of the actions of a catalog or meta-catalog."""
+    """Return the file of the actions of a catalog or meta-catalog."""
     return path.with_suffix(".actions.jsonl")
 
 
@@ -242,13 +242,13 @@ def require_writable(path: Path, journal: Path, *, resume: bool) -> None:
     """Check that a catalog and the journal of its actions can be written.
 
     Args:
-        path: of the catalog, whose folder is made.
-        journal: of its actions.
-        resume: whether that may be there, and is gone on with.
+        path: Path of the catalog; its folder is created.
+        journal: Path of the journal of its actions.
+        resume: True if the journal may exist and is continued.
 
     Raises:
-        JournalError: something is in the way.
-        OSError: nothing can be written there.
+        JournalError: If other files are in the way.
+        OSError: If the files cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     if journal.exists() and not resume:
@@ -267,20 +267,20 @@ def _joined(before: Phase, phase: Phase) -> JoinedActions:
 
 
 def identity_of(document: Document) -> Identity:
-    """Name and digest of a document."""
+    """Return name and digest of a document."""
     return Identity(name=document.name, sha256=digest(document))
 
 
 def outcome_of(row: Mapping[str, Any], path: Path, line: int) -> ActionOutcome:
-    """Outcome in a line of a journal.
+    """Return the outcome in a line of a journal.
 
     Args:
-        row: the line.
-        path: of the journal, for messages.
-        line: its number.
+        row: Contents of the line.
+        path: Path of the journal, for messages.
+        line: Number of the line.
 
     Raises:
-        JournalError: there is none.
+        JournalError: If the line holds no outcome.
     """
     try:
         ahead = {name: _tuples(own) for name, own in row["ahead"].items()}

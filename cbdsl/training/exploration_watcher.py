@@ -1,4 +1,4 @@
-"""Exploration watchers: who is told what an exploration does and knows, and its episodes."""
+"""Exploration watchers: observers of an exploration, its knowledge and its episodes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from cbdsl.runtime.episode_watcher import EpisodeWatcher
 
 
 class ExplorationWatcher(EpisodeWatcher, Protocol):
-    """Watcher of an exploration; the world waits while it is told."""
+    """Observer of an exploration; the world waits during each call."""
 
     def note_choice(self, name: str) -> None:
-        """An action was chosen, and is taken next."""
+        """Note that an action was chosen and runs next."""
         ...
 
     def note_step(self, exploration: Exploration) -> None:
-        """An action is over, of this exploration or of one that it goes on with."""
+        """Note that an action is over, whether new or replayed from the journal."""
         ...

@@ -1,4 +1,4 @@
-"""Predictions of a catalog on held-out scenes, beside what is rewarded there."""
+"""Predictions of a catalog on held-out scenes, compared with the rewards there."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.program.catalog_models import models_of, predict
 from cbdsl.training.action_runner import ActionRunner
 
-# Probabilities that are told apart in a reliability diagram.
+# Number of probability bins of a reliability diagram.
 _BINS = 5
 
 
@@ -19,11 +19,11 @@ class Prediction(NamedTuple):
     """Prediction of an action in a scene, and its outcome.
 
     Attributes:
-        scene: its number.
-        action: its name.
-        probability: of reward, by what was seen.
-        base: by how often the action was rewarded before, whatever was seen.
-        rewarded: whether it was.
+        scene: Number of the scene.
+        action: Name of the action.
+        probability: Predicted probability of reward, given the features.
+        base: Base rate of the action's rewards in the catalog, without the features.
+        rewarded: True if the action was rewarded.
     """
 
     scene: int
@@ -37,10 +37,10 @@ class Reliability(NamedTuple):
     """Predictions of about the same probability.
 
     Attributes:
-        low, high: bounds of the probability.
-        number: how many.
-        predicted: their mean.
-        rewarded: share of them that was rewarded.
+        low, high: Bounds of the probability.
+        number: Number of predictions.
+        predicted: Mean predicted probability.
+        rewarded: Share of rewarded predictions.
     """
 
     low: float
@@ -57,14 +57,14 @@ def try_scenes(
     seed: int,
     note: Callable[[Prediction], None] = lambda prediction: None,
 ) -> list[Prediction]:
-    """Look at scenes, predict, and act: in each of them one action, all in turn.
+    """Read the features of scenes, predict, and run one action in each scene, all in turn.
 
     Args:
-        catalog: predicts.
-        runner: acts, with the actions of the catalog.
-        scenes: how many.
-        seed: of all chance; scenes are those of no exploration with another seed.
-        note: is told each prediction.
+        catalog: Catalog that predicts.
+        runner: Runner of the catalog's actions.
+        scenes: Number of scenes.
+        seed: Seed of all random numbers; no exploration with another seed has the same scenes.
+        note: Listener that receives each prediction.
     """
     models, names = models_of(catalog), list(catalog.affordances)
     predictions = []
@@ -73,7 +73,7 @@ def try_scenes(
         name = names[scene % len(names)]
         ahead = runner.look(names, own).get(name, {})
         probability = predict(catalog.affordances[name], models[name], ahead)
-        # Where the experimenter took another turn, what was seen would be over.
+        # Another turn of the experimenter would invalidate the features.
         outcome = runner.run(name, names, own, undisturbed=True)
         base = models[name].reward_probability
         predictions.append(Prediction(scene, name, probability, base, outcome.rewarded))
@@ -82,7 +82,7 @@ def try_scenes(
 
 
 def brier(predictions: Sequence[Prediction], *, base: bool = False) -> float:
-    """Brier score: mean square of probability minus outcome; of the base rates instead."""
+    """Return the Brier score: mean square of probability, or base rate, minus outcome."""
     chosen = [each.base if base else each.probability for each in predictions]
     return float(
         np.mean([(p - each.rewarded) ** 2 for p, each in zip(chosen, predictions, strict=True)])
@@ -90,7 +90,7 @@ def brier(predictions: Sequence[Prediction], *, base: bool = False) -> float:
 
 
 def reliability(predictions: Sequence[Prediction]) -> list[Reliability]:
-    """How often what is predicted happens, by its probability; bins without any are left out."""
+    """Return how often predictions come true, by probability; empty bins are left out."""
     rows = []
     for index in range(_BINS):
         low, high = index / _BINS, (index + 1) / _BINS

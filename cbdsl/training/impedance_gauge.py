@@ -1,6 +1,6 @@
-"""Gauge of impedance: what a hand felt and how far it moved in each test of an episode.
+"""Impedance gauge: load and displacement of a hand in each test of an episode.
 
-It reads the robot's own load cells and joints, and nothing of the simulator.
+It reads the robot's own load cells and joints only, no data of the simulator.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from cbdsl.types.state import Predicate
 
 Floats = NDArray[np.float64]
 
-# Ticks over which loads are averaged, 0.1 s of Dexter's.
+# Number of ticks over which loads are averaged: 0.1 s on Dexter.
 _TICKS = 6
 
 
 class _Probe(NamedTuple):
-    """A program that tests one direction.
+    """Program that tests one direction.
 
     Attributes:
-        load: the controller that tracks a load, along one axis.
-        motion: feedback of the tip that is moved.
-        axis: index of the axis.
-        sign: of the reference.
+        load: Controller that tracks a load along one axis.
+        motion: Feedback of the moved tip.
+        axis: Index of the axis.
+        sign: Sign of the reference.
     """
 
     load: Controller
@@ -46,12 +46,12 @@ class _Probe(NamedTuple):
 
     @property
     def direction(self) -> str:
-        """As profiles call it."""
+        """Name of the direction in profiles."""
         return KINDS[self.load.feedback.type.name] + AXES[self.axis]
 
 
 def _probe(program: CheckedProgram) -> _Probe | None:
-    """How a program tests a direction; ``None`` where it does nothing of the kind."""
+    """Return how a program tests a direction; ``None`` if it does not."""
     primitives = [
         primitive
         for action in program.actions
@@ -74,12 +74,12 @@ def _probe(program: CheckedProgram) -> _Probe | None:
 
 
 class _Outset(NamedTuple):
-    """Where the way out of a test began.
+    """Start of the outward motion of a test.
 
     Attributes:
-        pose: of the tip.
-        load: of the hand there.
-        free: load of the hand before anything bore what it holds.
+        pose: Pose of the tip.
+        load: Load of the hand at that pose.
+        free: Load of the hand while it bears its object alone.
     """
 
     pose: Floats
@@ -87,22 +87,22 @@ class _Outset(NamedTuple):
     free: Floats
 
 
-#: A test whose way out has ended.
+#: Marker of a test whose outward motion has ended.
 _OVER = _Outset(np.zeros(0), np.zeros(0), np.zeros(0))
 
 
 class ImpedanceGauge:
-    """Listens to the ticks of an episode, and makes a profile of the tests that ran in it.
+    """Listener to the ticks of an episode that makes a profile of its tests.
 
     Attributes:
-        profile: of the tests that are over.
+        profile: Profile of the completed tests.
     """
 
     def __init__(self, program: CheckedProgram) -> None:
         self._probes = {
             action.name: probe
             for action in program.actions
-            # What uses other programs does more than to test.
+            # A program that uses other programs has more purposes than a test.
             if action.program is not None
             and all(each.program is None for each in action.program.actions)
             and (probe := _probe(action.program)) is not None
@@ -117,11 +117,11 @@ class ImpedanceGauge:
 
     @property
     def profile(self) -> ImpedanceProfile:
-        """Of the tests that are over."""
+        """Profile of the completed tests."""
         return ImpedanceProfile(tuple(self._tests))
 
     def note(self, tick: Tick) -> None:
-        """Take in a tick."""
+        """Process a tick."""
         action = tick.run.action
         name = "" if action is None else action.name
         if name != self._name:
@@ -136,18 +136,18 @@ class ImpedanceGauge:
         self._follow(probe, tick.run.children[name], tick.signals)
 
     def finish(self, signals: Signals) -> ImpedanceProfile:
-        """The profile once the episode is over."""
+        """Finish the episode and return its profile."""
         self._leave(signals)
         return self.profile
 
     def _follow(self, probe: _Probe, run: ProgramRun, signals: Signals) -> None:
-        """Note what a test begins with, and the test itself where its way out ends."""
+        """Note the start of a test, and the test itself when its outward motion ends."""
         load = signals.read(probe.load.feedback)
         active = [each.run for each in run.active()]
         tests = any(each.controller.name == probe.load.name for each in active)
         if tests and self._begun is None and self._loads:
             borne = np.mean(self._loads, axis=0)
-            # The first blow is felt a tick before the wait is over.
+            # The first impact is measured a tick before the wait is over.
             free = np.median(self._free, axis=0) if self._free else borne
             self._begun = _Outset(self._pose(probe, signals), borne, free)
             self._loads.clear()
@@ -176,10 +176,10 @@ class ImpedanceGauge:
         )
 
     def _leave(self, signals: Signals) -> None:
-        """Note how far from its beginning a test left the hand."""
+        """Note the hand's remaining displacement when a test is left."""
         probe = self._probes.get(self._name)
         if probe is not None and self._begun is not None and self._begun is not _OVER:
-            # What neither settled nor came to its end in time has not been tracked.
+            # A test that neither settled nor ended in time has not tracked its load.
             self._note_test(probe, self._begun, signals, tracked=False)
             self._begun = _OVER
         if probe is not None and self._begun is _OVER and self._tests:
@@ -194,12 +194,12 @@ class ImpedanceGauge:
 
 
 def _waits(run: ControllerRun) -> bool:
-    """Whether it waits for a load to set in: what is held hangs free then."""
+    """Return whether a controller waits for a load to set in; its object hangs free meanwhile."""
     return run.controller.onset is not None and run.predicate == Predicate.UNDEFINED
 
 
 def _moved(probe: _Probe, before: Floats, after: Floats) -> float:
-    """Displacement along the axis of a test or about it, m or rad."""
+    """Return the displacement along or about the axis of a test, m or rad."""
     if probe.motion.type.name == "position":
         return float((after - before)[probe.axis])
     return float(log(after @ before.T)[probe.axis])

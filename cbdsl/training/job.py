@@ -1,4 +1,4 @@
-"""Jobs such as trials, and the body that those of one process share."""
+"""Jobs, such as trials, and the body that the jobs of one process share."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _kept: dict[tuple[str, str | None, str, Path], Workplace] = {}
 
 
 class Job(Protocol):
-    """Work for a process of its own; it can be sent to another process.
+    """Work for a separate process; it can be sent to another process.
 
     Attributes:
-        path: a file in a folder that all who work see.
-        robot: whose body it needs.
-        urdf: the robot's model, at the same place for everybody.
-        backend: name of what embodies the robot.
-        cameras: kind of its cameras, its own choice when ``None``.
+        path: Path of a file in a folder that all workers see.
+        robot: Robot whose body the job needs.
+        urdf: Path of the robot's URDF model, the same for all workers.
+        backend: Name of the backend.
+        cameras: Kind of its cameras; ``None`` for the backend's default.
     """
 
     @property
@@ -43,16 +43,16 @@ class Job(Protocol):
     def cameras(self) -> str | None: ...
 
     def run(self, body: Backend, kinematics: Kinematics, observer: TrialObserver) -> list[Path]:
-        """Run it on a body; the observer is told of each finished episode.
+        """Run the job on a body; the observer receives each finished episode.
 
         Returns:
-            The files that were written.
+            Written files.
         """
         ...
 
 
 class AbandonedError(UsageError):
-    """A trial was cancelled."""
+    """Error of a cancelled trial."""
 
 
 def run_job(job: Job, observer: TrialObserver) -> list[Path]:
@@ -63,10 +63,10 @@ def run_job(job: Job, observer: TrialObserver) -> list[Path]:
         observer: Observer that may end the job by an exception.
 
     Returns:
-        The files that were written.
+        Written files.
 
     Raises:
-        JournalError, BackendError, EpisodeError, OSError: see ``run_trial``.
+        JournalError, BackendError, EpisodeError, OSError: Errors of ``run_trial``.
     """
     with _workplace(job) as (body, kinematics):
         return job.run(body, kinematics, observer)
@@ -74,7 +74,7 @@ def run_job(job: Job, observer: TrialObserver) -> list[Path]:
 
 @contextmanager
 def _workplace(job: Job) -> Iterator[Workplace]:
-    """Body for a job, built for the first one of its kind and kept."""
+    """Yield the body for a job, built for the first one of its kind and kept."""
     key = (job.backend, job.cameras, digest(job.robot), job.urdf)
     if key not in _kept:
         body = embody(job.backend, job.robot, job.urdf, cameras=job.cameras)
@@ -82,6 +82,6 @@ def _workplace(job: Job) -> Iterator[Workplace]:
     try:
         yield _kept[key]
     except BaseException:
-        # Its state is unknown.
+        # The state of the body is unknown after an exception.
         _kept.pop(key)[0].close()
         raise

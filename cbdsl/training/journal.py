@@ -20,11 +20,11 @@ from cbdsl.runtime.line_journal import (
 
 
 class JournalEntry(NamedTuple):
-    """A line of a journal.
+    """Line of a journal.
 
     Attributes:
-        experience: the episode.
-        wall_seconds: how long it took, s.
+        experience: Experience of the episode.
+        wall_seconds: Wall time of the episode, s.
     """
 
     experience: Experience
@@ -32,18 +32,18 @@ class JournalEntry(NamedTuple):
 
 
 class Journal(LineJournal):
-    """File of JSON lines: the identity of a trial, then each episode as soon as it ends.
+    """File of JSON lines: the identity of a trial, then each episode when it ends.
 
     Args:
-        path: the file; where it is there, the trial goes on.
-        identity: all that the episodes depend on, as JSON has it.
+        path: Path of the file; the trial continues if the file exists.
+        identity: All inputs of the episodes, as JSON data.
 
     Attributes:
-        finished: the episodes that the file holds.
+        finished: Experiences of the episodes in the file.
 
     Raises:
-        JournalError: the file belongs to another trial, or is none, or is being written.
-        OSError: it cannot be read or written.
+        JournalError: If the file belongs to another trial, is no journal, or is being written.
+        OSError: If the file cannot be read or written.
     """
 
     def __init__(self, path: Path, identity: Mapping[str, Any]) -> None:
@@ -59,25 +59,25 @@ class Journal(LineJournal):
         """Append a finished episode and flush it to disk.
 
         Args:
-            experience: the episode.
-            wall_seconds: how long it took; for people.
+            experience: Experience of the episode.
+            wall_seconds: Wall time of the episode, s; for display only.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: If the episode cannot be written.
         """
         self.append_row({**asdict(experience), "wall_seconds": round(wall_seconds, 3)})
 
 
 def entry_of(row: Mapping[str, Any], path: Path, line: int) -> JournalEntry:
-    """Episode in a line of a journal.
+    """Return the episode in a line of a journal.
 
     Args:
-        row: the line.
-        path: of the journal, for messages.
-        line: its number.
+        row: Contents of the line.
+        path: Path of the journal, for messages.
+        line: Number of the line.
 
     Raises:
-        JournalError: there is none.
+        JournalError: If the line holds no episode.
     """
     try:
         return _entry(row)
@@ -91,12 +91,12 @@ def require_usable(path: Path, identity: Mapping[str, Any]) -> None:
     """Check that the trial in a journal can be resumed.
 
     Args:
-        path: the journal, which is there.
-        identity: what of the trial is known; what it does not name is not compared.
+        path: Path of the journal, which exists.
+        identity: Known parts of the trial's identity; other parts are not compared.
 
     Raises:
-        JournalError: it cannot; the message says why.
-        OSError: the file cannot be read or written.
+        JournalError: If it cannot be resumed; the message gives the reason.
+        OSError: If the file cannot be read or written.
     """
     with path.open("r+b", buffering=0) as file:
         lock(file, path, patience=0.0)

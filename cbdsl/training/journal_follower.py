@@ -13,10 +13,10 @@ class JournalFollower:
     """Reader of new lines in the journal of a trial.
 
     Args:
-        path: the journal; it need not be there yet.
+        path: Path of the journal, which need not exist yet.
 
     Attributes:
-        identity: what the trial is; empty until its journal is begun.
+        identity: Identity of the trial; empty until its journal is begun.
     """
 
     def __init__(self, path: Path) -> None:
@@ -24,11 +24,11 @@ class JournalFollower:
         self.identity: dict[str, Any] = {}
 
     def poll(self) -> list[JournalEntry]:
-        """Episodes that ended since the last poll, or since the trial began.
+        """Return the episodes that ended since the last poll, or since the trial began.
 
         Raises:
-            JournalError: the file is no journal.
-            OSError: it cannot be read.
+            JournalError: If the file is no journal.
+            OSError: If it cannot be read.
         """
         try:
             with self._path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""Files of the knowledge that a trial learned."""
+"""Files of the knowledge of a trial."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from cbdsl.yaml_text.writer import remove_leftovers, write
 
 
 def model_file(path: Path, effector: str) -> Path:
-    """File of the internal model of an effector that was learned with the policy in ``path``."""
+    """Return the file of an effector's internal model, learned with the policy in ``path``."""
     return _beside(path, MODEL.folder, f"{path.stem}_{effector}")
 
 
 def _beside(path: Path, folder: str, name: str) -> Path:
-    """File beside a policy, or where a library has it: as in ``models`` beside ``policies``."""
+    """Return a file beside a policy, or its place in a library: ``models`` beside ``policies``."""
     own = path.parent
     is_library = own.name == PurePath(POLICY.folder).name
     return (own.with_name(PurePath(folder).name) if is_library else own) / f"{name}.yaml"
 
 
 def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Path]:
-    """Write the documents of a trial, the policy after those that it names.
+    """Write the documents of a trial, the policy last.
 
-    Nobody else may be at it, which the trial's journal sees to.
+    The trial's journal prevents concurrent writers.
 
     Args:
-        trial: at its end.
-        provenance: where the knowledge comes from.
-        path: the policy's file; its stem is the policy's name.
+        trial: Trial at its end.
+        provenance: Provenance of the knowledge.
+        path: Path of the policy; its stem is the policy's name.
 
     Returns:
-        The files, the policy's last.
+        Written files, the policy's last.
 
     Raises:
-        OSError: one cannot be written; no file is ever half written.
+        OSError: If a file cannot be written; no file is ever incomplete.
     """
     files = []
     for document in learned_documents(trial, provenance, path.stem):
@@ -52,7 +52,7 @@ def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Pa
 
 
 def learned_documents(trial: Trial, provenance: Provenance, name: str) -> list[Document]:
-    """Knowledge of a trial, the policy of the given name last."""
+    """Return the documents learned in a trial, the policy of the given name last."""
     models, program = trial.learned_models(), trial.program
     summary = TrialSummary(name, program, models, trial.experiences, provenance)
     return trial.learner.documents(summary)

@@ -32,23 +32,23 @@ from cbdsl.training.trial_loop import (
 
 @dataclass(frozen=True)
 class LearningTask:
-    """One trial with everything it needs; it can be sent to another process.
+    """Trial with all its inputs; it can be sent to another process.
 
     Attributes:
-        program: what is learned, with the actions and limits of the trial.
-        digest: of its text and of the policies that it uses.
-        robot: what runs it.
-        urdf: the robot's model, at the same place for everybody.
-        stage: the training context.
-        backend: name of what embodies the robot.
-        learner: name of the algorithm.
-        constants: of the algorithm.
-        seed: of all chance.
-        number: which of several trials with this seed.
-        episodes: how many.
-        command: what learns it again.
-        path: the policy's file, at the same place for everybody.
-        cameras: kind of the backend's cameras, its own choice when ``None``.
+        program: Program to learn, with the actions and limits of the trial.
+        digest: Digest of its text and of the policies that it uses.
+        robot: Robot that runs the program.
+        urdf: Path of the robot's URDF model, the same for all workers.
+        stage: Training context.
+        backend: Name of the backend.
+        learner: Name of the algorithm.
+        constants: Constants of the algorithm.
+        seed: Seed of all random numbers.
+        number: Number of this trial among several with this seed.
+        episodes: Number of episodes.
+        command: Command that repeats the trial.
+        path: Path of the policy, the same for all workers.
+        cameras: Kind of the backend's cameras; ``None`` for the backend's default.
     """
 
     program: CheckedProgram
@@ -72,19 +72,19 @@ class LearningTask:
         return journal_file(self.path)
 
     def require_ready(self, *, resume: bool) -> None:
-        """Check, before hours are spent on it, that its outcome can be written.
+        """Check that the outcome can be written, before hours are spent on the trial.
 
         Args:
-            resume: whether to go on with a trial that was begun there.
+            resume: True to continue a trial that was begun there.
 
         Raises:
-            JournalError: something is in the way, or the trial that was begun there is another.
-            OSError: nothing can be written there.
+            JournalError: If other files are in the way, or another trial was begun there.
+            OSError: If the files cannot be written.
         """
         require_writable(self.path)
         require_free(self.path, (*self.robot.effectors, *self.robot.groups), resume=resume)
         if self.journal.exists():
-            # What makes the images is known only to a body.
+            # Only a body knows its renderer.
             known = identity_of(self._provenance(self._trial(), "unknown"), ("renderer",))
             require_usable(self.journal, known)
 
@@ -98,16 +98,16 @@ class LearningTask:
         """Run the remaining episodes on a body and write the knowledge.
 
         Args:
-            body: where they are run.
-            kinematics: of the robot.
-            observer: of the trial's progress.
-            watcher: of the episodes themselves.
+            body: Backend that runs them.
+            kinematics: Kinematics of the robot.
+            observer: Observer of the trial's progress.
+            watcher: Observer of the episodes.
 
         Returns:
-            The files that were written.
+            Written files.
 
         Raises:
-            JournalError, BackendError, EpisodeError, OSError: see ``run_trial``.
+            JournalError, BackendError, EpisodeError, OSError: Errors of ``run_trial``.
         """
         trial = self._trial()
         provenance = self._provenance(trial, body.renderer)

@@ -27,11 +27,11 @@ J = TypeVar("J", bound=Job)
 
 # How often a supervisor is notified that time passes, s.
 _PERIOD = 1.0
-# Workers that may die of one job, before it is given up.
+# Number of workers that may die of one job before it fails.
 _MOST_DEATHS = 4
-# How long workers may take to end, s.
+# Longest time in which workers may end, s.
 _PATIENCE = 5.0
-# Libraries with threads of their own: there are as many workers as there is to be work at once.
+# Libraries with threads of their own; workers already use one core each.
 _ONE_THREAD = dict.fromkeys(("OPENCV_FOR_THREADS_NUM", "NUMBA_NUM_THREADS"), "1")
 
 _BEGIN = (
@@ -41,9 +41,9 @@ _BEGIN = (
 
 
 def run_on_workers(jobs: Sequence[J], workers: int, supervisor: Supervisor[J]) -> None:
-    """Run jobs in processes of this machine; outcomes do not depend on how many there are.
+    """Run jobs in processes of this machine; outcomes do not depend on their number.
 
-    A job whose worker is killed goes on from its journal at another.
+    A job whose worker is killed continues from its journal on another worker.
 
     Args:
         jobs: Jobs, such as trials.
@@ -69,7 +69,7 @@ class _Worker(Generic[J]):
         self.job: J | None = None
         with other_end, _interrupts_blocked():
             paths = json.dumps([path for path in sys.path if path])
-            # -P: no module of the current folder takes the place of one that is imported.
+            # -P: no module of the current folder replaces an imported one.
             self._process = subprocess.Popen(
                 [sys.executable, "-P", "-c", _BEGIN, str(other_end.fileno()), paths],
                 pass_fds=(other_end.fileno(),),
@@ -78,7 +78,7 @@ class _Worker(Generic[J]):
             )
 
     def end(self) -> None:
-        """Begin to end the process: it sees that the pipe is closed."""
+        """Begin to end the process by closing its pipe."""
         self.pipe.close()
         self._process.terminate()
 
@@ -112,7 +112,7 @@ class _Pool(Generic[J]):
 
     @contextmanager
     def running(self, workers: int) -> Iterator[_Pool[J]]:
-        """Start workers, and end them at the end."""
+        """Start workers; end them when the context is left."""
         try:
             for _ in range(min(workers, len(self._waiting))):
                 self._workers.append(_Worker())
@@ -126,11 +126,11 @@ class _Pool(Generic[J]):
                 worker.join(until)
 
     def goes_on(self) -> bool:
-        """Return whether a job is not over."""
+        """Return whether any job is not over."""
         return bool(self._waiting) or any(worker.job is not None for worker in self._workers)
 
     def advance(self) -> None:
-        """Report the outcomes of the next period, and hand out the jobs that wait."""
+        """Report the outcomes of the next period, and assign the waiting jobs."""
         pipes = {worker.pipe: worker for worker in self._workers}
         for pipe in wait(list(pipes), _PERIOD):
             assert isinstance(pipe, Connection)
@@ -148,11 +148,11 @@ class _Pool(Generic[J]):
     def _assign(self, worker: _Worker[J]) -> None:
         if self._waiting:
             worker.job = self._waiting.popleft()
-            with suppress(OSError):  # it died, as its pipe says at the next look
+            with suppress(OSError):  # it died; its pipe reports that in the next period
                 worker.pipe.send(worker.job)
 
     def _replace(self, worker: _Worker[J]) -> None:
-        """Start another worker in the place of one that died, with the same job."""
+        """Replace a dead worker by another with the same job."""
         worker.end()
         worker.join(time.monotonic() + _PATIENCE)
         self._workers.remove(worker)
@@ -179,7 +179,7 @@ class _Pool(Generic[J]):
 
 @contextmanager
 def _interrupts_blocked() -> Iterator[None]:
-    """Block Ctrl-C, which goes to all processes of a terminal: those begun here inherit that."""
+    """Block Ctrl-C for processes begun here; the terminal sends it to all its processes."""
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

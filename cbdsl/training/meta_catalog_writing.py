@@ -1,4 +1,4 @@
-"""Meta-catalogs as they are written: what an exploration of pairs knows."""
+"""Conversion of an exploration's knowledge of pairs to a meta-catalog document."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ def meta_catalog_document(
     exploration: Exploration,
     provenance: CatalogProvenance,
 ) -> MetaCatalogDocument:
-    """Meta-catalog of an exploration.
+    """Return the meta-catalog of an exploration.
 
     Args:
-        name: of the document.
-        things: channels of the things, by name.
-        relation: that the program of the pairs brings about.
-        pairs: by name.
-        exploration: at its end.
-        provenance: where it comes from.
+        name: Name of the document.
+        things: Channels of the objects, by name.
+        relation: Relation that the program of the pairs brings about.
+        pairs: Explorable pairs by name.
+        exploration: Exploration at its end.
+        provenance: Provenance of the meta-catalog.
     """
     sections = {}
     for key, pair in pairs.items():

@@ -1,4 +1,4 @@
-"""Pair task: things are brought to each other, from the journal to the meta-catalog (7.3)."""
+"""Pair task: objects are brought to each other, from journal to meta-catalog (7.3)."""
 
 from __future__ import annotations
 
@@ -35,30 +35,30 @@ from cbdsl.training.meta_catalog_writing import meta_catalog_document
 from cbdsl.training.provenance import versions
 from cbdsl.yaml_text.writer import remove_leftovers, write
 
-#: What an action's seed is used for besides the episode.
+#: Stream of an action's seed for choices, beside the episode's streams.
 _CHOICE = 2
 
 
 @dataclass(frozen=True)
 class PairTask:
-    """Exploration of pairs, with everything it needs.
+    """Exploration of pairs, with all its inputs.
 
-    The experimenter shows the two things that were asked for, in a world that is set up anew. The
-    robot is rewarded where its program succeeds, of which it judges by its own signals.
+    The experimenter shows the two requested objects in a world that is set up again. The robot is
+    rewarded if its program succeeds, judged by its own signals.
 
     Attributes:
-        pairs: by name.
-        things: channels of the things, by name.
-        relation: what the program brings about, ``on`` or ``in``.
-        robot: what acts.
-        stage: who is shown what, where.
-        backend: name of what embodies the robot.
-        constants: of the exploration.
-        seed: of all chance.
-        count: how many actions at most.
-        until_habituated: whether it ends before, when all models have habituated.
-        command: what explores it again.
-        path: the meta-catalog's file.
+        pairs: Explorable pairs by name.
+        things: Channels of the objects, by name.
+        relation: Relation that the program brings about, ``on`` or ``in``.
+        robot: Robot that acts.
+        stage: Stage with the objects in its contexts.
+        backend: Name of the backend.
+        constants: Constants of the exploration.
+        seed: Seed of all random numbers.
+        count: Largest number of actions.
+        until_habituated: True if it ends early when all models have habituated.
+        command: Command that repeats the exploration.
+        path: Path of the meta-catalog.
     """
 
     pairs: Mapping[str, ExplorablePair]
@@ -76,15 +76,15 @@ class PairTask:
 
     @property
     def journal(self) -> Path:
-        """File of its actions, each as soon as it is over."""
+        """File of its actions, each written when it is over."""
         return exploration_journal(self.path)
 
     def require_ready(self, *, resume: bool) -> None:
-        """Check, before anything moves, that the outcome can be written.
+        """Check that the outcome can be written, before the robot moves.
 
         Raises:
-            JournalError: something is in the way.
-            OSError: nothing can be written there.
+            JournalError: If other files are in the way.
+            OSError: If the files cannot be written.
         """
         require_writable(self.path, self.journal, resume=resume)
 
@@ -94,16 +94,16 @@ class PairTask:
         kinematics: Callable[[], Kinematics],
         observer: ExplorationObserver = lambda number, step, outcome, seconds: None,
     ) -> MetaCatalogDocument:
-        """Carry out the remaining actions on a body, and write the meta-catalog.
+        """Run the remaining actions on a body, and write the meta-catalog.
 
         Args:
-            body: that acts.
-            kinematics: makes the robot's.
-            observer: is told of each action.
+            body: Backend that acts.
+            kinematics: Function that creates the robot's kinematics.
+            observer: Listener that receives each completed action.
 
         Raises:
-            JournalError: the journal is of something else.
-            OSError: journal or meta-catalog cannot be written.
+            JournalError: If the journal belongs to another undertaking.
+            OSError: If journal or meta-catalog cannot be written.
         """
         exploration = PairExploration({n: e.forms for n, e in self.pairs.items()}, self.constants)
         runners: dict[str, Runner] = {}
@@ -145,7 +145,7 @@ class PairTask:
         return Runner(self.robot, kinematics, pair.program, body, observed=observed)
 
     def _act(self, name: str, runners: Mapping[str, Runner], seed: int) -> ActionOutcome:
-        """Bring a thing to another one, and look at both once that is over."""
+        """Bring an object to another, and read the features of both afterwards."""
         if name == NOOP:
             return ActionOutcome(NOOP, ending="nothing was done")
         pair, runner = self.pairs[name], runners[name]
@@ -156,7 +156,7 @@ class PairTask:
         seen = {key: runner.signals.read(each) for key, each in pair.features.items()}
         return ActionOutcome(
             action=name,
-            # What came to rest far from its reference did not come where it was to be.
+            # A controller at rest far from its reference did not reach its target.
             rewarded=result.outcome == "success" and not result.far,
             features={
                 key: tuple(reading.value.ravel().tolist())

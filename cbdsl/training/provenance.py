@@ -17,25 +17,25 @@ from cbdsl.learning.learner import LEARNERS
 from cbdsl.training.trial import Trial
 from cbdsl.types.registry import Registry
 
-# What episodes and documents are computed with; those that are not installed had no part in it.
+# Packages that episodes and documents are computed with, if installed.
 _PACKAGES = (
     "cbdsl", "moderngl", "numba", "numpy", "opencv-python-headless", "pin", "pybullet",
     "pybullet-arm64",
 )  # fmt: skip
-# What a backend of ours needs beside these.
+# Additional packages of built-in backends.
 _ENGINES = {"mujoco": "mujoco-core"}
 
 
 @dataclass(frozen=True)
 class TrialSetting:
-    """Surroundings of a trial that its outcome depends on.
+    """Surroundings of a trial that influence its outcome.
 
     Attributes:
-        digest: of the program's text and of the policies that it uses.
-        robot: what runs it.
-        stage: where.
-        backend: name of what embodies the robot.
-        renderer: what makes its images.
+        digest: Digest of the program's text and of the policies that it uses.
+        robot: Robot that runs the program.
+        stage: Stage of the episodes.
+        backend: Name of the backend.
+        renderer: Name of the image source.
     """
 
     digest: ProgramDigest
@@ -46,13 +46,13 @@ class TrialSetting:
 
 
 def provenance_of(trial: Trial, setting: TrialSetting, episodes: int, command: str) -> Provenance:
-    """Provenance of a trial.
+    """Return the provenance of a trial.
 
     Args:
-        trial: what is learned, by which constants and chance.
-        setting: where.
-        episodes: how many.
-        command: what learns it again.
+        trial: Trial with its program, constants and seed.
+        setting: Surroundings of the trial.
+        episodes: Number of episodes.
+        command: Command that repeats the trial.
     """
     program = trial.program
     limits = {
@@ -86,7 +86,7 @@ def _identity(document: Document) -> Identity:
 
 
 def plugin_versions(learner: str, backend: str) -> dict[str, str]:
-    """Versions of the other packages that a learner and a backend come from."""
+    """Return the versions of the plug-in packages that provide a learner and a backend."""
     registries: tuple[tuple[Registry[Any], str], ...] = ((LEARNERS, learner), (BACKENDS, backend))
     return dict(
         registry.distribution(name)
@@ -96,7 +96,7 @@ def plugin_versions(learner: str, backend: str) -> dict[str, str]:
 
 
 def versions(backend: str = "") -> dict[str, str]:
-    """Versions of the installed packages that an outcome on a backend, or any, depends on."""
+    """Return the versions of packages that influence an outcome; a backend adds its engine."""
     installed = {"python": platform.python_version()}
     for package in (*_PACKAGES, *([_ENGINES[backend]] if backend in _ENGINES else ())):
         try:

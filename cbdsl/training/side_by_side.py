@@ -1,4 +1,4 @@
-"""Jobs side by side: in processes of this machine, or on a Dask cluster."""
+"""Parallel jobs: in processes of this machine, or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ J = TypeVar("J", bound=Job)
 def run_all(
     jobs: Sequence[J], workers: int, scheduler: str | None, supervisor: Supervisor[J]
 ) -> None:
-    """Run jobs side by side; outcomes do not depend on the workers.
+    """Run jobs in parallel; outcomes do not depend on the workers.
 
     Args:
         jobs: Jobs, such as trials.
@@ -24,8 +24,8 @@ def run_all(
         supervisor: Observer of their outcomes.
 
     Raises:
-        UsageError: The cluster is not there, goes away, or has no workers for too long.
-        ModuleNotFoundError: The cluster needs a package that is not installed.
+        UsageError: If the cluster is not there, goes away, or has no workers for too long.
+        ModuleNotFoundError: If the cluster needs a package that is not installed.
     """
     if scheduler is None:
         run_on_workers(jobs, workers, supervisor)

@@ -15,13 +15,13 @@ class Supervisor(Protocol[J_contra]):
     """Observer of jobs that run in other processes."""
 
     def done(self, job: J_contra, files: Sequence[Path], /) -> None:
-        """A job ended and wrote these files."""
+        """Note that a job ended and wrote these files."""
         ...
 
     def failed(self, job: J_contra, error: Exception, /) -> None:
-        """A job failed; the others go on."""
+        """Note that a job failed; the others go on."""
         ...
 
     def look(self, workers: int) -> None:
-        """Called every second with the number of workers."""
+        """Note the number of workers; called every second."""
         ...

@@ -1,4 +1,4 @@
-"""One trial: episodes from which one learner learns (Algorithm 1)."""
+"""Trial: episodes from which one learner learns (Algorithm 1)."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.episode_runner import EpisodeRunner
 from cbdsl.types.resource import UniformSample
 
-# What an episode's seed is used for besides the world (0) and the program's draws (1).
+# Stream of an episode's seed for exploration, beside the world (0) and the program's draws (1).
 _EXPLORATION = 2
 
 
 class Trial:
-    """Learner and its episodes so far, from zero.
+    """Learner with its episodes so far, from zero.
 
-    Its knowledge follows from its experiences alone: another trial that replays them in the same
-    order is the same trial.
+    Its knowledge depends on its experiences alone: another trial that replays them in the same
+    order has the same knowledge.
 
     Attributes:
-        program: what is learned; its actions are what can be chosen.
-        constants: of the algorithm.
-        seed: of all chance.
-        number: which of several trials with this seed.
-        algorithm: name of the learner.
-        learner: what was learned so far.
-        experiences: the episodes so far.
+        program: Program to learn; its actions are the choices.
+        constants: Constants of the algorithm.
+        seed: Seed of all random numbers.
+        number: Number of this trial among several with this seed.
+        algorithm: Name of the learner.
+        learner: Learner with its present knowledge.
+        experiences: Experiences of the episodes so far.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Trial:
         self.experiences: list[Experience] = []
 
     def replay(self, experience: Experience) -> None:
-        """Take in the next episode, which was run before."""
+        """Learn from the next episode, which was run earlier."""
         replay(self.learner, experience)
         self.experiences.append(experience)
 
@@ -65,10 +65,10 @@ class Trial:
         return experience
 
     def learned_models(self) -> dict[str, str]:
-        """Effectors of the internal models that start uniform, by name of the model.
+        """Return the effectors of the internal models that start uniform, by name of the model.
 
-        Only those of effectors that were rewarded so far; models that the program names itself
-        are known already, and stay as they are.
+        The result has only effectors that were rewarded so far. Models that the program names
+        itself are known already, and stay unchanged.
         """
         known = self.learner.densities()
         return {
@@ -78,7 +78,7 @@ class Trial:
         }
 
     def informed_program(self) -> CheckedProgram:
-        """Program that draws from the internal models learned so far."""
+        """Return the program with samples from the internal models learned so far."""
         densities = self.learner.densities()
         sources = {
             name: density_source(effector, densities[effector])
@@ -87,13 +87,13 @@ class Trial:
         return bind(self.program, sources)
 
     def _next_seed(self) -> int:
-        """Seed of the next episode, with which ``cb run`` meets the same world."""
+        """Return the seed of the next episode; ``cb run`` with this seed meets the same world."""
         entropy = np.random.SeedSequence([self.seed, self.number, len(self.experiences)])
         return int(entropy.generate_state(1)[0])
 
 
 def used_programs(program: CheckedProgram) -> dict[int, str]:
-    """Actions that are programs, by the place of their predicates in a state."""
+    """Return the actions that are programs, by the index of their predicates in a state."""
     return {
         program.members.index(action.part): action.part
         for action in program.actions

@@ -16,7 +16,7 @@ from cbdsl.training.journal import Journal
 from cbdsl.training.knowledge import model_file, write_knowledge
 from cbdsl.training.trial import Trial
 
-# What the documents of a trial need at least, bytes.
+# Smallest free space for the documents of a trial, bytes.
 _ROOM = 1 << 16
 
 
@@ -24,45 +24,45 @@ class TrialObserver(Protocol):
     """Observer of trials."""
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """A trial begins or goes on.
+        """Note that a trial begins or goes on.
 
         Args:
-            number: of the trial.
-            renderer: what makes its images.
-            finished: its episodes that are over.
+            number: Number of the trial.
+            renderer: Name of the image source.
+            finished: Experiences of its finished episodes.
         """
         ...
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """An episode of trial ``number`` ended after ``seconds``."""
+        """Note that an episode of trial ``number`` ended after ``seconds``."""
         ...
 
 
 class NullObserver:
-    """Observer that ignores everything."""
+    """Observer that ignores all calls."""
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``TrialObserver.begin``."""
+        """Ignore the begin of a trial."""
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``TrialObserver.note``."""
+        """Ignore an episode."""
 
 
 def journal_file(path: Path) -> Path:
-    """Journal of the trial whose policy goes to ``path``."""
+    """Return the journal of the trial whose policy is written to ``path``."""
     return path.with_suffix(".episodes.jsonl")
 
 
 def require_writable(path: Path) -> None:
-    """Make the folders of a policy and its models, and check that they can be written.
+    """Create the folders of a policy and its models, and check that they can be written.
 
-    This is checked before the episodes, not after.
+    The check is made before the episodes, not after them.
 
     Args:
-        path: the policy's file.
+        path: Path of the policy.
 
     Raises:
-        OSError: nothing can be written there, or the disk is full.
+        OSError: If the files cannot be written, or the disk is full.
     """
     for folder in (path.parent, model_file(path, "any").parent):
         folder.mkdir(parents=True, exist_ok=True)
@@ -72,15 +72,15 @@ def require_writable(path: Path) -> None:
 
 
 def require_free(path: Path, effectors: Iterable[str], *, resume: bool) -> None:
-    """Check that a trial whose policy goes to ``path`` overwrites nothing unasked.
+    """Check that a trial with its policy in ``path`` overwrites no file by accident.
 
     Args:
-        path: the policy's file.
-        effectors: those of which internal models may be learned, and put beside it.
-        resume: whether to go on with a trial that was begun there.
+        path: Path of the policy.
+        effectors: Effectors whose internal models may be learned, and written beside the policy.
+        resume: True to continue a trial that was begun there.
 
     Raises:
-        JournalError: something is there.
+        JournalError: If a file exists.
     """
     journal = journal_file(path)
     if journal.exists() and not resume:
@@ -93,18 +93,18 @@ def require_free(path: Path, effectors: Iterable[str], *, resume: bool) -> None:
 
 
 def identity_of(provenance: Provenance, leave_out: Iterable[str] = ()) -> dict[str, Any]:
-    """Everything that the episodes of a trial depend on, as JSON.
+    """Return all inputs of the episodes of a trial as JSON data.
 
-    How many of them are asked for does not matter to those that are over.
+    The number of episodes is left out, because finished episodes do not depend on it.
     """
     return provenance.model_dump(mode="json", exclude={"command", "episodes", *leave_out})
 
 
 def open_journal(path: Path, provenance: Provenance) -> Journal:
-    """Open the journal of the trial whose policy goes to ``path``.
+    """Open the journal of the trial whose policy is written to ``path``.
 
     Raises:
-        JournalError, OSError: see ``Journal``.
+        JournalError, OSError: Errors of ``Journal``.
     """
     return Journal(journal_file(path), identity_of(provenance))
 
@@ -120,19 +120,19 @@ def run_trial(
     """Run the remaining episodes and write the knowledge.
 
     Args:
-        trial: from its beginning; the episodes in the journal are replayed to it.
-        runner: where the others are run.
-        journal: keeps each of them as soon as it is over.
-        provenance: says how many there are to be.
-        path: the policy's file.
-        observer: of its progress.
+        trial: Trial without experiences; the episodes in the journal are replayed to it.
+        runner: Runner of the remaining episodes.
+        journal: Journal that receives each episode when it is over.
+        provenance: Provenance with the number of episodes.
+        path: Path of the policy.
+        observer: Observer of the trial's progress.
 
     Returns:
-        The files that were written.
+        Written files.
 
     Raises:
-        BackendError, EpisodeError: an episode cannot be run.
-        OSError: the journal or a document cannot be written.
+        BackendError, EpisodeError: If an episode cannot be run.
+        OSError: If the journal or a document cannot be written.
     """
     for experience in journal.finished[: provenance.episodes]:
         trial.replay(experience)

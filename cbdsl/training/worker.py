@@ -1,4 +1,4 @@
-"""Worker of a Dask cluster: runs one job after another, all on one body."""
+"""Worker of a Dask cluster that runs one job after another, all on one body."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ def work(job: Job, there: Path, expected: Mapping[str, str]) -> list[Path]:
     """Run a job in this process.
 
     Args:
-        job: such as a trial.
-        there: a file that whoever asks for it sees.
-        expected: versions of what the outcome depends on.
+        job: Job, such as a trial.
+        there: Path of a marker file that the client sees.
+        expected: Expected versions of the packages that influence the outcome.
 
     Returns:
-        The files that were written.
+        Written files.
 
     Raises:
-        UsageError: this worker would learn something else, or put it elsewhere.
-        JournalError, BackendError, EpisodeError, OSError: see ``run_trial``.
+        UsageError: If this worker would learn different knowledge, or write it to another place.
+        JournalError, BackendError, EpisodeError, OSError: Errors of ``run_trial``.
     """
     _require_fit(there, expected)
     return run_job(job, CancellationCheck())
@@ -37,10 +37,10 @@ class CancellationCheck:
     """Observer that ends a cancelled trial, so that another worker can go on with it."""
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``TrialObserver.begin``."""
+        """Ignore the begin of a trial."""
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``TrialObserver.note``."""
+        """Raise an error if the trial was cancelled."""
         worker = get_worker()
         task = worker.state.tasks.get(worker.get_current_task())
         wanted = task is not None and task.state == "executing"

@@ -1,4 +1,4 @@
-"""Process of a worker on this machine: runs the jobs that come over its pipe, all on one body."""
+"""Process of a worker on this machine that runs the jobs of its pipe, all on one body."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class PipeCheck:
         self._pipe = pipe
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``TrialObserver.begin``."""
+        """Ignore the begin of a trial."""
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``TrialObserver.note``."""
-        if self._pipe.poll():  # nothing is sent meanwhile: it was closed
+        """Raise an error if the pipe was closed."""
+        if self._pipe.poll():  # no message is sent meanwhile, so the pipe was closed
             raise AbandonedError(f"trial {number} was given up")
 
 
