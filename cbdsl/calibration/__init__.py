@@ -1,1 +1,1 @@
-"""Calibration: a robot estimates where its cameras are from what its own hand shows them."""
+"""Calibration of cameras by views of the robot's own hand."""

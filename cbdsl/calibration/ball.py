@@ -1,4 +1,4 @@
-"""A ball in the hand: where it is by touch, and where a camera sees it."""
+"""Ball in the hand: its position by touch, and its image in a camera."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from cbdsl.documents.robot import Camera
 
 Floats = NDArray[np.float64]
 
-# A fingertip that is so much nearer to a camera than another hides e times as much of the ball, m.
+# Distance by which a fingertip must be nearer to a camera to hide e times as much of the ball, m.
 _NEARER = 0.005
-# What is nearer is taken to be so far ahead: estimates on their way may try it, m.
+# Smallest distance before a camera, m; intermediate estimates may try smaller ones.
 _CLOSEST = 1e-3
 
 
 def plane_of(tips: Floats) -> tuple[Floats, Floats, Floats]:
-    """Axes of the planes through three fingertips, shape (n, 3) each; the third is normal to it.
+    """Return the axes of planes through three fingertips, shape (n, 3) each; the third is normal.
 
     Args:
-        tips: shape (n, 3, 3).
+        tips: Centres of the fingertips, m, shape (n, 3, 3).
     """
     first = _unit(tips[:, 1] - tips[:, 0])
     across = tips[:, 2] - tips[:, 0]
@@ -28,15 +28,15 @@ def plane_of(tips: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def centre(tips: Floats, distances: Floats, side: float) -> Floats:
-    """Centres of balls at given distances from three fingertips, m, shape (n, 3).
+    """Return the centres of balls at given distances from three fingertips, m, shape (n, 3).
 
-    However a ball rolls between the fingertips, its centre keeps these distances. Where they are
-    too short to meet, it is in the plane of the fingertips.
+    The centre of a ball that rolls between the fingertips keeps these distances. If they are too
+    short to meet, the centre is in the plane of the fingertips.
 
     Args:
-        tips: centres of the fingertips, m, shape (n, 3, 3).
-        distances: from them, m, shape (3,) or, for each ball, (n, 3).
-        side: 1 or -1: on which side of the plane of the fingertips, by its normal, the centre is.
+        tips: Centres of the fingertips, m, shape (n, 3, 3).
+        distances: Distances from the fingertips, m, shape (3,) or, for each ball, (n, 3).
+        side: Side of the fingertips' plane with the centre, 1 or -1 by its normal.
     """
     first, second, normal = plane_of(tips)
     width = np.sum((tips[:, 1] - tips[:, 0]) * first, axis=1)
@@ -51,14 +51,15 @@ def centre(tips: Floats, distances: Floats, side: float) -> Floats:
 
 
 def image(camera: Camera, points: Floats, radius: float) -> tuple[Floats, Floats]:
-    """Centroids, px, shape (n, 2), and areas, px, shape (n,), of a ball's images.
+    """Return centroids, px, shape (n, 2), and areas, px, shape (n,), of a ball's images.
 
-    A pinhole camera sees a ball as an ellipse, whose middle is not quite the image of the centre.
+    A pinhole camera sees a ball as an ellipse, whose centre differs slightly from the image of the
+    ball's centre.
 
     Args:
-        camera: size and focal length.
-        points: centres in the camera's frame, m, shape (n, 3).
-        radius: m.
+        camera: Camera with image size and focal length.
+        points: Centres in the camera's frame, m, shape (n, 3).
+        radius: Radius of the ball, m.
     """
     x, y, z = np.maximum(points[:, 0], max(1.01 * radius, _CLOSEST)), points[:, 1], points[:, 2]
     inner = x**2 - radius**2
@@ -72,16 +73,16 @@ def image(camera: Camera, points: Floats, radius: float) -> tuple[Floats, Floats
 def hidden(
     centroids: Floats, shares: Floats, tips: Floats, distances: Floats, rim: Floats
 ) -> Floats:
-    """Displacements of a ball's centroids by fingers that hide a part of it, px, shape (n, 2).
+    """Return the displacements of a ball's centroids by occluding fingers, px, shape (n, 2).
 
-    What is missing is at the rim, where the fingertips are that are nearest to the camera.
+    The hidden part is at the rim, near the fingertips that are nearest to the camera.
 
     Args:
-        centroids: of the whole ball, px, shape (n, 2).
-        shares: of its area that are seen, shape (n,).
-        tips: image points of the fingertips, px, shape (n, 3, 2).
-        distances: of the fingertips from the camera, m, shape (n, 3).
-        rim: radii of the ball's images, px, shape (n,).
+        centroids: Centroids of the whole ball, px, shape (n, 2).
+        shares: Visible shares of its area, shape (n,).
+        tips: Image points of the fingertips, px, shape (n, 3, 2).
+        distances: Distances of the fingertips from the camera, m, shape (n, 3).
+        rim: Radii of the ball's images, px, shape (n,).
     """
     missing = np.clip(1.0 - shares, 0.0, 1.0)
     parts = np.exp((distances.min(axis=1, keepdims=True) - distances) / _NEARER)

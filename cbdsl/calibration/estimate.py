@@ -1,4 +1,4 @@
-"""The estimate of the cameras' displacements: robust least squares over views of a held ball."""
+"""Estimate of the cameras' displacements: robust least squares over views of a held ball."""
 
 from __future__ import annotations
 
@@ -22,41 +22,40 @@ Floats = NDArray[np.float64]
 
 #: Fewest views by each camera: it has six unknowns, and each view gives two numbers.
 LEAST_VIEWS = 12
-#: Largest standard deviations of a calibration that is of use: position, m, and rotation, rad.
+#: Largest standard deviations of a useful calibration: position, m, and rotation, rad.
 LARGEST_DEVIATIONS = 0.005, 0.005
-# Least share of the ball that is to be seen; how a larger hidden part shifts the centroid is less
-# certain.
+# Smallest visible share of the ball; the centroid's shift by a larger hidden part is less certain.
 _LEAST_VISIBLE = 0.98
-# This quantile of the apparent sizes is the whole ball's; it is refined as often as there are
-# entries, which say whether nothing is taken to be hidden.
+# Quantile of the apparent sizes that is the whole ball's, and the refinements of its radius: each
+# entry is True if the ball is taken to be wholly visible.
 _WHOLE, _REFINEMENTS = 0.95, (True, True, False)
-# Residuals beyond this are met by the robust loss as outliers, px.
+# Residual above which the robust loss treats an image point as an outlier, px.
 _OUTLIER = 0.5
-# Image points are not known better than this, whatever the residuals say, px.
+# Smallest standard deviation of image points, however small their residuals, px.
 _LEAST_ERROR = 0.1
-# Fingertips are alike, and so are their distances from the ball's centre, m.
+# Standard deviation of the ball's distances from the fingertips, which are alike, m.
 _UNEVENNESS = 0.003
-# Stretches of views that the jackknife leaves out in turn.
+# Number of stretches of views that the jackknife leaves out in turn.
 _STRETCHES = 10
-# Share of a good calibration's motion below which no fit is worth trying.
+# Share of a good calibration's motion below which no fit is tried.
 _HOPELESS = 0.1
-# Parameters of a camera: position and rotation vector.
+# Number of parameters of a camera: position and rotation vector.
 _EACH = 6
 
 
 class CalibrationError(UsageError):
-    """A calibration cannot be made from what was seen; the message says what is lacking."""
+    """Error of a calibration whose views do not suffice; the message gives the missing part."""
 
 
 class Estimate(NamedTuple):
     """Estimate of one camera's displacement.
 
     Attributes:
-        correction: where the camera is in its link's frame.
-        deviations: largest standard deviations of position, m, and rotation, rad.
-        points: where the camera saw the ball, px, shape (n, 2).
-        before: where it would be expected without calibration, px, shape (n, 2).
-        after: where it is expected by an estimate that was made without this view, shape (n, 2).
+        correction: Displacement of the camera in its link's frame.
+        deviations: Largest standard deviations of position, m, and rotation, rad.
+        points: Image points of the ball, px, shape (n, 2).
+        before: Expected image points without calibration, px, shape (n, 2).
+        after: Expected image points by an estimate made without this view, px, shape (n, 2).
     """
 
     correction: Correction
@@ -66,7 +65,7 @@ class Estimate(NamedTuple):
     after: Floats
 
     def error(self, expected: Floats) -> float:
-        """Root mean square distance between seen and expected points, px."""
+        """Return the root mean square distance between seen and expected points, px."""
         return float(np.sqrt(np.mean(np.sum((self.points - expected) ** 2, axis=1))))
 
 
@@ -94,7 +93,7 @@ class _Sightings(NamedTuple):
         )
 
     def among(self, chosen: NDArray[np.bool_] | slice) -> _Sightings:
-        """Some of the views."""
+        """Return some of the views."""
         return self._replace(
             positions=self.positions[chosen],
             rotations=self.rotations[chosen],
@@ -105,13 +104,13 @@ class _Sightings(NamedTuple):
         )
 
     def within(self, own: Floats, points: Floats) -> Floats:
-        """World points, shape (n, 3), in the frame of a camera with the parameters ``own`` (6,)."""
+        """Return world points, shape (n, 3), in the frame of a camera with parameters ``own``."""
         seen = np.einsum("nji,nj->ni", self.rotations, points - self.positions) - own[:3]
         inside: Floats = seen @ Rotation.from_rotvec(own[3:]).as_matrix()
         return inside
 
     def fingertips(self, own: Floats) -> tuple[Floats, Floats]:
-        """Image points, px, shape (n, 3, 2), of the fingertips, and their distances, m, (n, 3)."""
+        """Return image points, px, (n, 3, 2), and distances, m, (n, 3), of the fingertips."""
         places = [self.within(own, self.tips[:, finger]) for finger in range(FINGERS)]
         points = [image(self.camera, place, 0.0)[0] for place in places]
         distances = [np.linalg.norm(place, axis=1) for place in places]
@@ -120,16 +119,16 @@ class _Sightings(NamedTuple):
 
 @dataclass(frozen=True)
 class _Problem:
-    """Expected image points by parameters, and their errors.
+    """Least-squares problem: expected image points by parameters, and their errors.
 
     The parameters are each camera's position and rotation vector, in the order of ``sightings``,
     and the ball's distances from the fingertips in each hold.
 
     Attributes:
-        sightings: by camera.
-        side: of the ball, as ``centre`` has it.
-        radius: of the ball, m.
-        is_whole: whether nothing is taken to be hidden.
+        sightings: Views by camera.
+        side: Side of the ball, as in ``centre``.
+        radius: Radius of the ball, m.
+        is_whole: True if the ball is taken to be wholly visible.
     """
 
     sightings: Mapping[str, _Sightings]
@@ -139,11 +138,11 @@ class _Problem:
 
     @property
     def seen(self) -> int:
-        """How many of the parameters are the cameras'."""
+        """Number of the cameras' parameters."""
         return _EACH * len(self.sightings)
 
     def expected(self, parameters: Floats) -> dict[str, tuple[Floats, Floats]]:
-        """Expected centroids of what is seen of the ball, and the shares of it, by camera."""
+        """Return the expected centroids of the visible ball, and its visible shares, by camera."""
         expected = {}
         in_hand = parameters[self.seen :].reshape(-1, FINGERS)
         for place, (name, own) in enumerate(self.sightings.items()):
@@ -159,7 +158,7 @@ class _Problem:
         return expected
 
     def residuals(self, parameters: Floats) -> Floats:
-        """Errors of the image points in units of outliers, then of even distances in theirs."""
+        """Return errors of image points in units of outliers, then uneven distances in theirs."""
         expected = self.expected(parameters)
         errors = [
             (expected[name][0] - own.points).ravel() / _OUTLIER
@@ -170,12 +169,12 @@ class _Problem:
         return np.concatenate([*errors, uneven.ravel() / _UNEVENNESS])
 
     def solve(self, start: Floats) -> tuple[Floats, Floats]:
-        """The parameters of least robust error, and the Jacobian of the residuals there."""
+        """Return the parameters of least robust error, and the Jacobian of the residuals there."""
         solution = least_squares(self.residuals, start, loss="soft_l1", x_scale="jac")
         return solution.x, solution.jac
 
     def among(self, chosen: Mapping[str, NDArray[np.bool_] | slice]) -> _Problem:
-        """The problem over some of the views by each camera."""
+        """Return the problem over some of the views by each camera."""
         some = {name: own.among(chosen[name]) for name, own in self.sightings.items()}
         return replace(self, sightings=some)
 
@@ -184,15 +183,15 @@ def estimate(cameras: Mapping[str, Camera], views: Sequence[HandView]) -> dict[s
     """Estimate the displacement of each camera.
 
     The unknowns are the cameras' positions and rotations and the ball's distances from the
-    fingertips; its radius follows from its apparent size. Views in which fingers hide a part of the
-    ball are left out.
+    fingertips. The ball's radius follows from its apparent size. Views in which fingers hide a part
+    of the ball are left out.
 
     Args:
-        cameras: of the robot, by name.
-        views: of a ball that a hand holds, by any of them.
+        cameras: Cameras of the robot, by name.
+        views: Views of a ball that a hand holds, by any of the cameras.
 
     Raises:
-        CalibrationError: there are too few views, or they do not determine the displacements.
+        CalibrationError: If there are too few views, or they do not determine the displacements.
     """
     numbers = {hold: number for number, hold in enumerate(sorted({v.hold for v in views}))}
     views = [view._replace(hold=numbers[view.hold]) for view in views]
@@ -225,11 +224,11 @@ def _require_views(numbers: Mapping[str, int]) -> None:
 def _prepare(
     cameras: Mapping[str, Camera], views: Mapping[str, Sequence[HandView]]
 ) -> tuple[_Problem, Floats]:
-    """The problem over the views of nearly the whole ball, and where its solution starts."""
+    """Return the problem over the views of nearly the whole ball, and the start of its solution."""
     everything = [view for own in views.values() for view in own]
     tips = np.array([view.tips for view in everything])
     forces = np.array([view.forces for view in everything]).sum(axis=1)
-    # Fingertips push the ball away from their plane, or into the hand where they reach around it.
+    # Fingertips push the ball away from their plane, or into the hand if they reach around it.
     side = 1.0 if float(np.sum(forces * plane_of(tips)[2])) >= 0.0 else -1.0
     radius = _apparent_radius(cameras, views)
     sightings = {name: _Sightings.of(cameras[name], own) for name, own in views.items()}
@@ -237,7 +236,8 @@ def _prepare(
     holds = 1 + max(view.hold for view in everything)
     start = np.concatenate([np.zeros(_EACH * len(views)), np.full(FINGERS * holds, 1.15 * radius)])
     for is_whole in _REFINEMENTS:
-        # What is hidden shows by the radius, which hardly matters to where a whole ball is.
+        # The hidden part follows from the radius, which hardly affects the position of a whole
+        # ball.
         problem = replace(problem, is_whole=is_whole)
         start, _ = problem.solve(start)
         shares = {name: share for name, (_, share) in problem.expected(start).items()}
@@ -251,7 +251,7 @@ def _prepare(
 def _apparent_radius(
     cameras: Mapping[str, Camera], views: Mapping[str, Sequence[HandView]]
 ) -> float:
-    """The ball's radius as it appears at the distance of the fingertips, m."""
+    """Return the ball's apparent radius at the distance of the fingertips, m."""
     radii = [
         math.sqrt(view.area / math.pi)
         * np.linalg.norm(view.tips.mean(axis=0) - view.position)
@@ -263,11 +263,11 @@ def _apparent_radius(
 
 
 def _deviations(problem: _Problem, parameters: Floats, jacobian: Floats) -> Floats:
-    """Largest standard deviations of each camera's position and rotation, shape (cameras, 2).
+    """Return the largest deviations of each camera's position and rotation, shape (cameras, 2).
 
-    The larger one of two: of errors that are independent from view to view, and the jackknife over
-    stretches of views, whose errors have much in common: as long as the hand moves little, the ball
-    sits in it, and its fingers hide parts of it, in much the same way.
+    Each is the larger of two standard deviations. The first assumes independent errors of the
+    views. The second is the jackknife over stretches of views, whose errors are correlated: while
+    the hand moves little, ball and fingers change little.
     """
     unknown = len(parameters) - problem.seen
     errors = problem.residuals(parameters)[:-unknown] * _OUTLIER
@@ -284,7 +284,7 @@ def _deviations(problem: _Problem, parameters: Floats, jacobian: Floats) -> Floa
 
 
 def _without_stretches(problem: _Problem) -> Iterator[_Problem]:
-    """The problem without each stretch of views, by all cameras, in turn."""
+    """Yield the problem without each stretch of views, by all cameras, in turn."""
     stretches = {
         name: np.arange(len(own.points)) * _STRETCHES // len(own.points)
         for name, own in problem.sightings.items()
@@ -294,14 +294,14 @@ def _without_stretches(problem: _Problem) -> Iterator[_Problem]:
 
 
 def _largest(covariance: Floats) -> Floats:
-    """Largest standard deviations of positions and rotations, shape (cameras, 2)."""
+    """Return the largest standard deviations of positions and rotations, shape (cameras, 2)."""
     starts = range(0, len(covariance), 3)
     blocks = [covariance[start : start + 3, start : start + 3] for start in starts]
     return np.sqrt([np.linalg.eigvalsh(block)[-1] for block in blocks]).reshape(-1, 2)
 
 
 def _estimates(problem: _Problem, parameters: Floats, deviations: Floats) -> dict[str, Estimate]:
-    """Estimates with the errors of image points, which are those of the other half of the views."""
+    """Return the estimates; each half of the views is predicted from the other half."""
     uncalibrated = np.concatenate([np.zeros(problem.seen), parameters[problem.seen :]])
     before = problem.expected(uncalibrated)
     after = {name: np.empty_like(own.points) for name, own in problem.sightings.items()}
@@ -320,6 +320,6 @@ def _estimates(problem: _Problem, parameters: Floats, deviations: Floats) -> dic
 
 
 def _three(values: Floats) -> tuple[float, float, float]:
-    """Three numbers to a thousandth of a millimetre or milliradian."""
+    """Return three numbers, rounded to a thousandth of a millimetre or milliradian."""
     x, y, z = (round(float(value), 6) for value in values)
     return x, y, z

@@ -1,4 +1,4 @@
-"""Views of what a hand holds, gathered while a program shows it to the cameras."""
+"""Views of a held ball, gathered while a program shows it to the cameras."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from cbdsl.sensing.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
 
-#: Fingertips from which a ball's centre follows.
+#: Number of fingertips that determine a ball's centre.
 FINGERS = 3
-# Where joints move faster, images and joint positions need not be of the same instant, rad/s.
+# Joint speed above which images and joint positions may be of different instants, rad/s.
 _SLOW = 0.15
-# Views that differ by less in every joint tell nothing new, rad.
+# Smallest difference in a joint position between two useful views, rad.
 _APART = 0.02
 
 
 class HandView(NamedTuple):
-    """HandView of a held ball by one camera.
+    """View of a held ball by one camera.
 
     Attributes:
-        camera: its name.
-        position, rotation: of the camera as the model has it, world frame, m, shapes (3,), (3, 3).
-        point: centroid of the ball's region, column and row, px, shape (2,).
-        area: of the region, px.
-        tips: centres of the fingertips that touch the ball, world frame, m, shape (3, 3).
-        forces: by these fingertips on the ball, world frame, N, shape (3, 3).
-        hold: number of the hold in which it was seen: a ball that is taken anew lies otherwise.
+        camera: Name of the camera.
+        position, rotation: Pose of the camera by the model, world frame, m, shapes (3,), (3, 3).
+        point: Centroid of the ball's region, column and row, px, shape (2,).
+        area: Area of the region, px.
+        tips: Centres of the fingertips that touch the ball, world frame, m, shape (3, 3).
+        forces: Forces of these fingertips on the ball, world frame, N, shape (3, 3).
+        hold: Number of the hold; in another hold the ball lies in another way.
     """
 
     camera: str
@@ -47,21 +47,21 @@ class HandView(NamedTuple):
 
 
 class ViewRecorder:
-    """Records views of what a hand holds, in episodes of a program.
+    """Recorder of views of a held ball, in episodes of a program.
 
-    It reads joint positions, load cells and image regions, nothing else.
+    It reads only joint positions, load cells and image regions.
 
     Args:
-        robot: whose cameras look.
-        kinematics: of the same robot, without corrections.
-        hand: which holds the ball with at least three fingers.
-        channel: in which the ball is seen.
-        hold: number of the hold.
+        robot: Robot with the cameras.
+        kinematics: Kinematics of the same robot, without corrections.
+        hand: Hand that holds the ball with at least three fingers.
+        channel: Channel of the ball.
+        hold: Number of the hold.
 
     Attributes:
-        views: all that were recorded.
-        touched: whether all fingers have felt something.
-        seen: images in which each camera saw the ball at all.
+        views: All recorded views.
+        touched: True if all fingers have measured contact.
+        seen: Number of images in which each camera saw the ball.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class ViewRecorder:
         self._last: Mapping[str, Floats] = {}
 
     def note(self, tick: Tick) -> None:
-        """Take in a control tick."""
+        """Process a control tick."""
         observation, touch = tick.observation, tick.signals.touch
         if not (observation.images or observation.regions) or not touch.all_touching(self._hand):
             return
@@ -98,7 +98,7 @@ class ViewRecorder:
                 self._kinematics.posed(posture, record)
 
     def _is_new(self, camera: str, positions: Floats) -> bool:
-        """Whether the robot has another posture than in the camera's last view."""
+        """Return whether the posture differs from that of the camera's last view, and note it."""
         before = self._last.get(camera)
         if before is not None and np.abs(positions - before).max() < _APART:
             return False

@@ -1,4 +1,4 @@
-"""Motion that views of a hand lack, where they do not determine the cameras' displacements."""
+"""Missing motion in views of a hand that do not determine the cameras' displacements."""
 
 from __future__ import annotations
 
@@ -8,17 +8,20 @@ import numpy as np
 
 from cbdsl.calibration.hand_view import HandView
 
-# Of good views: the farthest over the nearest distance, the standard deviation of image points, px,
-# and that of the hand's directions before the camera.
+# Measures of good views: ratio of the farthest to the nearest distance, standard deviation of
+# image points, px, and standard deviation of the hand's directions before the camera.
 _RANGE, _SPREAD, _TURN = 1.25, 20.0, 0.15
 
 
 def lacking(views: Mapping[str, Sequence[HandView]], least: float = 1.0) -> str | None:
-    """Sentence on the motion that views by several cameras lack most.
+    """Return a sentence on the motion that views by several cameras lack most.
 
     Args:
-        views: by camera.
-        least: share of a good calibration's motion that suffices; ``None`` where all have it.
+        views: Views by camera.
+        least: Sufficient share of a good calibration's motion.
+
+    Returns:
+        Sentence; ``None`` if all views have that share.
     """
     needs = [need for name, own in views.items() for need in _needs(name, own)]
     share, sentence = min(needs)
@@ -26,7 +29,7 @@ def lacking(views: Mapping[str, Sequence[HandView]], least: float = 1.0) -> str 
 
 
 def _needs(camera: str, views: Sequence[HandView]) -> Iterator[tuple[float, str]]:
-    """Shares of what good views have, each with the remedy where it is small."""
+    """Yield the motion as shares of good views, each with the remedy if it is small."""
     distances = [float(np.linalg.norm(view.tips[0] - view.position)) for view in views]
     near, far = min(distances), max(distances)
     yield (
@@ -46,7 +49,7 @@ def _needs(camera: str, views: Sequence[HandView]) -> Iterator[tuple[float, str]
 
 
 def _turning(views: Sequence[HandView]) -> float:
-    """Largest standard deviation of directions between fingertips in the camera's frame."""
+    """Return the largest deviation of fingertip directions in the camera's frame."""
     sides = np.array([view.rotation.T @ (view.tips[1] - view.tips[0]) for view in views])
     sides /= np.linalg.norm(sides, axis=1, keepdims=True)
     return float(sides.std(axis=0).max())

@@ -1,4 +1,4 @@
-"""Journal of a calibration: what was watched so far, from which an interrupted one goes on."""
+"""Journal of a calibration: the recorded views, from which an interrupted one continues."""
 
 from __future__ import annotations
 
@@ -18,17 +18,18 @@ class WatchJournal(LineJournal):
     """File of JSON lines: the identity of a calibration, then the views of each transition.
 
     Args:
-        path: the file; where it is there, the calibration goes on, with another hold of the ball.
-        identity: all that the views depend on, as JSON has it.
+        path: Path of the file; the calibration continues with another hold if the file exists.
+        identity: All inputs of the views, as JSON data.
 
     Attributes:
-        views: those that the file holds.
-        transitions: how many were watched.
-        hold: number of the hold that begins now.
+        views: Views in the file.
+        transitions: Number of recorded transitions.
+        hold: Number of the hold that begins now.
 
     Raises:
-        JournalError: the file belongs to another calibration, or is none, or is being written.
-        OSError: it cannot be read or written.
+        JournalError: If the file belongs to another calibration, is no journal, or is being
+            written.
+        OSError: If the file cannot be read or written.
     """
 
     def __init__(self, path: Path, identity: Mapping[str, Any]) -> None:
@@ -47,7 +48,7 @@ class WatchJournal(LineJournal):
         """Append the views of a transition and flush them to disk.
 
         Raises:
-            OSError: they cannot be written.
+            OSError: If the views cannot be written.
         """
         rows = [
             {key: np.asarray(value).tolist() for key, value in view._asdict().items()}
@@ -68,7 +69,7 @@ def _views(row: Mapping[str, Any], path: Path, number: int) -> list[HandView]:
 
 
 def _view(row: Mapping[str, Any]) -> HandView:
-    """The view in a row of JSON."""
+    """Return the view in a row of JSON."""
     shapes = {"position": (3,), "rotation": (3, 3), "point": (2,), "tips": (3, 3), "forces": (3, 3)}
     arrays = {
         key: np.array(row[key], dtype=np.float64).reshape(shape) for key, shape in shapes.items()

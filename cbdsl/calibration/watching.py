@@ -18,10 +18,10 @@ from cbdsl.sensing.kinematics import Kinematics
 
 
 def require_sight_and_touch(robot: RobotDocument) -> None:
-    """Refuse robots that cannot see a ball or cannot feel where it is.
+    """Refuse robots that cannot see a ball or measure its position by touch.
 
     Raises:
-        CalibrationError: there is no camera, or no hand with enough load cells.
+        CalibrationError: If there is no camera, or no hand with enough load cells.
     """
     if not robot.cameras:
         raise CalibrationError(f"robot '{robot.name}' has no cameras to calibrate")
@@ -42,29 +42,30 @@ def watch(
     progress: Callable[[int, int], None] = lambda done, total: None,
     journal: WatchJournal | None = None,
 ) -> list[HandView]:
-    """Run the program once, and record what the cameras see of the ball.
+    """Run the program once, and record the cameras' views of the ball.
 
-    What a journal holds counts: the ball is handed over again, and shown as often as is left of the
-    program's transitions.
+    The journal's views count: the ball is handed over again, and shown for the remaining
+    transitions of the program.
 
     Args:
-        robot: without corrections of its cameras.
-        kinematics: of the same robot.
-        program: has parameters ``hand`` and ``feature``: which hand holds the ball, and in which
-            channel it is seen.
-        backend: where.
-        stage: hands the ball over.
-        seed: of all chance.
-        progress: is told after each transition how many of how many are over.
-        journal: takes the views of each transition as soon as it is over.
+        robot: Robot without corrections of its cameras.
+        kinematics: Kinematics of the same robot.
+        program: Program with the parameters ``hand``, the hand that holds the ball, and
+            ``feature``, the ball's channel.
+        backend: Backend to run it on.
+        stage: Stage that hands the ball over.
+        seed: Seed of all random numbers.
+        progress: Listener for the numbers of completed and of all transitions, after each
+            transition.
+        journal: Journal that receives the views of each transition when it is over.
 
     Returns:
-        All views, those of the journal first.
+        All views, starting with the journal's.
 
     Raises:
-        CalibrationError: the program does not say which hand and channel, or the hand has fewer
+        CalibrationError: If the program does not define hand and channel, or the hand has fewer
             than three load cells.
-        BackendError, EpisodeError: as ``Runner.run``.
+        BackendError, EpisodeError: Errors of ``Runner.run``.
     """
     hand, channel = _parameter(program, "hand"), _parameter(program, "feature")
     if len(robot.load_cells.get(hand, {})) < FINGERS:
@@ -105,7 +106,7 @@ def watch(
 
 
 def _seed(seed: int, hold: int) -> int:
-    """Seed of a hold: in another one, the robot shows the ball in other postures."""
+    """Return the seed of a hold; in another hold the robot shows the ball in other postures."""
     return seed if hold == 0 else int(np.random.SeedSequence((seed, hold)).generate_state(1)[0])
 
 
