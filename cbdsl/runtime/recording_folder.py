@@ -16,8 +16,8 @@ from cbdsl.errors.errors import UsageError
 class RecordingFolder:
     """Place of the two files of each recorded episode.
 
-    Path of the folder; ``require_ready`` creates it.
-        path: the folder; made when it is made ready.
+    Args:
+        path: Path of the folder; ``require_ready`` creates it.
         overwrite: True if existing recordings may be replaced.
     """
 

@@ -25,7 +25,7 @@ from cbdsl.training.supervisor import Supervisor
 
 J = TypeVar("J", bound=Job)
 
-# How often a supervisor is notified that time passes, s.
+# Period of the supervisor's calls, s.
 _PERIOD = 1.0
 # Number of workers that may die of one job before it fails.
 _MOST_DEATHS = 4
@@ -61,7 +61,7 @@ class _Worker(Generic[J]):
 
     Attributes:
         pipe: This end of the pipe.
-        job: Its job, if it has one.
+        job: Present job, or ``None``.
     """
 
     def __init__(self) -> None:
