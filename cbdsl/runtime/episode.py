@@ -59,7 +59,7 @@ class EpisodeResult:
         actions: Actions between the states.
         ticks: Number of control ticks.
         sim_seconds, wall_seconds: Simulated and wall time of the episode, s.
-        renderer: Name of the image source.
+        renderer: Name of the renderer of the images.
         ending: Reason of the end, as a sentence.
         outcome: ``success`` or ``failure`` by its program's states; empty if they define none or it
             reached none.

@@ -35,7 +35,7 @@ class TrialSetting:
         robot: Robot that runs the program.
         stage: Stage of the episodes.
         backend: Name of the backend.
-        renderer: Name of the image source.
+        renderer: Name of the renderer of the images.
     """
 
     digest: ProgramDigest

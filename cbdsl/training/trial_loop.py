@@ -28,7 +28,7 @@ class TrialObserver(Protocol):
 
         Args:
             number: Number of the trial.
-            renderer: Name of the image source.
+            renderer: Name of the renderer of the images.
             finished: Experiences of its finished episodes.
         """
         ...
