@@ -28,20 +28,20 @@ CAMERAS = ("rendered", "ideal")
 
 
 class BackendError(UsageError):
-    """A backend cannot be found, or cannot embody a robot or a stage; the message says why."""
+    """Failure to find a backend, or to embody a robot or a stage; the message states the cause."""
 
 
 class Backend(Protocol):
-    """A robot in a world: it takes joint references and gives observations.
+    """Robot in a world: takes joint references and returns observations.
 
-    It keeps the velocity and effort limits of the robot's URDF, whatever it is asked for.
+    It keeps the velocity and effort limits of the robot's URDF for any reference.
 
     Attributes:
-        renderer: what makes the images, for people.
-        control_period: simulated time of one step, s.
-        deadline: wall time that the robot's controllers may take in a tick, from an observation
-            until its reference, s; ``None`` where the world waits for them. An episode ends where
-            they take longer, and the backend is halted.
+        renderer: Source of the images, for people.
+        control_period: Simulated time of one step, s.
+        deadline: Wall time that the robot's controllers may take in a tick, from an observation
+            until its reference, s; ``None`` if the world waits for them. If they take longer, the
+            episode ends and the backend is halted.
     """
 
     renderer: str
@@ -55,26 +55,26 @@ class Backend(Protocol):
         rng: np.random.Generator,
         channels: Collection[str] | None = None,
     ) -> str:
-        """Begin an episode; everything that chance decides in it is drawn from ``rng``.
+        """Begin an episode; ``rng`` draws everything that is left to chance.
 
         Args:
-            stage: what is shown, and where.
-            context: one of the stage's contexts; drawn by their shares when ``None``.
-            rng: the only source of chance. Equal generators give equal episodes, whatever ran
-                before.
-            channels: of vision, whose regions the robot looks for; all of them when ``None``. A
+            stage: Stage with the objects and their places.
+            context: Context of the stage; drawn by the contexts' shares if ``None``.
+            rng: Only source of chance; equal generators give equal episodes, independent of earlier
+                runs.
+            channels: Channels of vision whose regions the robot looks for; all if ``None``. A
                 backend that reports regions may leave out the others.
 
         Returns:
             The name of the context.
 
         Raises:
-            BackendError: the stage names something that it or the robot does not have.
+            BackendError: The stage names something that it or the robot does not have.
         """
         ...
 
     def observe(self) -> Observation:
-        """The sensors now. Asked again before the next step, it gives the same answer."""
+        """Return the sensors' values; further calls before the next step return the same values."""
         ...
 
     def apply(self, reference: Floats) -> None:
@@ -89,7 +89,7 @@ class Backend(Protocol):
         ...
 
     def halt(self) -> None:
-        """Freeze the references at the measured positions: nobody controls the robot any more.
+        """Freeze the references at the measured positions: the robot is no longer controlled.
 
         Called when an episode cannot go on or cannot begin, and at Ctrl-C, in ``reset`` and before
         the first one, too; ``reset`` or ``close`` follows. It works in each of these states.
@@ -97,13 +97,13 @@ class Backend(Protocol):
         ...
 
     def close(self) -> None:
-        """Free what the backend holds; it cannot be used afterwards."""
+        """Free the backend's resources; it cannot be used afterwards."""
         ...
 
 
 @runtime_checkable
 class ResumableBackend(Protocol):
-    """A backend whose world can go on from one episode to the next."""
+    """Backend whose world can go on from one episode to the next."""
 
     def resume(
         self,
@@ -113,16 +113,16 @@ class ResumableBackend(Protocol):
         *,
         undisturbed: bool = False,
     ) -> str | None:
-        """Begin an episode in the world as the one before left it, robot and references included.
+        """Begin an episode in the world that the last episode left, robot and references included.
 
         The experimenter puts things back as the stage says. Time begins at 0 again, and the first
         observation has images; all that chance decides goes on in the streams of the reset.
 
         Args:
-            stage: that the world should be of.
-            context: that it should be of; any when ``None``.
-            channels: of vision, as of ``Backend.reset``.
-            undisturbed: whether the experimenter does nothing before it.
+            stage: Stage of the world.
+            context: Context of the world; any if ``None``.
+            channels: Channels of vision, as in ``Backend.reset``.
+            undisturbed: True if the experimenter does nothing before the episode.
 
         Returns:
             The name of the context; ``None`` where the world is of another stage or context, or
@@ -132,7 +132,7 @@ class ResumableBackend(Protocol):
 
 
 class Person(Protocol):
-    """Someone beside a real robot, or at the terminal of its computer."""
+    """Person beside a real robot, or at the terminal of its computer."""
 
     def confirm(self, text: str, question: str, *, released: bool) -> bool:
         """Return the answer to a question.
@@ -147,10 +147,10 @@ class Person(Protocol):
 
 @runtime_checkable
 class AttendedBackend(Protocol):
-    """A backend of a real robot: a person sets up its stage and releases it."""
+    """Backend of a real robot: a person sets up its stage and releases it."""
 
     def attend(self, person: Person, interface: str | None = None) -> None:
-        """Name the person, and the network interface.
+        """Set the person who confirms, and the network interface.
 
         Args:
             person: Person who answers.
@@ -168,13 +168,13 @@ class BackendFactory(Protocol):
         """Embody a robot.
 
         Args:
-            robot: the robot.
-            urdf: file of its model.
-            gui: whether to open a window.
-            cameras: one of ``CAMERAS``, the backend's own choice when ``None``.
+            robot: Robot document.
+            urdf: File of its model.
+            gui: True to open a window.
+            cameras: One of ``CAMERAS``; the backend's own choice if ``None``.
 
         Raises:
-            BackendError: robot, window or cameras cannot be had.
+            BackendError: Robot, window or cameras are not available.
         """
         ...
 
@@ -183,7 +183,7 @@ _METHODS = ("reset", "observe", "apply", "step", "halt", "close")
 
 
 def _factory(_: str, factory: Any) -> BackendFactory:
-    """Backend class with all methods of ``Backend``."""
+    """Return a backend class that has all methods of ``Backend``."""
     lacking = [method for method in _METHODS if not callable(getattr(factory, method, None))]
     if lacking:
         raise PluginError(f"lacks the methods {', '.join(lacking)}")
@@ -210,11 +210,11 @@ def name_of(backend: Backend) -> str:
 
 
 def find_backend(name: str) -> BackendFactory:
-    """Backend class of a name.
+    """Return the backend class of a name.
 
     Raises:
-        BackendError: there is none of this name, what it needs is not installed or mixed with
-            another version, or it is no backend.
+        BackendError: No backend has this name, a required package is missing or mixed with another
+            version, or the target is not a backend.
     """
     try:
         require_unmixed(MODULES.get(name, ""))
@@ -229,10 +229,10 @@ def find_backend(name: str) -> BackendFactory:
 def embody(
     name: str, robot: RobotDocument, urdf: Path, *, gui: bool = False, cameras: str | None = None
 ) -> Backend:
-    """A robot on the backend of this name; see ``BackendFactory``.
+    """Return a robot on the backend of a name; see ``BackendFactory``.
 
     Raises:
-        BackendError: there is no such backend, or it cannot embody the robot with these cameras.
+        BackendError: There is no such backend, or it cannot embody the robot with these cameras.
     """
     factory = find_backend(name)
     if cameras is None:
@@ -248,7 +248,7 @@ def embody(
 
 @contextmanager
 def _embodiment_named(name: str) -> Iterator[None]:
-    """Name a backend in exceptions of its own; models that cannot be read name themselves."""
+    """Raise the backend's own exceptions with its name; unreadable models name themselves."""
     try:
         yield
     except (UsageError, UrdfError, ImportError):

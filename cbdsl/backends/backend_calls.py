@@ -28,10 +28,10 @@ class BackendCalls:
 
     Attributes:
         backend: The backend.
-        name: Its name in messages.
+        name: Name of the backend in messages.
 
     Raises:
-        BackendError: Its control period or its deadline is not a time.
+        BackendError: The control period or the deadline is not a time.
     """
 
     def __init__(self, backend: Backend, robot: RobotDocument) -> None:
@@ -125,7 +125,7 @@ class BackendCalls:
         if failure is None:
             return
         warning = f"the robot may still move: {str(failure) or type(failure).__name__}"
-        if isinstance(cause, GeneratorExit):  # whoever closes an episode sees no notes of it
+        if isinstance(cause, GeneratorExit):  # notes of a closed episode are not shown
             raise BackendError(warning) from failure
         cause.add_note(warning)
 
@@ -139,7 +139,7 @@ class BackendCalls:
 
     @contextmanager
     def _named(self, method: str) -> Iterator[None]:
-        """Name the backend in its own exceptions; those for users are as they are."""
+        """Raise the backend's own exceptions with its name; pass those for users unchanged."""
         try:
             yield
         except UsageError:
@@ -206,7 +206,7 @@ def _form(value: Any) -> str:
 
 @contextmanager
 def closing_backend(backend: Backend) -> Iterator[None]:
-    """Close a backend at the end; a failure to do so hides no first cause.
+    """Close a backend at the end; a failure to close hides no earlier exception.
 
     Raises:
         BackendError: It cannot be closed, and nothing else went wrong.

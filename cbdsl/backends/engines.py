@@ -1,4 +1,4 @@
-"""Engines that are installed, and the one that runs where none is chosen."""
+"""Installed engines, and the default engine."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping
 from importlib.util import find_spec
 
-#: Module that each engine of cbdsl's own needs, in the order in which one is chosen.
+#: Module that each engine of cbdsl requires, in the order of preference.
 MODULES: Mapping[str, str] = {"bullet": "pybullet", "mujoco": "mujoco", "kinematic": "pinocchio"}
 
 # First version of Python for which the engine has no wheels.

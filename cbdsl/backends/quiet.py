@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def quiet_stderr() -> Iterator[None]:
-    """Send what C code writes to the standard error nowhere; exceptions pass as ever."""
+    """Discard output of C code to the standard error; exceptions pass unchanged."""
     kept = os.dup(2)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:

@@ -1,4 +1,4 @@
-"""The backend of a simulated robot: all that engines share."""
+"""Backend of a simulated robot: all code that engines share."""
 
 from __future__ import annotations
 
@@ -31,27 +31,27 @@ from cbdsl.sensing.observation import Loads, Observation
 Floats = NDArray[np.float64]
 SomeEngine = TypeVar("SomeEngine", bound=Engine)
 
-# For how many ticks the noise of load cells is drawn at once where nothing else draws from it.
+# Number of ticks for which load cell noise is drawn at a time, if it has its own generator.
 _AHEAD = 64
 _NOTHING = Exposure()
 
 
 class SimulatedBackend(Generic[SomeEngine]):
-    """A robot in an engine; see ``Backend``.
+    """Robot in an engine; see ``Backend``.
 
     Args:
-        robot: what can be sensed and moved.
-        model: its URDF.
-        engine: moves it.
-        cameras: its eyes.
-        rate: of control, Hz.
-        substeps: of the engine per control period.
+        robot: Robot document.
+        model: URDF model of the robot.
+        engine: Engine that moves the robot.
+        cameras: Cameras of the robot.
+        rate: Control rate, Hz.
+        substeps: Number of engine steps per control period.
 
     Attributes:
-        renderer: what makes the images, for people.
-        control_period: simulated time of one step, s.
-        deadline: none, as a simulated world waits.
-        truth: what only the engine knows, for the experimenter, recordings and tests.
+        renderer: Source of the images, for people.
+        control_period: Simulated time of one step, s.
+        deadline: ``None``, as a simulated world waits.
+        truth: State that only the engine knows, for the experimenter, recordings and tests.
     """
 
     deadline: float | None = None
@@ -76,15 +76,15 @@ class SimulatedBackend(Generic[SomeEngine]):
         self._shutter = Shutter(robot.vision.rate, self.control_period)
         self._encoders = Encoders(robot, self.control_period)
         self._latency = round(robot.vision.latency * rate)
-        # The stage and the context that the world is of.
+        # Stage and context of the world.
         self._world: tuple[StageDocument, str] | None = None
 
     @property
     def cameras(self) -> RenderedCameras:
-        """The cameras that make images.
+        """Cameras that make images.
 
         Raises:
-            BackendError: they are ideal and make none.
+            BackendError: The cameras are ideal and make none.
         """
         if not isinstance(self._cameras, RenderedCameras):
             raise BackendError("ideal cameras make no images; 'rendered' ones do")
@@ -98,10 +98,10 @@ class SimulatedBackend(Generic[SomeEngine]):
         channels: Collection[str] | None = None,
     ) -> str:
         """Begin an episode; see ``Backend.reset``."""
-        self._world = None  # until there is all of it
+        self._world = None  # none until it is complete
         name = choose_context(stage, context, rng)
         chosen = stage.contexts[name]
-        # The sensors' noise has a stream of its own: who else draws from rng cannot change it.
+        # The sensors' noise has its own stream, so that other draws from rng cannot change it.
         noise = np.random.default_rng(rng.integers(2**63))
         self._tick = self._began = 0
         self._dark = math.inf if chosen.dark_after is None else chosen.dark_after
@@ -141,7 +141,7 @@ class SimulatedBackend(Generic[SomeEngine]):
 
     def _load_cells(self, noise: np.random.Generator) -> LoadCells:
         own = self.control_period / self._substeps
-        # Of cells whose engine makes fewer steps than the robot file asks for.
+        # Physics period of cells whose engine makes fewer steps than the robot file requests.
         physical = own if self._substeps > 1 else 1 / self._robot.simulation.physics_rate
         ahead = 1 if isinstance(self._cameras, RenderedCameras) else _AHEAD
         return LoadCells(self.truth.cells, self._robot.contact, (own, physical), noise, ahead)
@@ -154,13 +154,13 @@ class SimulatedBackend(Generic[SomeEngine]):
         return CellOffsets(tips, rows, self._robot.contact, self.control_period, own)
 
     def observe(self) -> Observation:
-        """The sensors now."""
+        """Return the current sensor values."""
         return self._observation
 
     def _begin(self) -> Observation:
-        """First observation of an episode.
+        """Return the first observation of an episode.
 
-        Cameras had been running, and nothing had moved: the newest image shows how it is.
+        The cameras have been running and the scene has been still: the newest image is current.
         """
         self._exposures: deque[tuple[int, Exposure]] = deque()
         positions, velocities = self._encoders.begin(self.truth.read()[0])
@@ -206,8 +206,8 @@ class SimulatedBackend(Generic[SomeEngine]):
     def step(self) -> None:
         """Let one control period pass.
 
-        Joint references move evenly over its physics steps: a jump per control period would shake
-        what is held out of the hand.
+        Joint references move linearly over the physics steps: a jump per control period would shake
+        held objects out of the hand.
         """
         count = self._substeps
         for substep in range(1, count + 1):
@@ -221,7 +221,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         self._observation = self._sense()
 
     def _between(self, share: float) -> Floats:
-        """References after a share of the control period."""
+        """Return the references after a share of the control period."""
         return self._reached + (self._reference - self._reached) * share
 
     def halt(self) -> None:
@@ -239,10 +239,10 @@ class SimulatedBackend(Generic[SomeEngine]):
 def simulate(
     name: str, robot: RobotDocument, urdf: Path, *, cameras: str | None = None
 ) -> SimulatedBackend[Any]:
-    """A robot on the backend of this name, which has to be a simulated one with its truth.
+    """Return a robot on the backend of a name, which must be a simulated one with its truth.
 
     Raises:
-        BackendError: it is none, or see ``embody``.
+        BackendError: The backend is not a simulated one; see also ``embody``.
     """
     backend = embody(name, robot, urdf, cameras=cameras)
     if isinstance(backend, SimulatedBackend):

@@ -19,14 +19,14 @@ class BulletBackend(SimulatedBackend[BulletEngine]):
     """A robot in PyBullet, with contacts and forces.
 
     Args:
-        robot: what can be sensed and moved.
-        urdf: its model.
-        gui: whether to open the simulator's window.
-        cameras: ``rendered`` or ``ideal``; rendered without a choice.
+        robot: Robot document.
+        urdf: URDF of the robot.
+        gui: True to open the simulator's window.
+        cameras: ``rendered`` or ``ideal``; rendered if ``None``.
 
     Raises:
-        BackendError: robot file and model do not fit together, the renderer that the robot file
-            asks for does not work here, or there is no screen for a window.
+        BackendError: Robot file and model do not fit together, the requested renderer does not work
+            here, or there is no screen for a window.
     """
 
     def __init__(

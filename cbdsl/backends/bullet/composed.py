@@ -17,14 +17,14 @@ from cbdsl.backends.staging.world_state import Part
 from cbdsl.numeric.convex_hull import hull_faces
 from cbdsl.robot.mesh_reader import Mesh
 
-# Files of what is seen of a mesh, and of the hull that is touched.
+# Files of the visible mesh, and of the colliding hull.
 _SEEN, _HULL = "seen.obj", "hull.obj"
-# URDF writes rotations as angles; what is not among these is turned about z.
+# URDF writes rotations as angles; all rotations that are not listed here are about z.
 _ANGLES = {origin.quaternion: origin.rpy for origin in LYING.values()}
 
 
 def create_composed(client: int, item: SceneObject) -> int:
-    """Put something hollow into the world, a mesh, or with something printed or painted on a side.
+    """Create a hollow object, a mesh, or an object with a print or a spot on a side.
 
     The simulator's own calls make bodies of 16 shapes at most, while a URDF may have any number.
     """
@@ -48,11 +48,11 @@ def create_composed(client: int, item: SceneObject) -> int:
 def _lines(item: SceneObject) -> Iterator[str]:
     parts = parts_of(item)
     yield '<robot name="thing"><link name="thing">'
-    # The simulator derives the inertia from the shape, whatever is written here.
+    # The simulator derives the inertia from the shape and ignores these values.
     yield f'<inertial><mass value="{item.mass:.9g}"/>'
     yield '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     if item.shape.hull is not None:
-        # The simulator takes the convex hull of what collides.
+        # The simulator takes the convex hull of a collision mesh.
         yield f'<collision><geometry><mesh filename="{_HULL}"/></geometry></collision>'
     else:
         solid = solid_parts(item.shape, ())

@@ -25,29 +25,29 @@ Floats = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
 _KINDS = {"ball": p.GEOM_SPHERE, "box": p.GEOM_BOX, "cylinder": p.GEOM_CYLINDER}
-# Of the constraint with which the experimenter holds an object, N.
+# Largest force of the constraint with which the experimenter holds an object, N.
 _HOLDING_FORCE = 1000.0
 
 
 class BulletEngine(Engine):
     """A robot in PyBullet; see ``Engine``.
 
-    Every episode starts from an empty world, so that nothing of the one before, not even a cached
-    contact, can reach into it.
+    Every episode starts from an empty world, so that nothing of the last one, such as a cached
+    contact, affects it.
 
     Args:
-        robot: what can be sensed and moved.
-        model: its URDF.
-        timestep: of the physics, s.
-        gui: whether to open a window.
+        robot: Robot document.
+        model: URDF model of the robot.
+        timestep: Period of a physics step, s.
+        gui: True to open a window.
 
     Attributes:
-        client: the simulator.
-        robot: the simulated robot.
-        bodies: the simulator's number of each object.
+        client: Number of the simulator's connection.
+        robot: Simulated robot.
+        bodies: The simulator's number of each object.
 
     Raises:
-        BackendError: the simulator cannot read the model, or the robot file names links that the
+        BackendError: The simulator cannot read the model, or the robot file names links that the
             model does not have.
     """
 
@@ -72,7 +72,7 @@ class BulletEngine(Engine):
         self._cell_of_link = {link: cell for cell, link in links.items()}
 
     def _empty(self) -> None:
-        """Leave nothing but the robot in the world."""
+        """Remove everything but the robot from the world."""
         p.resetSimulation(physicsClientId=self.client)
         p.setGravity(0, 0, -GRAVITY, physicsClientId=self.client)
         p.setPhysicsEngineParameter(
@@ -139,7 +139,7 @@ class BulletEngine(Engine):
         )
 
     def _gather(self) -> None:
-        """Take another array for the solids, since other objects are there."""
+        """Allocate a new array for the solids after a change of the objects."""
         solids = [placed(item.shape, item.pose) for item in self.objects.values()]
         self._solids = np.array(solids).reshape(len(solids), WIDTH)
 
@@ -172,7 +172,7 @@ class BulletEngine(Engine):
         return np.array(p.getBaseVelocity(self.bodies[name], physicsClientId=self.client)[0])
 
     def attach(self, name: str) -> None:
-        """See ``Engine``; an object that is held keeps its orientation."""
+        """Attach an object, which keeps its orientation; see ``Engine``."""
         pose = self.pose(name)
         quaternion = pose.quaternion()
         constraint = p.createConstraint(
@@ -231,13 +231,13 @@ class BulletEngine(Engine):
         return frozenset(touch.cell for touch in self.touches(name))
 
     def neighbours(self, name: str) -> frozenset[str]:
-        """Names of the other objects that one presses on, as of the last step."""
+        """Return the names of the other objects that press on an object, as of the last step."""
         contacts = p.getContactPoints(bodyA=self.bodies[name], physicsClientId=self.client)
         pressing = {contact[2] for contact in contacts if contact[9]}
         return frozenset(other for other, body in self.bodies.items() if body in pressing)
 
     def touches(self, name: str | None = None) -> list[ContactPoint]:
-        """Contact points of the fingertips, with everything or with one object."""
+        """Return the contact points of the fingertips, with everything or with one object."""
         touches = list(self._touches())
         if name is None:
             return touches
@@ -264,9 +264,9 @@ class BulletEngine(Engine):
 
 
 def _force(contact: Any, sign: float) -> tuple[Triple, float]:
-    """Force that a fingertip exerts, N, and its share along the contact normal, N.
+    """Return the force that a fingertip exerts, N, and its share along the contact normal, N.
 
-    ``sign`` is 1 where the fingertip is contact's second body: forces act on the first.
+    ``sign`` is 1 if the fingertip is the contact's second body: forces act on the first.
     """
     (nx, ny, nz), pressure = contact[7], contact[9]
     f, (fx, fy, fz) = contact[10], contact[11]
@@ -280,7 +280,7 @@ def _force(contact: Any, sign: float) -> tuple[Triple, float]:
 
 
 def _size(shape: SolidShape, height: str) -> dict[str, Any]:
-    """A shape's size by the simulator's names; ``height`` is that of a cylinder's height."""
+    """Return a shape's size by the simulator's names; ``height`` names a cylinder's height."""
     if shape.kind == "box":
         return {"halfExtents": shape.halves}
     if shape.kind == "ball":

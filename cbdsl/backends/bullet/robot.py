@@ -18,10 +18,10 @@ from cbdsl.robot.urdf import UrdfModel
 
 Floats = NDArray[np.float64]
 
-# Torque of servos without a limit, N m; the simulator knows no infinite one.
+# Torque of servos without a limit, N m; the simulator has no infinite torque.
 _STRONGEST = 1e6
 
-# Of one body in PyBullet, fixed ones too.
+# Largest number of joints of one body in PyBullet, fixed joints included.
 _MOST_JOINTS = 127
 
 _FLAGS = (
@@ -32,24 +32,24 @@ _FLAGS = (
 
 
 class BulletRobot:
-    """A robot, loaded with its base at the origin of the world.
+    """Robot in PyBullet with its base at the origin of the world.
 
-    Its servos keep the URDF's limits: a position error drives a joint at a speed in proportion to
-    it, so that errors beyond the one for the largest speed are cut off; torques are bounded by the
-    smaller of the robot file's and the URDF's.
+    The servos keep the URDF's limits. A servo moves a joint at a speed in proportion to its
+    position error. Errors above the one for the largest speed are cut off. Torques are bounded by
+    the smaller of the robot file's and the URDF's efforts.
 
     Args:
-        client: the simulator.
-        robot: names joints and surfaces.
-        model: its URDF.
-        timestep: of the physics, s.
+        client: Number of the simulator's connection.
+        robot: Robot document, which names joints and surfaces.
+        model: URDF model of the robot.
+        timestep: Period of a physics step, s.
 
     Attributes:
-        id: the simulator's number for it.
-        links: the simulator's number of every link; the base is -1.
+        id: The simulator's number of the robot.
+        links: The simulator's number of every link; -1 for the base.
 
     Raises:
-        BackendError: the model cannot be read, or lacks something that the robot file names.
+        BackendError: The model cannot be read, or lacks something that the robot file names.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class BulletRobot:
         return [self.links[name] for name in matching_links(self._document, self._model, patterns)]
 
     def _soften(self, count: int, simulation: Simulation) -> None:
-        """No damping but the servos', and the surfaces of the robot file."""
+        """Set damping to that of the servos alone, and surfaces to those of the robot file."""
         for link in range(-1, count):
             p.changeDynamics(
                 self.id,
@@ -133,7 +133,7 @@ class BulletRobot:
     def place(self, positions: Floats) -> None:
         """Put the actuated joints at ``positions``, rad, shape (n,), at rest; couplings follow.
 
-        Joints that the robot file does not name are held where they rest.
+        Joints that the robot file does not name are held at their rest positions.
         """
         for index, position in self._resting.items():
             p.resetJointState(self.id, index, position, 0.0, physicsClientId=self._client)
@@ -151,10 +151,10 @@ class BulletRobot:
             p.resetJointState(self.id, index, float(angle), 0.0, physicsClientId=self._client)
 
     def drive(self, targets: Floats) -> None:
-        """Give the servos their targets, rad, shape (n,).
+        """Set the targets of the servos, rad, shape (n,).
 
-        A passive joint's target is its ratio of where the joint it follows is, not of where that
-        one should be: a fingertip that is held back must not bend the joint behind it.
+        A passive joint's target follows from the measured position of its leading joint, not from
+        the reference: a fingertip that is held back must not bend the joint behind it.
         """
         states = p.getJointStates(self.id, self._indices, physicsClientId=self._client)
         positions = np.array([state[0] for state in states])
@@ -173,17 +173,17 @@ class BulletRobot:
         )
 
     def read(self) -> tuple[Floats, Floats]:
-        """Positions and velocities of the actuated joints, rad and rad/s, shape (n,) each."""
+        """Return the actuated joints' positions and velocities, rad and rad/s, shape (n,) each."""
         states = p.getJointStates(self.id, self._actuated, physicsClientId=self._client)
         return np.array([state[0] for state in states]), np.array([state[1] for state in states])
 
     def efforts(self) -> Floats:
-        """Torques of the actuated joints' servos in the last step, N m, shape (n,)."""
+        """Return the torques of the actuated joints' servos in the last step, N m, shape (n,)."""
         states = p.getJointStates(self.id, self._actuated, physicsClientId=self._client)
         return np.array([state[3] for state in states])
 
     def placements(self) -> Floats:
-        """Rotation, row by row, then position, m, of all links, the base first, shape (k, 12)."""
+        """Return rotation by rows, then position, m, of all links, base first, shape (k, 12)."""
         numbers = range(len(self.links) - 1)
         states = p.getLinkStates(
             self.id, list(numbers), computeForwardKinematics=1, physicsClientId=self._client

@@ -16,7 +16,7 @@ _BACKGROUND = 199
 
 
 class TinyRenderer:
-    """Renders with PyBullet's TinyRenderer, without shadows.
+    """Renderer by PyBullet's TinyRenderer, without shadows.
 
     Its spheres are coarse polyhedra, which shifts the centroids of regions a little.
     """
@@ -27,13 +27,13 @@ class TinyRenderer:
         self._client = client
 
     def render(self, engine: Engine, views: Sequence[View]) -> list[Image]:
-        """All bodies of the simulator, from each view; see ``Renderer.render``."""
+        """Return images of all bodies from each view; see ``Renderer.render``."""
         return [self._image(view) for view in views]
 
     def _image(self, view: View) -> Image:
         width, height = view.camera.width, view.camera.height
         projection = view.eye_to_clip()
-        # It samples pixels at their lower left corners: half a pixel brings their centres there.
+        # TinyRenderer samples pixels at their lower left corners: half a pixel centres the samples.
         projection[0, 2], projection[1, 2] = 1 / width, 1 / height
         _, _, colors, _, bodies = p.getCameraImage(
             width,
@@ -53,4 +53,4 @@ class TinyRenderer:
         return np.ascontiguousarray(image)
 
     def close(self) -> None:
-        """Nothing to free."""
+        """Do nothing: there are no resources to free."""

@@ -1,4 +1,4 @@
-"""The camera system: a robot's cameras, whatever makes their images."""
+"""Camera system: a robot's cameras, independent of the source of their images."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ class Chance(NamedTuple):
 class CameraSystem(ABC):
     """All cameras of a robot.
 
-    Each is where the robot's model has it but for an error: a distance in a random direction and
-    an angle about a random axis. A body of the robot that has a number keeps its errors, whatever
-    the episode; without one they are drawn once in an episode.
+    Each camera is displaced from its pose in the robot's model by an error: a distance in a random
+    direction and an angle about a random axis. A robot body with a number keeps its errors in all
+    episodes; without a number they are drawn once per episode.
 
     Args:
-        robot: names the cameras and their links.
-        renderer: what makes the images, for people.
+        robot: Robot document, which names the cameras and their links.
+        renderer: Source of the images, for people.
     """
 
     def __init__(self, robot: RobotDocument, renderer: str) -> None:
@@ -58,10 +58,10 @@ class CameraSystem(ABC):
         """Begin an episode.
 
         Args:
-            engine: where links and objects are.
-            disturbance: sizes of the cameras' errors and of the images' noise.
-            channels: whose regions are looked for, all of them when ``None``.
-            chance: draws errors and noise.
+            engine: Engine, which knows the poses of links and objects.
+            disturbance: Sizes of the cameras' errors and of the images' noise.
+            channels: Channels whose regions are looked for; all if ``None``.
+            chance: Generators of errors and noise.
         """
         self._engine = engine
         self._errors = camera_errors(self._cameras, disturbance, chance.errors)
@@ -78,18 +78,18 @@ class CameraSystem(ABC):
         """Expose all cameras now, while there is no light."""
 
     def close(self) -> None:  # noqa: B027 (ideal ones hold nothing)
-        """Free what makes the images."""
+        """Free the source of the images."""
 
 
 def camera_errors(
     cameras: Iterable[str], disturbance: Disturbance, episode: np.random.Generator
 ) -> dict[str, Pose]:
-    """True poses of displaced cameras in the frames where the robot's model has them.
+    """Return true poses of displaced cameras, each in its frame in the robot's model.
 
     Args:
-        cameras: their names, in the order of the robot's document.
-        disturbance: sizes of the errors, and the body that they belong to, if any.
-        episode: draws them where they belong to no body.
+        cameras: Names of the cameras, in the order of the robot's document.
+        disturbance: Sizes of the errors, and the body that they belong to, if any.
+        episode: Generator of the errors, if they belong to no body.
     """
     if not (disturbance.camera_position or disturbance.camera_rotation):
         return {}
@@ -104,6 +104,6 @@ def _error(disturbance: Disturbance, rng: np.random.Generator) -> Pose:
 
 
 def _direction(rng: np.random.Generator) -> Floats:
-    """A unit vector, shape (3,), drawn evenly from all directions."""
+    """Return a unit vector, shape (3,), drawn uniformly from all directions."""
     vector = rng.standard_normal(3)
     return vector / np.linalg.norm(vector)

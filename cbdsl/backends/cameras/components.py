@@ -1,4 +1,4 @@
-"""Connected components of what a camera sees."""
+"""Connected components of the visible cells of a camera."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Integers = NDArray[np.int64]
 
 @compiled
 def keep_largest(seen: Booleans, size: int) -> None:
-    """Leave nothing but the largest component, whose cells are side by side or corner to corner.
+    """Keep only the largest component; cells connect by sides or corners.
 
     Args:
-        seen: cells, of which the first ``size`` each way count, shape (n, n).
-        size: at most n.
+        seen: Visible cells, of which the first ``size`` in each direction count, shape (n, n).
+        size: Number of cells in each direction, at most n.
     """
     labels, queue = np.zeros((size, size), np.int64), np.empty((size * size, 2), np.int64)
     largest, most, count = 0, 0, 0
@@ -38,7 +38,7 @@ def keep_largest(seen: Booleans, size: int) -> None:
 def _flood(
     seen: Booleans, size: int, column: int, row: int, label: int, labels: Integers, queue: Integers
 ) -> int:
-    """Give all cells of the component of one cell a label; returns how many there are."""
+    """Label all cells of the component of one cell; return their number."""
     labels[column, row] = label
     queue[0, 0], queue[0, 1] = column, row
     first, end = 0, 1

@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 
 _NEAREST = 0.02
-"""Least distance ahead of a camera at which anything is seen, m."""
+"""Least distance ahead of a camera at which an object is visible, m."""
 
 _CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 _EDGES = np.array(
@@ -27,13 +27,13 @@ _EDGES = np.array(
 def box_extent(
     box: Floats, camera: Floats, lens: Floats, unhidden: Callable[[Floats], Booleans]
 ) -> Extent:
-    """The visible part of a box, as an image would show it.
+    """Return the visible part of a box, as an image shows it.
 
     Args:
-        box: as ``solids`` has it, shape (16,).
-        camera: its placement, with the axes ahead, left and up, shape (12,).
-        lens: focal length, width and height of the image, px, shape (3,).
-        unhidden: which of some pixels, shape (k, 2), the box is seen at.
+        box: Row of the box, as in ``solids``, shape (16,).
+        camera: Placement of the camera, with the axes ahead, left and up, shape (12,).
+        lens: Focal length, width and height of the image, px, shape (3,).
+        unhidden: Function from pixels, shape (k, 2), to whether the box is visible at each.
     """
     hull = _hull(box, camera, lens)
     if hull is None:
@@ -53,7 +53,7 @@ def box_extent(
 
 
 def _hull(box: Floats, camera: Floats, lens: Floats) -> Floats | None:
-    """Corners of the silhouette, px, shape (k, 2)."""
+    """Return the corners of the silhouette, px, shape (k, 2)."""
     turned, axes = box[ROTATION].reshape(3, 3), camera[:9].reshape(3, 3)
     corners = (box[POSITION] + (_CORNERS * box[HALVES]).dot(turned.T) - camera[9:]).dot(axes)
     starts, ends = corners[_EDGES[:, 0]], corners[_EDGES[:, 1]]
@@ -71,7 +71,7 @@ def _hull(box: Floats, camera: Floats, lens: Floats) -> Floats | None:
 
 
 def _pieces(start: Floats, end: Floats, size: Floats) -> list[tuple[float, float, float, float]]:
-    """The part of a segment that is in the image, in pieces as long as the grid is wide."""
+    """Return the part of a segment within the image, in pieces as long as the grid spacing."""
     along, low, high = end - start, 0.0, 1.0
     for axis in range(2):
         if along[axis] == 0.0:

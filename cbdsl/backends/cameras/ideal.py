@@ -33,26 +33,26 @@ from cbdsl.sensing.channels import FILLING, MOST_REGIONS, Extent, Moments, Regio
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-# Lines of sight each way across a thing: its area is then right within a percent.
+# Lines of sight in each direction across an object: its area is then accurate within a percent.
 _SAMPLES = 20
-# And across a fixture, whose area matters less.
+# Lines of sight across a fixture, whose area matters less.
 _COARSE = 8
-# And across a thing with a spot, which is small.
+# Lines of sight across an object with a spot, which is small.
 _FINE = 60
-# What has moved less from one image to the next does not count as motion, m.
+# Displacements below this from one image to the next do not count as motion, m.
 _LEAST_MOTION = 2e-3
 _ROUNDING = 1e-9
 
 
 class VisibleSurface(NamedTuple):
-    """A surface of one colour: a whole object, or the spot on it.
+    """Surface of one colour: a whole object, or a spot on it.
 
     Attributes:
-        item: what it belongs to.
-        owner: the object's index among the engine's.
-        target: index of what has the surface among all solids that objects are made of.
-        patch: the part of the object's surface, as ``silhouettes`` has it.
-        channels: in which its colour is, of those that are looked for.
+        item: Object that the surface belongs to.
+        owner: Index of the object among the engine's objects.
+        target: Index of the solid with the surface among all solids that objects consist of.
+        patch: Part of the solid's surface, as in ``silhouettes``.
+        channels: Channels of its colour among those that are looked for.
     """
 
     item: SceneObject
@@ -63,27 +63,27 @@ class VisibleSurface(NamedTuple):
 
     @property
     def samples(self) -> int:
-        """Lines of sight each way across the object."""
+        """Lines of sight in each direction across the object."""
         if self.patch is not WHOLE:
             return _FINE
         return _SAMPLES if self.item.mass else _COARSE
 
 
 class _Scene:
-    """Surfaces to be seen until an object comes or goes.
+    """Surfaces that may be visible until an object is added or removed.
 
     Args:
-        engine: that it is in.
-        palette: knows in which channels colours are.
-        channels: that are looked for.
-        cameras: how many there are.
+        engine: Engine with the objects.
+        palette: Channels of colours.
+        channels: Channels that are looked for.
+        cameras: Number of cameras.
 
     Attributes:
-        solids: the engine's, which has new ones when something comes or goes.
-        surfaces: all that can be seen.
-        targets: their solids and samples, as ``silhouettes`` has them, shape (surfaces, 2).
-        patches: as ``silhouettes`` has them, shape (surfaces, 4).
-        shapes: what the cameras see of them, shape (cameras, surfaces, SHAPE).
+        solids: The engine's solids; another array after an object is added or removed.
+        surfaces: All surfaces that may be visible.
+        targets: Solids and samples of the surfaces, as in ``silhouettes``, shape (surfaces, 2).
+        patches: Patches, as in ``silhouettes``, shape (surfaces, 4).
+        shapes: Silhouettes of the surfaces, shape (cameras, surfaces, SHAPE).
     """
 
     def __init__(
@@ -94,10 +94,10 @@ class _Scene:
         self._before = self.solids[:, POSITION].copy()
         self._shifts = np.zeros(len(self.solids))
         sees_motion = "motion" in channels
-        # What is no fixture, where the robot looks for motion.
+        # Objects that are not fixtures, if the robot looks for motion.
         items = enumerate(engine.objects.values())
         self._movable = {row: item.name for row, item in items if item.mass and sees_motion}
-        # What has none of the colours that are looked for is seen only by its motion.
+        # A surface without a colour that is looked for is visible by its motion only.
         self.surfaces = [
             surface
             for surface in _surfaces(engine, self._walls.owners, palette, channels)
@@ -110,18 +110,18 @@ class _Scene:
         self.shapes = np.zeros((cameras, count, SHAPE))
 
     def placed(self) -> Floats:
-        """All solids that objects are made of, where they are now, shape (m, 16)."""
+        """Return all solids that objects consist of at their current poses, shape (m, 16)."""
         return self._walls.at(self.solids)
 
     def whole(
         self, shapes: Sequence[Sequence[float]]
     ) -> Iterable[tuple[VisibleSurface, Sequence[float]]]:
-        """All surfaces with their shapes in an image; what is hollow has one of each colour."""
+        """Return all surfaces with their shapes in an image; a hollow object has one per colour."""
         pairs = zip(self.surfaces, shapes, strict=True)
         return _joined(pairs) if len(self._walls.owners) > len(self.solids) else pairs
 
     def moved(self) -> set[str]:
-        """Objects that moved since the call before, where the robot looks for motion."""
+        """Return the objects that moved since the last call, if the robot looks for motion."""
         if not self._movable or not _have_moved(self.solids, self._before, self._shifts):
             return set()
         shifts = self._shifts.tolist()
@@ -131,12 +131,12 @@ class _Scene:
 class IdealCameras(CameraSystem):
     """Cameras without pixels and shading; see ``CameraSystem``.
 
-    Regions are off as if they had been counted pixel by pixel. They see nothing that is printed on
-    boxes but spots.
+    Regions have errors as if they had been counted pixel by pixel. Of prints on boxes, only spots
+    are visible.
 
     Args:
-        robot: names the cameras and their links.
-        model: of the robot.
+        robot: Robot document, which names the cameras and their links.
+        model: URDF model of the robot.
     """
 
     def __init__(self, robot: RobotDocument, model: UrdfModel) -> None:
@@ -175,11 +175,11 @@ class IdealCameras(CameraSystem):
         self._scene: _Scene | None = None
 
     def take_in_the_dark(self) -> Exposure:
-        """No regions."""
+        """Return no regions."""
         return self._nothing
 
     def take(self) -> Exposure:
-        """Regions of each channel that is looked for, by camera and channel."""
+        """Return the regions of each channel that is looked for, by camera and channel."""
         engine, scene = self._engine, self._scene
         solids, placements = engine.solids, engine.placements
         if scene is None or scene.solids is not solids:
@@ -222,7 +222,7 @@ class IdealCameras(CameraSystem):
     def _extent(
         self, solids: Floats, lens: Floats, place: Floats, surface: VisibleSurface
     ) -> Extent | None:
-        """The visible part of a box, and of nothing else, that a camera at a place has."""
+        """Return the visible part of a box from a camera's placement; ``None`` for other shapes."""
         if surface.patch is not WHOLE or surface.item.shape.kind != "box":
             return None
 
@@ -237,7 +237,7 @@ class IdealCameras(CameraSystem):
         return box_extent(solids[surface.target], place, lens, seen_at)
 
     def _misplaced(self, placements: Floats) -> Floats:
-        """Placements of the links, with those of the cameras in the rows of theirs."""
+        """Return the placements of the links, with those of the cameras in their links' rows."""
         if not self._errors:
             return placements
         placements = placements.copy()
@@ -255,9 +255,9 @@ def _regions(
     errors: RegionErrors,
     extent: Callable[[VisibleSurface], Extent | None],
 ) -> Mapping[str, Regions]:
-    """Regions of each channel, the largest first, from the shapes of all surfaces in an image.
+    """Return regions of each channel, the largest first, from all surfaces' shapes in an image.
 
-    Those that are clipped and larger than ``filled``, px, have an extent.
+    Clipped regions larger than ``filled``, px, have an extent.
     """
     by_channel: dict[str, dict[int, Region]] = {}
     for surface, (area, column, row, clipped, columns, mixed, rows) in surfaces:
@@ -272,13 +272,13 @@ def _regions(
         if surface.item.name in moved:
             channels = (*channels, "motion")
         for channel in channels:
-            # A spot comes after its object, whose area has its own in it.
+            # A spot comes after its object, whose area includes that of the spot.
             by_channel.setdefault(channel, {}).setdefault(surface.owner, region)
     return {channel: _connected([*of.values()]) for channel, of in by_channel.items()}
 
 
 def _connected(regions: list[Region]) -> Regions:
-    """The regions that several ones make in an image, the largest first."""
+    """Merge regions that overlap in an image; return them with the largest first."""
     if len(regions) == 1:
         return (regions[0],)
     apart: list[Region] = []
@@ -291,7 +291,7 @@ def _connected(regions: list[Region]) -> Regions:
 
 
 def _overlap(one: Region, other: Region) -> bool:
-    """Whether the ellipses with the moments of two regions touch, along the line between them."""
+    """Return whether the moments' ellipses of two regions touch along the line between them."""
     across, down = other.column - one.column, other.row - one.row
     distance = math.hypot(across, down)
     if distance == 0.0:
@@ -304,7 +304,7 @@ def _overlap(one: Region, other: Region) -> bool:
 
 
 def _union(one: Region, other: Region) -> Region:
-    """Two regions as one."""
+    """Return two regions as one."""
     area = one.area + other.area
     share, rest = one.area / area, other.area / area
     across, down = other.column - one.column, other.row - one.row
@@ -322,7 +322,7 @@ def _union(one: Region, other: Region) -> Region:
 def _joined(
     pairs: Iterable[tuple[VisibleSurface, Sequence[float]]],
 ) -> Iterator[tuple[VisibleSurface, Sequence[float]]]:
-    """Surfaces with their shapes, all walls of what is hollow as one."""
+    """Yield surfaces with their shapes, with all walls of a hollow object as one."""
     for _, group in groupby(pairs, lambda pair: (pair[0].owner, pair[0].patch is WHOLE)):
         parts = list(group)
         surface = parts[0][0]
@@ -330,7 +330,7 @@ def _joined(
 
 
 def _sum(shapes: Sequence[Sequence[float]]) -> Sequence[float]:
-    """Shape of several that do not hide each other's visible part, as ``silhouettes`` has them."""
+    """Return the joint shape of disjoint visible parts, as in ``silhouettes``."""
     each = np.array(shapes)
     area = float(each[:, 0].sum())
     if area == 0.0:
@@ -345,12 +345,12 @@ def _sum(shapes: Sequence[Sequence[float]]) -> Sequence[float]:
 
 @compiled_once
 def _have_moved(solids: Floats, before: Floats, shifts: Floats) -> bool:
-    """Whether any solid has moved far enough to be seen to move.
+    """Return whether any solid has moved far enough to count as motion.
 
     Args:
-        solids: as ``solids`` has them, shape (k, 16).
-        before: where they were, m; becomes where they are, shape (k, 3).
-        shifts: becomes how far each has moved, m, shape (k,).
+        solids: Rows of the solids, as in ``solids``, shape (k, 16).
+        before: Positions at the last call, m, shape (k, 3); overwritten by the current ones.
+        shifts: Output: distance that each solid has moved, m, shape (k,).
     """
     have_moved = False
     for index in range(len(solids)):
@@ -367,7 +367,7 @@ def _have_moved(solids: Floats, before: Floats, shifts: Floats) -> bool:
 def _surfaces(
     engine: Engine, owners: Rows, palette: Palette, channels: Collection[str]
 ) -> list[VisibleSurface]:
-    """All solids, then the spots on them, whose area counts as their object's, too."""
+    """Return all solids, then their spots, whose area also counts as their object's."""
 
     def wanted(color: Sequence[float]) -> tuple[str, ...]:
         return tuple([name for name in palette.channels(color) if name in channels])
@@ -384,8 +384,8 @@ def _surfaces(
 
 
 def _patch(shape: SolidShape, spot: Spot) -> tuple[float, float, float, float]:
-    """A spot as ``silhouettes`` has it."""
+    """Return a spot as a patch, as in ``silhouettes``."""
     side = -1.0 if spot.face.startswith("-") else 1.0
-    # A ray meets a plane but for rounding.
+    # A ray meets a plane only within rounding errors.
     height = shape.spot_height(spot) - _ROUNDING
     return float("xy".index(spot.face[1])), side, height, spot.radius

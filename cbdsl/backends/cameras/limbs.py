@@ -1,4 +1,4 @@
-"""Limbs: the parts of arms that get in the way of the cameras."""
+"""Limbs: the parts of arms that may occlude objects."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from cbdsl.robot.urdf import UrdfModel, UrdfShape
 
 Floats = NDArray[np.float64]
 
-# Joints at the end of an arm whose links are wide, and often before the cameras.
+# Joints at the end of an arm whose links are wide, and often in front of the cameras.
 _WRIST = 3
 
 
 class Limbs:
-    """Wrists and what they carry.
+    """Wrists and the links beyond them.
 
     Attributes:
-        parts: solids in the frames of their links, shape (parts, 16).
-        links: names of these links.
+        parts: Solids in the frames of their links, shape (parts, 16).
+        links: Names of these links.
     """
 
     def __init__(self, robot: RobotDocument, model: UrdfModel) -> None:
@@ -42,7 +42,7 @@ class Limbs:
 
 
 def solid_shapes(shapes: Iterable[UrdfShape]) -> Iterator[tuple[SolidShape, Pose]]:
-    """The balls, boxes and cylinders among some shapes, with their poses in the link's frame."""
+    """Yield balls, boxes and cylinders among shapes, with their poses in the link's frame."""
     for shape in shapes:
         pose = Pose.at(shape.origin)
         if shape.kind == "ball":

@@ -1,4 +1,4 @@
-"""Triangle meshes of the unit primitives and of things, for the graphics card."""
+"""Triangle meshes of the unit primitives and of objects, for the graphics card."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _SPLITS = 3
 
 
 def ball() -> Floats:
-    """Triangles of the unit ball with their normals, shape (triangles, 3, 6).
+    """Return triangles of the unit ball with their normals, shape (triangles, 3, 6).
 
-    An octahedron whose faces are split into four and blown up, again and again.
+    The faces of an octahedron are repeatedly split into four and projected onto the sphere.
     """
     signs = np.array(np.meshgrid([1, -1], [1, -1], [1, -1])).reshape(3, -1).T
     triangles = signs[:, :, None] * np.eye(3)
@@ -34,7 +34,7 @@ def _on_sphere(points: Floats) -> Floats:
 
 
 def box() -> Floats:
-    """Triangles of the box from -1 to 1 on each axis, with normals, shape (12, 3, 6)."""
+    """Return triangles of the box from -1 to 1 on each axis, with normals, shape (12, 3, 6)."""
     face = np.array([[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]], dtype=float)
     sides = []
     for axis in range(3):
@@ -46,7 +46,7 @@ def box() -> Floats:
 
 
 def cylinder() -> Floats:
-    """Triangles of the cylinder about z of radius 1, from -1 to 1, shape (triangles, 3, 6)."""
+    """Return triangles of the z cylinder of radius 1, from -1 to 1, shape (triangles, 3, 6)."""
     angles = np.linspace(0, 2 * np.pi, _SIDES + 1)
     rim = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=1)
     here, there, up = rim[:-1], rim[1:], np.array([0.0, 0.0, 1.0])
@@ -62,7 +62,7 @@ def cylinder() -> Floats:
 
 
 def flat(mesh: Mesh) -> Floats:
-    """Triangles of a mesh, each with the normal of its plane, shape (triangles, 3, 6)."""
+    """Return a mesh's triangles, each with the normal of its plane, shape (triangles, 3, 6)."""
     corners = mesh.corners[mesh.triangles]
     a, b, c = np.moveaxis(corners, 1, 0)
     normals: Floats = np.cross(b - a, c - a)

@@ -1,4 +1,4 @@
-"""Images by OpenGL without a window: all shapes as instances of unit meshes, or of their own."""
+"""Images by OpenGL without a window: all shapes as instances of unit meshes or own meshes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from cbdsl.sensing.observation import Image
 Floats = NDArray[np.float64]
 
 BACKGROUND = (0.78, 0.78, 0.78)
-# Of links whose model gives no colour.
+# Colour of links without a colour in the model.
 _GREY = (0.7, 0.7, 0.7)
 
 # Light and shade multiply a colour, so that its hue and saturation stay.
@@ -59,11 +59,11 @@ class _Instances:
     """All parts of one kind of shape.
 
     Attributes:
-        array: draws them.
-        buffer: their transforms and colours, on the graphics card.
-        rows: the same, shape (parts, 19), float32.
-        frames: index of the frame that each is attached to, shape (parts,).
-        in_frame: their transforms in those frames, scale included, shape (parts, 4, 4).
+        array: Vertex array that draws the parts.
+        buffer: Transforms and colours of the parts, on the graphics card.
+        rows: Transforms and colours of the parts, shape (parts, 19), float32.
+        frames: Index of the frame that each part is attached to, shape (parts,).
+        in_frame: Transforms of the parts in those frames, scale included, shape (parts, 4, 4).
     """
 
     array: Any
@@ -74,7 +74,7 @@ class _Instances:
 
 
 def _scale(part: Part) -> Sequence[float]:
-    """Scale of a unit mesh that makes it a part."""
+    """Return the scale that turns a unit mesh into a part."""
     size = part.size
     if part.shape == "ball":
         return (size[0], size[0], size[0])
@@ -86,11 +86,11 @@ def _scale(part: Part) -> Sequence[float]:
 
 
 class OpenGLRenderer:
-    """Renders the shapes of a robot's model and of scene objects.
+    """Renderer of the shapes of a robot's model and of scene objects.
 
     Raises:
-        ValueError: the robot has a shape that cannot be drawn.
-        Exception: there is no OpenGL to be had without a window.
+        ValueError: The robot has a shape that cannot be drawn.
+        Exception: OpenGL is not available without a window.
     """
 
     def __init__(self, model: UrdfModel) -> None:
@@ -115,14 +115,14 @@ class OpenGLRenderer:
                 ("cylinder", mesh.cylinder()),
             )
         }
-        #: Those of things, with the mesh, so that no other one gets its identity.
+        #: Meshes of objects by identity; the mesh is kept so that its identity is not reused.
         self._own: dict[int, tuple[Mesh, Any]] = {}
         self._canvases: dict[tuple[int, int], Any] = {}
         self._shown: Floats | None = None
         self._instances: list[_Instances] = []
 
     def _show(self, engine: Engine) -> None:
-        """Upload robot and objects; their frames are those of the links, then the objects'."""
+        """Upload robot and objects; frames of links come first, then those of objects."""
         parts = [(engine.rows[link], part) for link, part in self._robot]
         for frame, name in enumerate(engine.names(), len(engine.rows)):
             parts += [(frame, part) for part in engine.parts(name)]
@@ -139,7 +139,7 @@ class OpenGLRenderer:
         ]
 
     def _own_mesh(self, triangles: Mesh) -> Any:
-        """The buffer of a thing's mesh, which stays on the graphics card."""
+        """Return the buffer of an object's mesh, which stays on the graphics card."""
         key = id(triangles)
         if key not in self._own:
             buffer = self._context.buffer(mesh.flat(triangles).astype("f4").tobytes())
@@ -163,7 +163,7 @@ class OpenGLRenderer:
         )
 
     def render(self, engine: Engine, views: Sequence[View]) -> list[Image]:
-        """Robot and objects as they are now, from each view; see ``Renderer.render``."""
+        """Return images of robot and objects from each view; see ``Renderer.render``."""
         solids = engine.solids
         with self._context:
             if self._shown is not solids:
@@ -212,10 +212,10 @@ class OpenGLRenderer:
 
 
 def _visible_part(shape: UrdfShape) -> Part:
-    """A visual of the robot's model.
+    """Return a visual of the robot's model as a part.
 
     Raises:
-        ValueError: it has a shape that cannot be drawn.
+        ValueError: The visual has a shape that cannot be drawn.
     """
     if shape.kind not in ("ball", "box", "cylinder"):
         raise ValueError("only balls, boxes and cylinders can be drawn")
@@ -224,7 +224,7 @@ def _visible_part(shape: UrdfShape) -> Part:
 
 
 def _in_frame(part: Part) -> Floats:
-    """Transform of a part's unit mesh in its frame, scale included, shape (4, 4)."""
+    """Return the transform of a part's unit mesh in its frame, with scale, shape (4, 4)."""
     transform = np.eye(4)
     transform[:3, :3] = rotations(np.array(part.quaternion)) * _scale(part)
     transform[:3, 3] = part.position
@@ -232,7 +232,7 @@ def _in_frame(part: Part) -> Floats:
 
 
 def _frames(placements: Floats, solids: Floats) -> Floats:
-    """Transforms of the frames of all links, then of all objects, shape (frames, 4, 4)."""
+    """Return the transforms of the frames of links, then objects, shape (frames, 4, 4)."""
     links = len(placements)
     frames = np.zeros((links + len(solids), 4, 4))
     frames[:links, :3, :3] = placements[:, :9].reshape(-1, 3, 3)

@@ -1,4 +1,4 @@
-"""Colours as the robot's channels have them."""
+"""Colours by the robot's channels."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cbdsl.sensing.channels import ChannelFilter
 
 
 class Palette:
-    """Tells in which channels a colour is, in white light."""
+    """Channels of colours in white light."""
 
     def __init__(self, channels: Channels) -> None:
         wanted = [name for name in channel_names(channels) if name != "motion"]
@@ -20,7 +20,7 @@ class Palette:
         self._known: dict[tuple[float, ...], tuple[str, ...]] = {}
 
     def channels(self, color: Sequence[float]) -> tuple[str, ...]:
-        """Names of the channels of red, green and blue, each from 0 to 1."""
+        """Return the names of the channels of a colour: red, green and blue, each from 0 to 1."""
         key = tuple(color)
         if key not in self._known:
             pixel = np.rint(255 * np.array(color)).astype(np.uint8)

@@ -8,19 +8,19 @@ from numpy.typing import NDArray
 
 from cbdsl.sensing.observation import Image
 
-# Rows and columns that an image may be shifted by on the sheet.
+# Rows and columns by which an image may be shifted on the sheet.
 _ROOM = 64
 
 
 class PixelNoise:
     """Normal noise of each pixel and colour, rounded to steps of the sensor.
 
-    To draw it anew for every image would take as long as rendering. It is drawn once in an episode,
-    on a sheet that is larger than an image, and every image takes a part of it.
+    Drawing new noise for every image takes as long as rendering. So it is drawn once per episode on
+    a sheet larger than an image, and every image takes a part of the sheet.
 
     Args:
-        deviation: standard deviation, of 255.
-        rng: draws it.
+        deviation: Standard deviation, of 255.
+        rng: Draws it.
     """
 
     def __init__(self, deviation: float, rng: np.random.Generator) -> None:
@@ -28,7 +28,7 @@ class PixelNoise:
         self._sheets: dict[tuple[int, int], NDArray[np.int16]] = {}
 
     def added(self, image: Image) -> Image:
-        """A copy of an image with noise, shape (height, width, 3)."""
+        """Return a copy of an image with noise, shape (height, width, 3)."""
         if not self._deviation:
             return image.copy()
         height, width, _ = image.shape

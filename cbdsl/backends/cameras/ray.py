@@ -1,4 +1,4 @@
-"""Rays and convex solids: where a line of sight enters one."""
+"""Rays and convex solids: entry points of lines of sight."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Triple = tuple[float, float, float]
 
 @compiled
 def _slab(origin: float, direction: float, half: float) -> tuple[float, float]:
-    """Interval of a ray between two planes."""
+    """Return the interval of a ray between two planes."""
     if direction == 0.0:
         return (-math.inf, math.inf) if abs(origin) <= half else (math.inf, -math.inf)
     near, far = (-half - origin) / direction, (half - origin) / direction
@@ -21,7 +21,7 @@ def _slab(origin: float, direction: float, half: float) -> tuple[float, float]:
 
 @compiled
 def _round(a: float, b: float, c: float) -> tuple[float, float]:
-    """Interval in which a t^2 + 2 b t + c is not positive."""
+    """Return the interval in which a t^2 + 2 b t + c is not positive."""
     root = b * b - a * c
     if root < 0.0 or a == 0.0:
         return (-math.inf, math.inf) if a == 0.0 and c <= 0.0 else (math.inf, -math.inf)
@@ -31,7 +31,7 @@ def _round(a: float, b: float, c: float) -> tuple[float, float]:
 
 @compiled
 def entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> float:
-    """Distance along a ray, in a solid's frame, to its entry; infinite if there is none."""
+    """Return the distance along a ray, in a solid's frame, to its entry; infinite without one."""
     x, y, z = origin
     u, v, w = direction
     if kind == BALL:
@@ -57,7 +57,7 @@ def entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> f
 
 @compiled
 def direction_at(level: Triple, slope: Triple, z: float) -> Triple:
-    """Direction of a line of sight of slope ``z``, see ``met_rows``."""
+    """Return the direction of a line of sight of slope ``z``; see ``met_rows``."""
     return level[0] + slope[0] * z, level[1] + slope[1] * z, level[2] + slope[2] * z
 
 
@@ -72,17 +72,17 @@ def met_rows(
     up: float,
     samples: int,
 ) -> tuple[int, int]:
-    """The first line of sight of a column that meets a solid, and the one after the last.
+    """Return the first line of sight of a column that meets a solid, and the end of those lines.
 
-    Solids are convex: lines that meet one are next to each other. Without any the two are the same.
+    Solids are convex, so lines that meet one are adjacent. If none does, the two are equal.
 
     Args:
-        kind, halves, origin: as of ``entered``.
-        level: the direction of the line of slope 0, in the solid's frame.
-        slope: by how much directions change with the slope.
-        bottom: slope at which the column begins.
-        up: distance of the lines, in slopes.
-        samples: how many there are.
+        kind, halves, origin: Solid and camera position, as in ``entered``.
+        level: Direction of the line of slope 0, in the solid's frame.
+        slope: Change of the direction per slope.
+        bottom: Slope at which the column begins.
+        up: Distance of the lines, in slopes.
+        samples: Number of lines.
     """
     start, end = 0, samples
     while start < end:

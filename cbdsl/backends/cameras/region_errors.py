@@ -7,19 +7,19 @@ import math
 import numpy as np
 
 # Standard deviation of a region's area, px, per square root of its border's length, px, and per
-# deviation of a pixel's value of 255: pixels that are half within it count or do not, and the noise
-# of a sensor of 2 decides which.
+# deviation of a pixel's value of 255. Pixels that are half within the region count or do not, and a
+# sensor noise of 2 decides which.
 _UNSURE = 0.15
-# For how many regions errors are drawn at once.
+# Number of regions for which errors are drawn at a time.
 _AHEAD = 256
 
 
 class RegionErrors:
-    """Errors of regions whose border pixels count or do not.
+    """Errors of regions whose border pixels may count or not.
 
     Args:
-        deviation: of a pixel's value, of 255.
-        rng: draws them.
+        deviation: Standard deviation of a pixel's value, of 255.
+        rng: Generator of the errors.
     """
 
     def __init__(self, deviation: float, rng: np.random.Generator) -> None:
@@ -27,7 +27,7 @@ class RegionErrors:
         self._drawn: list[list[float]] = []
 
     def added(self, area: float, column: float, row: float) -> tuple[float, float, float]:
-        """Area and centroid, px, with errors; a region keeps a pixel at least."""
+        """Return area and centroid, px, with errors; a region keeps at least one pixel."""
         if not self._drawn:
             self._drawn = self._rng.standard_normal((_AHEAD, 3)).tolist()
         larger, aside, below = self._drawn.pop()

@@ -21,8 +21,8 @@ class RenderedCameras(CameraSystem):
     """Cameras whose images a renderer makes; see ``CameraSystem``.
 
     Args:
-        robot: names the cameras and their links.
-        renderer: makes the images.
+        robot: Robot document, which names the cameras and their links.
+        renderer: Renderer of the images.
     """
 
     def __init__(self, robot: RobotDocument, renderer: Renderer) -> None:
@@ -42,7 +42,7 @@ class RenderedCameras(CameraSystem):
         self._noise = PixelNoise(deviation, chance.noise)
 
     def views(self) -> dict[str, View]:
-        """True views of all cameras, errors included."""
+        """Return the true views of all cameras, errors included."""
         views = {}
         for name, camera in self._cameras.items():
             pose, error = self._engine.link_pose(camera.link), self._errors.get(name)
@@ -50,12 +50,12 @@ class RenderedCameras(CameraSystem):
         return views
 
     def take(self) -> Exposure:
-        """An image by every camera."""
+        """Return an image of every camera."""
         images = self.render(self.views())
         return Exposure({name: self._noise.added(image) for name, image in images.items()})
 
     def take_in_the_dark(self) -> Exposure:
-        """A black image by every camera, with the noise of its sensor."""
+        """Return a black image of every camera, with the noise of its sensor."""
         return Exposure(
             {
                 name: self._noise.added(np.zeros((camera.height, camera.width, 3), np.uint8))
@@ -64,11 +64,11 @@ class RenderedCameras(CameraSystem):
         )
 
     def resolve(self, times: int) -> Mapping[str, Image]:
-        """Noiseless images of ``times`` as many pixels each way, for a sensor of one's own."""
+        """Return noiseless images of ``times`` as many pixels each way, for a custom sensor."""
         return self.render({name: view.resolved(times) for name, view in self.views().items()})
 
     def render(self, views: Mapping[str, View]) -> dict[str, Image]:
-        """Noiseless images from any views."""
+        """Return noiseless images from any views."""
         images = self._renderer.render(self._engine, list(views.values()))
         return dict(zip(views, images, strict=True))
 

@@ -13,23 +13,23 @@ from cbdsl.sensing.observation import Image
 
 
 class Renderer(Protocol):
-    """Makes images of an engine's robot and objects.
+    """Renderer of an engine's robot and objects.
 
     Attributes:
-        name: for people.
+        name: Name of the renderer, for people.
     """
 
     name: str
 
     def render(self, engine: Engine, views: Sequence[View]) -> list[Image]:
-        """Robot and objects as they are now, from each view.
+        """Return images of robot and objects from each view.
 
-        RGB, shape (height, width, 3), top row first.
+        Each is RGB, shape (height, width, 3), top row first.
         """
         ...
 
     def close(self) -> None:
-        """Free what it holds."""
+        """Free the renderer's resources."""
         ...
 
 
@@ -39,14 +39,14 @@ class NoRenderer:
     name = "none (no cameras)"
 
     def render(self, engine: Engine, views: Sequence[View]) -> list[Image]:
-        """No images, as there are no views."""
+        """Return no images, as there are no views."""
         return []
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: there are no resources to free."""
 
 
-# The backend that has a renderer of its own, by the renderer's name.
+# Backends that have a renderer of their own, by the renderer's name.
 _OWNERS = {"tiny": "bullet", "mujoco": "mujoco"}
 
 
@@ -55,15 +55,15 @@ def make_renderer(
     model: UrdfModel,
     own: Mapping[str, Callable[[], Renderer]],
 ) -> Renderer:
-    """The renderer of this kind; ``auto`` takes OpenGL where it works, else what needs none.
+    """Return the renderer of a kind; ``auto`` is OpenGL if it works, else a software renderer.
 
     Args:
-        kind: what the robot file asks for.
-        model: of the robot; OpenGL shows no meshes.
-        own: make the engine's own renderers, if it has any.
+        kind: Renderer that the robot file requests.
+        model: URDF model of the robot; OpenGL shows no meshes.
+        own: Factories of the engine's own renderers, if it has any.
 
     Raises:
-        BackendError: the one that was asked for cannot be had.
+        BackendError: The requested renderer is not available.
     """
     if kind in own:
         return own[kind]()
@@ -74,11 +74,11 @@ def make_renderer(
             f"for; allowed are the renderers {allowed} and 'opengl', or ideal cameras"
         )
     try:
-        # Ideal cameras need no graphics, and take no time to load them.
+        # Ideal cameras need no graphics, so they need not wait for this import.
         from cbdsl.backends.cameras.opengl import OpenGLRenderer
 
         return OpenGLRenderer(model)
-    # moderngl raises bare exceptions, and whatever the reason, there are images without it.
+    # moderngl raises bare exceptions; for any of them, images are possible without it.
     except Exception as error:
         software = own.get("tiny")
         if kind == "auto" and software is not None:

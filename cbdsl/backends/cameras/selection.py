@@ -1,4 +1,4 @@
-"""Selection of a camera system, apart from the engine."""
+"""Selection of a camera system, independent of the engine."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def make_cameras(
     """The camera system of a robot.
 
     Args:
-        kind: ``rendered`` or ``ideal``; rendered without a choice, or ideal if nothing can render
-            here and the robot file asks for no renderer.
-        robot: names the cameras.
-        model: of the robot.
-        own: make the engine's own renderers, by name, if it has any.
+        kind: ``rendered`` or ``ideal``; rendered if ``None``, or ideal if rendering fails here and
+            the robot file requests no renderer.
+        robot: Robot document, which names the cameras.
+        model: URDF model of the robot.
+        own: Factories of the engine's own renderers, by name, if it has any.
 
     Raises:
-        BackendError: nothing can render here.
+        BackendError: No renderer works here.
     """
     if kind is None and robot.vision.renderer == "auto":
         try:

@@ -1,4 +1,4 @@
-"""Silhouettes: the visible part of solids, and what solids hide of each other."""
+"""Silhouettes: the visible parts of solids, and the occlusions among solids."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ Rows = NDArray[np.intp]
 Booleans = NDArray[np.bool_]
 Patch = tuple[float, float, float, float]
 
-#: All of a surface, as a patch.
+#: Patch of a whole surface.
 WHOLE = (0.0, 1.0, -math.inf, math.inf)
 
-#: Numbers that describe a silhouette.
+#: Number of values that describe a silhouette.
 SHAPE = 7
 
 
 @compiled
 def _within(patch: Patch, origin: Triple, ray: Triple, distance: float) -> bool:
-    """Whether the point of a surface where a ray enters it, in the solid's frame, is in a patch."""
+    """Return whether a ray enters a solid within a patch, in the solid's frame."""
     x, y, z = (
         origin[0] + distance * ray[0],
         origin[1] + distance * ray[1],
@@ -40,15 +40,15 @@ def _within(patch: Patch, origin: Triple, ray: Triple, distance: float) -> bool:
 
 @compiled
 def _scan(views: Floats, window: Window, samples: int, patch: Patch, seen_at: Booleans) -> bool:
-    """Find which lines of sight in a window meet a patch of the first solid, unhidden.
+    """Find the lines of sight in a window that meet a patch of the first solid unoccluded.
 
-    The loops hand no arrays to other functions, which would cost more than all else in them.
+    The loops pass no arrays to other functions, since that takes longer than all other work here.
 
     Args:
-        seen_at: becomes whether a line does, shape (samples, samples) or larger.
+        seen_at: Output: whether each line does, shape (samples, samples) or larger.
 
     Returns:
-        Whether others hide a part of the solid.
+        Whether others occlude a part of the solid.
     """
     left, right, bottom, top = window
     across, up = (right - left) / samples, (top - bottom) / samples
@@ -61,7 +61,7 @@ def _scan(views: Floats, window: Window, samples: int, patch: Patch, seen_at: Bo
         y = left + (column + 0.5) * across
         level = first[7] + first[10] * y, first[8] + first[11] * y, first[9] + first[12] * y
         start, end = met_rows(kind, halves, origin, level, slope, bottom, up, samples)
-        # Those of the others that may be before it here.
+        # Other solids that may occlude the first in this column.
         others = 0
         for index in range(1, len(views)):
             if views[index, 16] <= y <= views[index, 17]:
@@ -100,9 +100,9 @@ def _scan(views: Floats, window: Window, samples: int, patch: Patch, seen_at: Bo
 def _sum(
     window: Window, samples: int, seen_at: Booleans
 ) -> tuple[int, float, float, Triple, Window]:
-    """Number of lines of sight in a window that see something.
+    """Return the number of lines of sight in a window that see the solid.
 
-    Also the mean and the mean products of their slopes, and between which they lie.
+    Also return the mean and the mean products of their slopes, and the bounds of the slopes.
     """
     left, right, bottom, top = window
     across, up = (right - left) / samples, (top - bottom) / samples
@@ -138,10 +138,10 @@ def _silhouette(
     seen_at: Booleans,
     shapes: Floats,
 ) -> None:
-    """Silhouette of the first of some solids in a window, as ``silhouettes`` has it."""
+    """Write the silhouette of the first of some solids in a window, as in ``silhouettes``."""
     focal = lens[0]
     aside, above = 0.5 * lens[1] / focal, 0.5 * lens[2] / focal
-    # The outermost pixel belongs to a region that covers its centre.
+    # A region includes the outermost pixel if it covers the pixel's centre.
     rim_y, rim_z = aside - 0.5 / focal, above - 0.5 / focal
     left, right, bottom, top = window
     if _scan(views, window, samples, patch, seen_at):
@@ -154,7 +154,7 @@ def _silhouette(
         shapes[2] = focal * (above - z)
         sideways = ends[0] <= -rim_y or ends[1] >= rim_y
         shapes[3] = sideways or ends[2] <= -rim_z or ends[3] >= rim_z
-        # A line of sight stands for a cell, which has a variance of its own.
+        # A line of sight stands for a cell, whose own variance is added.
         across, up = (right - left) / samples, (top - bottom) / samples
         shapes[4] = focal * focal * (products[0] - y * y + across * across / 12.0)
         shapes[5] = focal * focal * (products[1] - y * z)
@@ -174,29 +174,29 @@ def silhouettes(
     lenses: Floats,
     shapes: Floats,
 ) -> bool:
-    """Find what pinhole cameras see of solids, which all of them, and parts of links, may hide.
+    """Find the silhouettes of solids for pinhole cameras, with occlusion by solids and links.
 
-    Of what is cut in two by something before it, the larger part counts.
+    If another solid cuts a silhouette in two, the larger part counts.
 
     Args:
-        things: the solids, shape (k, 16).
-        parts: of links, in their frames, shape (m, 16).
-        carriers: rows of the links that carry them, shape (m,).
-        placements: of links, as ``Engine`` has them, shape (links, 12).
-        targets: which of the solids are looked at, and lines of sight each way across the part of
-            its frame that is in the image, shape (n, 2).
-        patches: the part of each target's surface that is looked at, shape (n, 4): whether it is
-            around the axis x (0) or y (1), towards which end of it (1 or -1), from which height
-            on along it and within which radius of it, m; ``WHOLE`` for all of the surface.
-        cameras: their placements, with the axes ahead, left and up, among others, shape (n, 12).
-        rows: which of these are the cameras', shape (c,).
-        lenses: focal length, width and height of each camera's image, px, shape (c, 3).
-        shapes: takes visible area, px; column and row of its centroid, px; 1 where it touches the
-            image's border; and variance of the columns, covariance and variance of the rows, px^2;
-            zeros where nothing is seen; shape (c, n, SHAPE).
+        things: Solids, shape (k, 16).
+        parts: Parts of links, in the frames of the links, shape (m, 16).
+        carriers: Rows of the links that carry the parts, shape (m,).
+        placements: Placements of the links, as in ``Engine``, shape (links, 12).
+        targets: Index of each target among the solids, and number of lines of sight in each
+            direction across the part of its frame that is in the image, shape (n, 2).
+        patches: Searched part of each target's surface, shape (n, 4): axis x (0) or y (1), end of
+            the axis (1 or -1), least height along it and largest radius about it, m; ``WHOLE`` for
+            the whole surface.
+        cameras: Placements that include the cameras', with axes ahead, left and up, shape (n, 12).
+        rows: Rows of the cameras in these placements, shape (c,).
+        lenses: Focal length, width and height of each camera's image, px, shape (c, 3).
+        shapes: Output, shape (c, n, SHAPE): visible area, px; column and row of its centroid, px; 1
+            if it touches the image's border; variance of the columns, covariance and variance of
+            the rows, px^2; zeros if the target is not visible.
 
     Returns:
-        Whether anything is seen.
+        Whether any target is visible.
     """
     seen = False
     solids = np.empty((len(things) + len(parts), WIDTH))
@@ -243,14 +243,14 @@ def unhidden(
     slopes: Floats,
     seen: Booleans,
 ) -> None:
-    """Find at which of some lines of sight a solid is seen.
+    """Find the lines of sight at which a solid is visible.
 
     Args:
-        things, parts, carriers, placements: as of ``silhouettes``.
-        target: which of the things it is.
-        camera: its placement, shape (12,).
-        slopes: of the lines, y / x and z / x, shape (k, 2).
-        seen: becomes whether the solid is seen there, shape (k,).
+        things, parts, carriers, placements: As in ``silhouettes``.
+        target: Index of the solid among the things.
+        camera: Placement of the camera, shape (12,).
+        slopes: Slopes of the lines, y / x and z / x, shape (k, 2).
+        seen: Output: whether the solid is visible along each line, shape (k,).
     """
     solids = np.empty((len(things) + len(parts), WIDTH))
     for index in range(len(things)):

@@ -1,4 +1,4 @@
-"""Solids as a camera has them, and those that may hide another one."""
+"""Views of solids from a camera, and selection of the solids that may occlude another one."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from cbdsl.numeric.compiled import compiled
 Floats = NDArray[np.float64]
 Window = tuple[float, float, float, float]
 
-#: Numbers that describe a view.
+#: Number of values that describe a view.
 VIEW = 22
 
 _NEAREST = 0.02
-"""Least distance from a camera at which anything is seen, m."""
+"""Least distance from a camera at which an object is visible, m."""
 
 _ROUNDING = 1e-6
-"""More than rounding makes of any distance, m."""
+"""Bound above the rounding error of any distance, m."""
 
 _TOUCHING = 1e-9
 """Largest depth at which one solid only touches another, m."""
@@ -28,7 +28,7 @@ _TOUCHING = 1e-9
 
 @compiled
 def _span(ahead: float, aside: float, radius: float) -> tuple[float, float]:
-    """Slopes between which a ball is seen, in the plane of the axis ahead and one aside."""
+    """Return the slopes between which a ball is seen, in the plane of the axes ahead and aside."""
     distance = math.hypot(ahead, aside)
     if distance <= radius:
         return -math.inf, math.inf
@@ -43,18 +43,18 @@ def _span(ahead: float, aside: float, radius: float) -> tuple[float, float]:
 
 @compiled
 def _circumscribed(solid: Floats) -> float:
-    """The radius of a ball around its centre that contains a solid."""
+    """Return the radius of a ball around a solid's centre that contains the solid."""
     return math.sqrt(solid[1] ** 2 + solid[2] ** 2 + solid[3] ** 2)
 
 
 @compiled
 def _frame(solid: Floats, centre: Floats, view: Floats) -> tuple[float, float, float, float]:
-    """Slopes within which a solid is seen: (left, right, bottom, top) as y / x and z / x.
+    """Return slopes within which a solid is seen: left, right, bottom, top, as y / x and z / x.
 
     Args:
-        solid: shape (16,).
-        centre: the solid's in the camera's frame, m, shape (3,).
-        view: has the solid's axes in the camera's frame, see ``view_of``.
+        solid: Row of the solid, shape (16,).
+        centre: Centre of the solid in the camera's frame, m, shape (3,).
+        view: View with the solid's axes in the camera's frame; see ``view_of``.
     """
     radius = solid[1]
     if solid[0] != BALL:
@@ -80,14 +80,14 @@ def _frame(solid: Floats, centre: Floats, view: Floats) -> tuple[float, float, f
 
 @compiled
 def view_of(solid: Floats, camera: Floats, view: Floats) -> None:
-    """A solid as a camera has it.
+    """Compute the view of a solid from a camera.
 
     Args:
-        solid: shape (16,).
-        camera: its placement, as ``Engine`` has it, with the axes ahead, left and up, shape (12,).
-        view: takes shape and halves; the camera's position in the solid's frame; the solid's axes
-            in the camera's frame; the slopes within which it is seen; and how far ahead it begins
-            and ends, m; shape (22,).
+        solid: Row of the solid, shape (16,).
+        camera: Placement, as in ``Engine``, with axes ahead, left and up, shape (12,).
+        view: Output, shape (22,): shape and halves; the camera's position in the solid's frame; the
+            solid's axes in the camera's frame; the slopes within which it is seen; and the
+            distances ahead at which it begins and ends, m.
     """
     centre = np.empty(3)
     x, y, z = solid[4] - camera[9], solid[5] - camera[10], solid[6] - camera[11]
@@ -109,9 +109,9 @@ def view_of(solid: Floats, camera: Floats, view: Floats) -> None:
 
 @compiled
 def _beside(solid: Floats, camera: Floats, window: Window, end: float) -> bool:
-    """Whether the ball around a solid is out of a camera's window, or farther ahead than its end.
+    """Return whether the ball around a solid is outside a window, or farther ahead than its end.
 
-    That is shapes much faster than the solid's own view.
+    This test is much faster than the solid's view.
     """
     left, right, bottom, top = window
     radius = _circumscribed(solid) + _ROUNDING
@@ -132,7 +132,7 @@ def _beside(solid: Floats, camera: Floats, window: Window, end: float) -> bool:
 
 @compiled
 def _reach(solid: Floats, x: float, y: float, z: float) -> float:
-    """Extent of a solid from its centre along a unit vector of the world frame, m."""
+    """Return a solid's extent from its centre along a unit vector of the world frame, m."""
     a, b, c = float(solid[1]), float(solid[2]), float(solid[3])
     if solid[0] == BALL:
         return a
@@ -144,15 +144,15 @@ def _reach(solid: Floats, x: float, y: float, z: float) -> float:
 
 @compiled
 def _parted(solid: Floats, view: Floats, target: Floats) -> bool:
-    """Whether a plane parts a solid from a target and from the camera, and so does not hide it.
+    """Return whether a plane separates a solid from target and camera, so that it cannot occlude.
 
-    What stands on something is parted from it, and so is a hand that reaches for something from
-    behind. Only the sides of the box around the solid are tried.
+    A plane separates an object from its support, and a hand from an object that it reaches for from
+    behind. Only the sides of the box around the solid are tested.
 
     Args:
-        solid: shape (16,).
-        view: the camera's of this solid, shape (22,).
-        target: shape (16,).
+        solid: Row of the solid, shape (16,).
+        view: The camera's view of this solid, shape (22,).
+        target: Row of the target, shape (16,).
     """
     x, y, z = target[4] - solid[4], target[5] - solid[5], target[6] - solid[6]
     for i in range(3):
@@ -167,17 +167,17 @@ def _parted(solid: Floats, view: Floats, target: Floats) -> bool:
 
 @compiled
 def views_before(solids: Floats, camera: Floats, target: int, window: Window, views: Floats) -> int:
-    """Add to the view of a solid those of all that may be before it in a window of slopes.
+    """Append the views of all solids that may occlude a target in a window of slopes.
 
     Args:
-        solids: shape (k, 16).
-        camera: its placement, shape (12,).
-        target: which of the solids it is.
-        window: slopes.
-        views: its first row is the target's view, the next ones take the others', shape (k, 22).
+        solids: Rows of the solids, shape (k, 16).
+        camera: Placement of the camera, shape (12,).
+        target: Index of the target among the solids.
+        window: Slopes of the window.
+        views: Output, shape (k, 22): the first row is the target's view, and the others' follow.
 
     Returns:
-        How many views there are.
+        Number of views.
     """
     left, right, bottom, top = window
     end, count = views[0, 21], 1

@@ -1,4 +1,4 @@
-"""A pinhole camera at a place: the one camera model that every renderer follows."""
+"""Pinhole camera at a pose: the one camera model of all renderers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class View:
     pose: Pose
 
     def resolved(self, times: int) -> View:
-        """The same view, with ``times`` as many pixels each way."""
+        """Return the same view, with ``times`` as many pixels each way."""
         camera = self.camera
         finer = {
             "width": times * camera.width,
@@ -37,7 +37,7 @@ class View:
         return View(camera.model_copy(update=finer), self.pose)
 
     def world_to_eye(self) -> Floats:
-        """Homogeneous transform, shape (4, 4), to OpenGL's eye frame: x right, y up, z back."""
+        """Return the transform, shape (4, 4), to OpenGL's eye frame: x right, y up, z back."""
         axes = self.pose.rotation.T
         transform = np.eye(4)
         transform[:3, :3] = [-axes[1], axes[2], -axes[0]]
@@ -45,7 +45,7 @@ class View:
         return transform
 
     def eye_to_clip(self) -> Floats:
-        """Perspective projection, shape (4, 4), from OpenGL's eye frame to its clip space."""
+        """Return the projection, shape (4, 4), from OpenGL's eye frame to its clip space."""
         camera, depth = self.camera, FARTHEST - NEAREST
         projection = np.zeros((4, 4))
         projection[0, 0] = 2 * camera.focal_length / camera.width

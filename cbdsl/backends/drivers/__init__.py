@@ -1,1 +1,1 @@
-"""Backend of a real robot: state machine, limits and sensors, whatever the transport."""
+"""Backend of a real robot: state machine, limits and sensors, for any transport."""

@@ -28,9 +28,9 @@ from cbdsl.sensing.observation import Image, Loads, Observation
 Floats = NDArray[np.float64]
 Opener = Callable[[RobotDocument, str | None], Sequence[DriverLink]]
 
-# Patience until a robot is ready, s; then every reason against it is reported.
+# Longest wait until a robot is ready, s; then every reason against it is reported.
 _PATIENCE = 5.0
-# Between two looks for messages while waiting, s; after longer ones queued messages are old.
+# Time between two polls while waiting, s; after longer ones queued messages are old.
 _PAUSE, _STARVED = 5e-4, 0.02
 # Time between two judgements of readiness, s.
 _WINDOW = 0.1
@@ -131,7 +131,7 @@ class DrivenBackend:
         return min(driver.deadline for driver in self._robot.drivers.values())
 
     def attend(self, person: Person, interface: str | None = None) -> None:
-        """Name the person who confirms the stage, and the network interface.
+        """Set the person who confirms the stage, and the network interface.
 
         Args:
             person: Person who answers.
@@ -177,7 +177,7 @@ class DrivenBackend:
             seconds: Time to listen.
 
         Returns:
-            The streams of all drivers; ``obstacles`` has what is wrong with them.
+            Streams of all drivers; ``obstacles`` returns the reasons against them.
 
         Raises:
             BackendError: The drivers cannot be opened.
@@ -200,17 +200,17 @@ class DrivenBackend:
         supervisor.rest()
 
     def _drain(self) -> None:
-        """Discard queued samples but for those that come once."""
+        """Discard queued samples except for those without a stamp, which come once."""
         now, wall = self._clock.monotonic(), self._clock.wall()
         for sample in self._polled():
             if not hasattr(sample, "stamp"):
                 self.supervisor.note(sample, now, wall)
 
     def _await_ready(self) -> None:
-        """Wait until nothing is against ``ready``.
+        """Wait until no reason against ``ready`` is left.
 
         Raises:
-            BackendError: Something still is.
+            BackendError: A reason is left after the longest wait.
         """
         began = self._clock.monotonic()
         obstacles = ["nothing was heard"]
@@ -224,7 +224,7 @@ class DrivenBackend:
         raise BackendError(f"robot '{self._robot.name}' is not ready:{lines}")
 
     def _listen(self, seconds: float) -> None:
-        """Take in samples for a while, but for those that queued while this process had to wait."""
+        """Process samples for a while; discard those that queued while this process waited."""
         clock = self._clock
         last, until = -np.inf, clock.monotonic() + seconds
         while (now := clock.monotonic()) < until:
@@ -245,7 +245,7 @@ class DrivenBackend:
             yield from link.poll()
 
     def _gather(self) -> None:
-        """Take in all samples that arrived."""
+        """Process all samples that arrived."""
         for sample in self._polled():
             self.supervisor.note(sample, self._clock.monotonic(), self._clock.wall())
 
@@ -342,7 +342,7 @@ class DrivenBackend:
             if self.supervisor.joints.stamp > before:
                 break
             clock.sleep(_PAUSE)
-        # A step that was late is not made up for.
+        # A late step is not caught up.
         self._due = max(self._due, now - self.control_period)
         self._observation = self._sense()
 

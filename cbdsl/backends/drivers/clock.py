@@ -1,4 +1,4 @@
-"""Clock: the times that a driven robot is held against."""
+"""Clock: the times that a driven robot is checked against."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Clock(NamedTuple):
     Attributes:
         monotonic: Time that never jumps, s.
         wall: Time since the epoch, s, as messages are stamped.
-        sleep: Waits for some seconds.
+        sleep: Function that waits for some seconds.
     """
 
     monotonic: Callable[[], float] = time.monotonic

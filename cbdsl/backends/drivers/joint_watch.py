@@ -16,7 +16,7 @@ from cbdsl.robot.joints import Joints
 
 Floats = NDArray[np.float64]
 
-# A joint beyond its limit by less stands at it, rad or m.
+# A joint that exceeds its limit by less counts as standing at the limit, rad or m.
 _SOFTNESS = 0.05
 # Measured speeds are differences of noisy positions, and efforts are rounded.
 _SPEEDS, _EFFORTS = 2.0, 1.05

@@ -50,7 +50,7 @@ class Limiter:
 
     Attributes:
         positions: Newest references, rad or m, shape (n,).
-        velocities: Their rates, rad/s or m/s, shape (n,).
+        velocities: Rates of the references, rad/s or m/s, shape (n,).
     """
 
     def __init__(self, limits: JointLimits, period: float) -> None:

@@ -23,8 +23,8 @@ class Endpoint(NamedTuple):
         address: Address, such as a topic.
         type: Message type that the driver expects.
         outgoing: True if the driver writes it.
-        peers: Other writers of what the driver reads; readers of what it writes.
-        rivals: Other writers of what the driver writes.
+        peers: Number of other writers if the driver reads the stream, or of readers if it writes.
+        rivals: Number of other writers if the driver writes the stream.
         foreign_types: Message types of the others on this address, if they differ.
         candidates: Addresses of other streams with this message type.
         rate: Messages per second that arrived since the link was opened.

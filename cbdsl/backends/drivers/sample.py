@@ -19,9 +19,9 @@ class JointSample(NamedTuple):
         driver: Name of the driver.
         stamp: Time of the measurement by the robot's clock, s since the epoch.
         names: Joints, by their names in the driver's messages.
-        positions: rad or m, one per joint.
-        velocities: rad/s or m/s, one per joint; empty if the robot measures none.
-        efforts: N m or N, one per joint; empty if the robot measures none.
+        positions: Positions, rad or m, one per joint.
+        velocities: Velocities, rad/s or m/s, one per joint; empty if the robot measures none.
+        efforts: Efforts, N m or N, one per joint; empty if the robot measures none.
         source: Number of the publisher; 0 if the transport has none.
     """
 
@@ -132,7 +132,7 @@ class Command(NamedTuple):
 
     Attributes:
         names: Joints, by their names in the driver's messages.
-        positions: rad or m, one per joint.
+        positions: Positions, rad or m, one per joint.
         horizon: Time until the references are reached, s.
     """
 

@@ -13,7 +13,7 @@ from cbdsl.documents.robot import RobotDocument
 Cell = tuple[str, str]
 View = ImageSample | RegionsSample
 
-# Longest time without an image, s: the robot moves on what it remembers meanwhile.
+# Longest time without an image, s: meanwhile the robot moves on its memory.
 _BLIND = 1.0
 # Largest error of a focal length, as a share.
 _FOCAL = 0.02

@@ -52,7 +52,7 @@ class State(Enum):
 
 
 class SafetySupervisor:
-    """State machine that decides when references pass, whatever the transport.
+    """State machine that decides when references pass, for any transport.
 
     Args:
         robot: Robot with drivers.
@@ -169,7 +169,7 @@ class SafetySupervisor:
             yield f"the emergency stop of driver '{driver}' is pressed"
 
     def forget_mismatches(self) -> None:
-        """Forget what was found wrong, so that only what is still wrong is found again."""
+        """Forget the findings so far, so that only persistent ones are found again."""
         self._mismatches.clear()
 
     def make_ready(self, now: float) -> None:
@@ -268,7 +268,7 @@ class SafetySupervisor:
         if blind or not active:
             self._target = None
             return
-        # A joint far from its reference is not where the robot should go back to: it brakes.
+        # A joint far from its reference should not return to its measured position: it brakes.
         measured, references = self.joints.positions, self.limiter.positions
         self._target = np.where(self.joints.lagging(references), np.nan, measured)
 

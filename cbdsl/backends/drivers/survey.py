@@ -23,7 +23,7 @@ def survey_problems(endpoints: Iterable[Endpoint]) -> Iterator[str]:
 
 
 def _alternatives(endpoint: Endpoint) -> str:
-    """Return the streams that may have been meant, as a clause."""
+    """Return streams that may have been intended, as a clause."""
     watchdog = endpoint.outgoing and endpoint.address.endswith("/guarded")
     if watchdog:
         return "; 'cb drive watchdog' has to run"

@@ -1,7 +1,7 @@
 """Watchdog: repeats references to a controller without a time-out, holds, and stops.
 
-A forward controller keeps its last reference for ever, and its robot goes on to it, whatever became
-of the program. A watchdog is a process of its own between the two:
+A forward controller keeps its last reference forever, and its robot continues to it even if the
+program has failed. A watchdog is a separate process between the two:
 
     repeats   forwards each reference within all limits, and repeats the newest one
     holds     after the deadline without a new one: brakes, and keeps the reference where it stands
@@ -33,7 +33,7 @@ class WatchdogPhase(Enum):
 
 
 class Watchdog:
-    """Guard of one controller, whatever the transport.
+    """Guard of one controller, for any transport.
 
     Args:
         limits: Limits of the joints.

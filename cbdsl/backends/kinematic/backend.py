@@ -1,4 +1,4 @@
-"""A backend without physics: ideal servos, ideal cameras, and contacts by geometry."""
+"""Backend without physics: ideal servos, ideal cameras, and contacts by geometry."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.robot import RobotDocument
 
-# Ticks of the robot's own control cycle in one of ours. With more, an arm that is stretched out
-# to something beyond its reach swings from tick to tick.
+# Ticks of the robot's own control cycle in one tick of this backend. With more, an arm that is
+# stretched out to an object beyond its reach swings from tick to tick.
 _SPARSER = 3
 
 
 class KinematicBackend(SimulatedBackend[KinematicEngine]):
-    """A robot that is moved, without forces, in a world that gives way.
+    """Kinematic robot in a world that yields without forces.
 
-    Joints are where their references are, as far as the URDF's limits of position and velocity
-    allow; there are no forces that its limits of effort could bound. Cameras see regions of colour
-    where things are, as far as nothing hides them. Fingertips are springs along the surfaces that
-    they are pressed into; those that go too deep are held back. What is grasped goes where the
-    hands go, and what nobody holds falls onto fixtures, rolls and slides, but never topples. There
-    are fewer ticks than the robot's control rate asks for.
+    Joints follow their references within the URDF's limits of position and velocity; without
+    forces, limits of effort have no effect. Cameras see regions of colour unless they are occluded.
+    Fingertips are springs along the surfaces that they are pressed into; fingertips that go too
+    deep are held back. Grasped objects move with the hands. Objects that are not held fall onto
+    fixtures, roll and slide, but never topple. There are fewer ticks than the robot's control rate
+    asks for.
 
     Args:
-        robot: what can be sensed and moved.
-        urdf: its model.
-        gui: must be false, since there is no window.
-        cameras: ``rendered`` or ``ideal``; ideal without a choice.
+        robot: Robot document.
+        urdf: URDF of the robot.
+        gui: False, since there is no window.
+        cameras: ``rendered`` or ``ideal``; ideal if ``None``.
 
     Raises:
-        BackendError: robot file and model do not fit together, a window is asked for, or nothing
-            can render here.
+        BackendError: Robot file and model do not fit together, a window is requested, or rendering
+            does not work here.
     """
 
     def __init__(
@@ -48,8 +48,8 @@ class KinematicBackend(SimulatedBackend[KinematicEngine]):
 
 
 def rate_of(robot: RobotDocument) -> float:
-    """Control rate of the robot here, Hz.
+    """Return the control rate of the robot on this backend, Hz.
 
-    What has no inertia needs no fast control, and an episode costs what its ticks cost.
+    Without inertia no fast control is needed, and each tick adds to an episode's run time.
     """
     return min(robot.control.rate, max(robot.control.rate / _SPARSER, robot.vision.rate))

@@ -16,7 +16,7 @@ Rows = NDArray[np.intp]
 
 @compiled
 def _outside(solid: Floats, x: float, y: float, z: float) -> tuple[float, float, float, float]:
-    """Signed distance of a point, in the solid's frame, and the outward normal there."""
+    """Return the signed distance of a point, in the solid's frame, and its outward normal."""
     if solid[0] == BALL:
         far = math.sqrt(x * x + y * y + z * z)
         if far == 0.0:
@@ -51,15 +51,15 @@ def _outside(solid: Floats, x: float, y: float, z: float) -> tuple[float, float,
 def depths(
     solids: Floats, placements: Floats, carriers: Rows, balls: Floats, contacts: Floats
 ) -> bool:
-    """Find how deep balls are inside solids, and which way is in.
+    """Find the depths of balls inside solids, and the inward normals.
 
     Args:
-        solids: shape (k, 16).
-        placements: of links, as ``Engine`` has them, shape (links, 12).
-        carriers: rows of the links that carry the balls, shape (n,).
-        balls: their centres in these links' frames, m, and their radii, m, shape (n, 4).
-        contacts: takes depth, m, negative where they do not touch; the ball's deepest point, m, and
-            the unit normal into the solid there, both in the world frame, shape (n, k, 7).
+        solids: Rows of the solids, shape (k, 16).
+        placements: Placements of the links, as in ``Engine``, shape (links, 12).
+        carriers: Rows of the links that carry the balls, shape (n,).
+        balls: Centres of the balls in these links' frames, m, and radii, m, shape (n, 4).
+        contacts: Output, shape (n, k, 7): depth, m, negative without contact; the ball's deepest
+            point, m, and the unit normal into the solid there, both in the world frame.
 
     Returns:
         Whether any ball touches any solid.

@@ -1,4 +1,4 @@
-"""An engine without physics: joints are moved, and the world gives way."""
+"""Engine without physics: joints are moved, and the world yields."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ Floats = NDArray[np.float64]
 
 
 class KinematicEngine(Engine):
-    """A robot that is moved, in a world that gives way; see ``Engine``.
+    """Kinematic robot in a world that yields; see ``Engine``.
 
     Args:
-        robot: what is moved.
-        model: its URDF.
-        period: of a step, s.
+        robot: Robot document.
+        model: URDF model of the robot.
+        period: Period of a step, s.
     """
 
     def __init__(self, robot: RobotDocument, model: UrdfModel, period: float) -> None:
@@ -54,10 +54,10 @@ class KinematicEngine(Engine):
         self._wrenches = self._manipulation.press()
 
     def _hold_back(self, before: Floats) -> None:
-        """Hold back the joints of fingertips that push what they cannot push away.
+        """Hold back the joints of fingertips that push immovable objects.
 
-        They go half of their way, or half of that. Without a joint that is held back, and that
-        fingers share, another one may go deeper: all are asked again until nobody does.
+        The joints go half of their way, or half of that. If a joint that several fingertips share
+        is held back, another fingertip may go deeper. So all are checked again until none changes.
         """
         wanted, share = self._positions, np.ones(len(before))
         while self._manipulation.hold_back(share):
@@ -73,10 +73,10 @@ class KinematicEngine(Engine):
         return self._wrenches
 
     def efforts(self) -> None:
-        """``None``: joints are where their references are, without forces."""
+        """Return ``None``: joints are at their references, without forces."""
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: there are no resources to free."""
 
     @property
     def solids(self) -> Floats:
@@ -98,7 +98,7 @@ class KinematicEngine(Engine):
         return self._world.things[name].velocity.copy()
 
     def touched(self, name: str) -> bool:
-        """Whether any fingertip touches an object, as of the last step."""
+        """Return whether any fingertip touches an object, as of the last step."""
         return self._manipulation.touches(name)
 
     def touching(self, name: str) -> frozenset[Cell]:
@@ -115,7 +115,7 @@ class KinematicEngine(Engine):
         self._world.things[name].gripped = True
 
     def lead(self, name: str, position: Floats, velocity: Floats) -> None:
-        """See ``Engine``; a step takes it on by its velocity."""
+        """Lead an object by its velocity in the next step; see ``Engine``."""
         self._world.things[name].launch(velocity)
 
     def release(self, name: str) -> None:
@@ -126,7 +126,7 @@ class KinematicEngine(Engine):
         self._world.things[name].launch(velocity)
 
     def put_back(self, name: str, pose: Pose) -> None:
-        """See ``Engine``; no part of the robot but its fingertips is ever in the way."""
+        """Put an object back; of the robot, only fingertips can be in its way. See ``Engine``."""
         thing = self._world.things[name]
         thing.put(pose)
         thing.launch(np.zeros(3))

@@ -1,4 +1,4 @@
-"""Grasps: an object between fingertips goes where they go."""
+"""Grasps: an object between fingertips moves with them."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from cbdsl.backends.staging.scenario import GRAVITY
 
 Floats = NDArray[np.float64]
 
-#: Force per depth of a fingertip, N/m: what the force controllers of the robot file settle on
-#: within a few control ticks, where the softness of a real fingertip would need faster ones.
+#: Force per depth of a fingertip, N/m. The force controllers of the robot file settle on it within
+#: a few control ticks; the softness of a real fingertip would need faster ones.
 STIFFNESS = 500.0
 
 
 class Grasp:
     """Hands that hold one object.
 
-    Two fingertips hold it if the way from one to the other lies within both of their friction
-    cones, and if the friction of all that belong to them can bear its weight. Those of one hand
-    come first, and whoever holds it keeps it as long as that lasts.
+    Two fingertips hold it if the line between them lies within both of their friction cones, and if
+    the friction of all their hands' fingertips can bear its weight. Single hands come before pairs,
+    and the current holders keep the object as long as these conditions hold.
 
     Attributes:
-        thing: the object.
-        holders: names of the one or two hands that hold it; empty while nobody does.
+        thing: Object.
+        holders: Names of the one or two hands that hold the object; empty if it is not held.
     """
 
     def __init__(self, thing: KinematicObject, hands: Hands) -> None:
@@ -41,16 +41,16 @@ class Grasp:
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether the thing stands still, and nobody has it."""
+        """True if the object stands still and is neither held nor gripped."""
         return self.thing.resting and not (self.holders or self.thing.gripped)
 
     def follow(self) -> None:
-        """Move the thing with the hands that hold it."""
+        """Move the object with the hands that hold it."""
         if self.holders:
             self.thing.put(self._hands.carrier_pose(self.holders) @ self._relative)
 
     def update(self, contacts: Sequence[FingertipContact]) -> None:
-        """Find out who holds the thing now, and where."""
+        """Find the hands that hold the object now, and its pose relative to them."""
         if not contacts:
             self.holders = ()
             return
@@ -84,14 +84,14 @@ class Grasp:
         return True
 
     def _resistance(self, contacts: Sequence[FingertipContact]) -> float:
-        """The largest force along the surface that the friction of some fingertips resists, N."""
+        """Return the largest tangential force that the friction of some fingertips resists, N."""
         return sum([self._friction(each) * STIFFNESS * each.depth for each in contacts])
 
     def _friction(self, contact: FingertipContact) -> float:
         return contact.fingertip.friction * self.thing.surface.friction
 
     def stick(self, contacts: Sequence[FingertipContact]) -> float:
-        """The largest sidewise force that the fingertips' friction resists, N."""
+        """Return the largest sideways force that the fingertips' friction resists, N."""
         if not self.holders:
             return 0.0
         return self._resistance(contacts)

@@ -1,4 +1,4 @@
-"""The robot's hands as far as they touch: fingertips, and what carries them."""
+"""The robot's hands in contact: fingertips, and the links that carry them."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Columns = NDArray[np.intp]
 
-# Of links for which the robot file names no surface, as of PyBullet's bodies.
+# Friction of links without a surface in the robot file, as of PyBullet's bodies.
 _FRICTION = 0.5
 
 
 class Fingertip(NamedTuple):
-    """A ball at the end of a finger.
+    """Ball at the end of a finger.
 
     Attributes:
-        cell: index of its load cell among all.
-        link: that carries it.
-        centre: in the link's frame, m, shape (3,).
-        radius: m.
-        friction: coefficient.
-        joints: indices of the hand's joints that move it.
+        cell: Index of its load cell among all.
+        link: Link that carries the ball.
+        centre: Centre in the link's frame, m, shape (3,).
+        radius: Radius, m.
+        friction: Coefficient of friction.
+        joints: Indices of the hand's joints that move it.
     """
 
     cell: int
@@ -53,9 +53,9 @@ class Hand:
     """Fingertips that belong together.
 
     Attributes:
-        name: as the robot file has it.
-        carrier: link that carries all of its fingers.
-        fingertips: in the order of their load cells.
+        name: Name in the robot file.
+        carrier: Link that carries all fingers of the hand.
+        fingertips: Fingertips, in the order of their load cells.
     """
 
     name: str
@@ -64,15 +64,15 @@ class Hand:
 
 
 class FingertipContact(NamedTuple):
-    """A fingertip pressed into something.
+    """Fingertip pressed into an object.
 
     Attributes:
-        hand: name of the hand.
-        fingertip: that touches.
-        thing: that is touched.
-        depth: how far the undeformed fingertip would be inside, m.
-        point: where, in the world frame, m.
-        normal: unit vector into the thing.
+        hand: Name of the hand.
+        fingertip: Fingertip in contact.
+        thing: Object in contact.
+        depth: Depth of the undeformed fingertip inside the object, m.
+        point: Contact point, world frame, m.
+        normal: Unit vector into the object.
     """
 
     hand: str
@@ -87,8 +87,8 @@ class Hands:
     """All hands with load cells.
 
     Attributes:
-        cells: the load cells, as (hand, finger), in the robot file's order.
-        hands: by name.
+        cells: Load cells, as (hand, finger), in the robot file's order.
+        hands: Hands by name.
     """
 
     def __init__(self, robot: RobotDocument, model: UrdfModel, joints: Joints, tree: Tree) -> None:
@@ -103,7 +103,7 @@ class Hands:
         tips = [tip for _, tip in self._fingertips]
         self._carriers = np.array([tree.rows[tip.link] for tip in tips], np.intp)
         self._balls = np.array([[*tip.centre, tip.radius] for tip in tips]).reshape(len(tips), 4)
-        #: Which joints move each fingertip within its hand, shape (fingertips, n).
+        #: Joints that move each fingertip within its hand, shape (fingertips, n).
         self.moving = np.zeros((len(tips), len(joints)), np.bool_)
         for row, tip in zip(self.moving, tips, strict=True):
             row[tip.joints] = True
@@ -130,7 +130,7 @@ class Hands:
         return _FRICTION
 
     def _carrier(self, link: str) -> str:
-        """The link at the tip of the arm that moves a fingertip; without an arm, the base."""
+        """Return the link at the tip of the arm that moves a fingertip; the base without an arm."""
         moving = set(self._model.above(link))
         for effector in self._robot.effectors.values():
             if effector.tip is not None and moving.issuperset(effector.joints):
@@ -138,9 +138,9 @@ class Hands:
         return self._robot.base
 
     def carrier_pose(self, hands: Sequence[str]) -> Pose:
-        """A frame that goes along with one hand, or with two that hold something together.
+        """Return a frame that moves with one hand, or with two that hold an object together.
 
-        That of two hands has its origin between them and its x axis from one to the other.
+        The frame of two hands has its origin between them and its x axis from one to the other.
         """
         poses = [self._tree.pose(self.hands[name].carrier) for name in hands]
         if len(poses) == 1:
@@ -148,7 +148,7 @@ class Hands:
         one, other = poses
         x = other.position - one.position
         x /= np.linalg.norm(x)
-        # Of the first hand's axes, the one most across the way to the other hand.
+        # The axis of the first hand that is most orthogonal to the line between the hands.
         y = one.rotation[:, int(np.argmin(np.abs(one.rotation.T @ x)))]
         y = y - (y @ x) * x
         y /= np.linalg.norm(y)
@@ -156,11 +156,11 @@ class Hands:
         return Pose(middle, np.column_stack((x, y, np.cross(x, y))))
 
     def touch(self, world: World, contacts: Floats) -> bool:
-        """Find how deep all fingertips are in all things and fixtures.
+        """Find the depths of all fingertips in all objects and fixtures.
 
         Args:
-            world: where these are.
-            contacts: takes depths, points and normals, as ``depths`` has them, shape (fingertips,
+            world: World with the objects.
+            contacts: Output: depths, points and normals, as in ``depths``, shape (fingertips,
                 things, 7).
 
         Returns:
@@ -171,7 +171,7 @@ class Hands:
             return depths(solids, placements, self._carriers, self._balls, contacts)
         each = np.zeros((len(self._balls), len(solids), 7))
         touching = depths(solids, placements, self._carriers, self._balls, each)
-        # Of the walls of what is hollow, each fingertip touches the one that it is deepest in.
+        # Of a hollow object's walls, each fingertip touches the one in which it is deepest.
         for thing in range(len(world.solids)):
             own = each[:, world.walls.owners == thing]
             deepest = own[:, :, 0].argmax(axis=1)
@@ -181,12 +181,12 @@ class Hands:
     def contact(
         self, index: int, thing: KinematicObject, contact: Sequence[float]
     ) -> FingertipContact:
-        """The contact of the fingertip of that index with something.
+        """Return the contact of a fingertip with an object.
 
         Args:
-            index: among all fingertips.
-            thing: that is touched.
-            contact: depth, point and normal, 7 numbers.
+            index: Index of the fingertip among all.
+            thing: Object in contact.
+            contact: Depth, point and normal, 7 numbers.
         """
         depth, x, y, z, u, v, w = contact
         hand, tip = self._fingertips[index]
@@ -194,7 +194,7 @@ class Hands:
 
 
 def _ball(link: UrdfLink) -> tuple[Floats, float]:
-    """Centre and radius of the ball that stands for a fingertip's shape."""
+    """Return centre and radius of the ball that stands for a fingertip's shape."""
     for shape, pose in solid_shapes(link.collisions):
         return pose.position, min(shape.halves)
     return np.zeros(3), 0.0

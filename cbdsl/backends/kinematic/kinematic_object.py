@@ -1,4 +1,4 @@
-"""An object of the stage, as the kinematic engine moves it."""
+"""Object of the stage in the kinematic engine."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ Floats = NDArray[np.float64]
 
 
 class KinematicObject:
-    """A fixture, or a thing that can be moved.
+    """Fixture or movable object.
 
     Attributes:
-        name: as the stage has it.
-        shape: of definite size.
-        surface: its colour and friction.
-        mass: kg; 0 for a fixture.
-        solid: as ``solids`` has it, shape (16,); its pose.
-        velocity: of its centre, m/s, shape (3,).
-        rolling: velocity at which it would roll without sliding, as it spins, m/s, shape (3,).
-        gripped: whether the experimenter holds it.
-        resting: whether it stands still on something, and will until somebody moves it.
+        name: Name in the stage.
+        shape: Shape of definite size.
+        surface: Colour and friction.
+        mass: Mass, kg; 0 for a fixture.
+        solid: Row with its pose, as in ``solids``, shape (16,).
+        velocity: Velocity of its centre, m/s, shape (3,).
+        rolling: Velocity at which its spin lets it roll without sliding, m/s, shape (3,).
+        gripped: True if the experimenter holds it.
+        resting: True if it stands still on a support, and will until it is moved.
     """
 
     def __init__(self, item: SceneObject) -> None:
@@ -36,51 +36,51 @@ class KinematicObject:
 
     @property
     def position(self) -> Floats:
-        """Position of its centre, m, shape (3,)."""
+        """Position of the object's centre, m, shape (3,)."""
         return self.solid[POSITION]
 
     @property
     def pose(self) -> Pose:
-        """Its pose now."""
+        """Current pose of the object."""
         return Pose(self.solid[POSITION].copy(), self.solid[ROTATION].reshape(3, 3).copy())
 
     def put(self, pose: Pose) -> None:
-        """Put it there."""
+        """Set the pose."""
         self.solid[POSITION], self.solid[ROTATION] = pose.position, pose.rotation.ravel()
         self.resting = False
 
     def shift(self, displacement: Floats) -> None:
-        """Move it, m, shape (3,)."""
+        """Move the object by a displacement, m, shape (3,)."""
         self.solid[POSITION] += displacement
         self.resting = False
 
     def launch(self, velocity: Floats) -> None:
-        """Give it a velocity, m/s, shape (3,)."""
+        """Set the velocity, m/s, shape (3,)."""
         self.velocity[:] = velocity
         self.resting = False
 
     @property
     def bottom(self) -> float:
-        """Height of its lowest point, m."""
+        """Height of the object's lowest point, m."""
         return float(self.solid[6]) - self.shape.depth(self.solid[ROTATION].reshape(3, 3))
 
     @property
     def top(self) -> float:
-        """Height of its highest point, m."""
+        """Height of the object's highest point, m."""
         return float(self.solid[6]) + self.shape.depth(self.solid[ROTATION].reshape(3, 3))
 
     @property
     def rolls(self) -> bool:
-        """Whether it can roll over a level floor."""
+        """True if the object can roll over a level floor."""
         return self.shape.kind == "ball"
 
     def sliding_friction(self, floor: KinematicObject) -> float:
-        """Deceleration while it slides over a level floor, m/s^2."""
+        """Return the deceleration while it slides over a level floor, m/s^2."""
         return self.surface.friction * floor.surface.friction * GRAVITY
 
     def resistance(self, floor: KinematicObject) -> float:
-        """Deceleration while it rolls, or slides if it cannot roll, on a level floor, m/s^2."""
+        """Return the deceleration on a level floor while it rolls, or else slides, m/s^2."""
         if not self.rolls:
             return self.sliding_friction(floor)
-        # A rolling ball has two fifths more inertia than its mass.
+        # A rolling ball's inertia is two fifths larger than its mass.
         return 5 / 7 * self.surface.rolling_friction / self.shape.halves[0] * GRAVITY

@@ -1,4 +1,4 @@
-"""Manipulation: how hands move the objects on show, and the contacts of their fingertips."""
+"""Manipulation: motion of objects by hands, and the contacts of their fingertips."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from cbdsl.numeric.compiled import compiled_once
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 
-# A fingertip that is pressed in further holds back the joints of its finger, m.
+# Depth of a fingertip beyond which the joints of its finger are held back, m.
 _DEEPEST = 0.02
-# Of its way in a tick; what is held back from less than that stays where it was.
+# Share of a joint's way in a tick; a joint that is held back below it does not move.
 _LEAST_SHARE = 0.1
 
 
 class Manipulation:
-    """Hands and the things that can be moved, in one episode.
+    """Hands and movable objects in one episode.
 
     Attributes:
-        contacts: of all fingertips, as of the last step.
+        contacts: Contacts of all fingertips, as of the last step.
     """
 
     def __init__(self, world: World, hands: Hands) -> None:
@@ -37,7 +37,7 @@ class Manipulation:
         self._touching = self._holding = False
         self._names: tuple[str, ...] = ()
         self._solids = world.solids
-        # What ``Hands.touch`` finds, now and a tick ago.
+        # Results of ``Hands.touch``, now and a tick ago.
         self._contacts, self._before = np.zeros((2, len(hands.cells), 0, 7))
         self._wrenches, self._nothing = np.zeros((2, len(hands.cells), 6))
 
@@ -51,12 +51,12 @@ class Manipulation:
         ]
 
     def touches(self, name: str) -> bool:
-        """Whether a fingertip touches something, as of the last step."""
+        """Return whether a fingertip touches an object, as of the last step."""
         touched = self._touching and name in self._names
         return touched and bool((self._contacts[:, self._names.index(name), 0] > 0.0).any())
 
     def move(self, period: float) -> None:
-        """Let things go along with whoever holds them, or by themselves, for ``period``, s."""
+        """Move objects with the hands that hold them, or by themselves, for ``period``, s."""
         if self._solids is not self._world.solids:
             self._match()
         self._contacts, self._before = self._before, self._contacts
@@ -78,7 +78,7 @@ class Manipulation:
             self._world.let_go(thing, period)
 
     def touch(self) -> bool:
-        """Find the contacts of where everything is now.
+        """Find the contacts at the current poses.
 
         Returns:
             Whether there are any.
@@ -87,7 +87,7 @@ class Manipulation:
         return self._touching
 
     def _match(self) -> None:
-        """Something came or went; the others were where they were."""
+        """Match contacts and grasps to a changed set of objects; the others have not moved."""
         names = tuple(self._world.things)
         kept = [name for name in names if name in self._names]
         old = [self._names.index(name) for name in kept]
@@ -104,10 +104,10 @@ class Manipulation:
         self._names, self._solids = names, self._world.solids
 
     def hold_back(self, share: Floats) -> bool:
-        """Let the joints of fingertips that are too deep and going deeper go less of their way.
+        """Shorten the way of joints whose fingertips are too deep and go deeper.
 
         Args:
-            share: of its way that each joint goes; halved where it is held back, shape (n,).
+            share: Share of its way that each joint goes; halved if it is held back, shape (n,).
 
         Returns:
             Whether any joint goes less far than before.
@@ -115,11 +115,11 @@ class Manipulation:
         return _held_back(self._contacts, self._before, self._hands.moving, share)
 
     def press(self) -> Floats:
-        """Let the fingertips press on what they touch.
+        """Let the fingertips press on the objects in contact.
 
         Returns:
             Force, N, and torque about the fingertip's origin, N m, that each exerts on the world,
-            world frame, shape (cells, 6); until the next step.
+            world frame, shape (cells, 6); valid until the next step.
         """
         if not self._touching and not self._holding:
             return self._nothing
@@ -138,7 +138,7 @@ class Manipulation:
         return wrenches
 
     def _of(self, thing: KinematicObject) -> list[FingertipContact]:
-        """The contacts with a thing that may have been taken away."""
+        """Return the contacts with an object; none if it has been taken away."""
         if thing.name not in self._names:
             return []
         contacts = self._contacts[:, self._names.index(thing.name)].tolist()
@@ -149,7 +149,7 @@ class Manipulation:
         ]
 
     def _push(self, contacts: list[FingertipContact], grasp: Grasp) -> None:
-        """Move a thing sidewise until the fingertips' forces are what friction can balance."""
+        """Move an object sideways until friction can balance the fingertips' forces."""
         thing = grasp.thing
         x = y = 0.0
         for each in contacts:
@@ -186,7 +186,7 @@ class Manipulation:
             force = weight - plane @ needed
             wrench = wrenches[contact.fingertip.cell]
             wrench[:3] += force
-            # It acts at the end of this lever.
+            # This lever leads to the point where the force acts.
             wrench[3:] += contact.fingertip.radius * np.cross(contact.normal, force)
 
 
@@ -195,10 +195,10 @@ def _held_back(contacts: Floats, before: Floats, moving: Booleans, share: Floats
     """Lessen the shares, shape (n,), of joints whose fingertips are too deep and go deeper.
 
     Args:
-        contacts: depths, m, of fingertips in things, first of each row, shape (tips, things, 7).
-        before: the same, a tick ago.
-        moving: the joints of each fingertip, shape (tips, n).
-        share: as ``Manipulation.hold_back`` has it.
+        contacts: Depths, m, first of each row, shape (tips, things, 7).
+        before: Depths a tick ago, likewise.
+        moving: Joints that move each fingertip, shape (tips, n).
+        share: Shares, as in ``Manipulation.hold_back``.
     """
     blocked = np.zeros(len(share), np.bool_)
     for tip in range(contacts.shape[0]):
@@ -215,12 +215,12 @@ def _held_back(contacts: Floats, before: Floats, moving: Booleans, share: Floats
 
 @compiled_once
 def _press(contacts: Floats, stiffness: float, wrenches: Floats) -> None:
-    """Add the force, N, of each fingertip on all that it touches, shape (tips, 6).
+    """Add the force, N, of each fingertip on all objects in contact, shape (tips, 6).
 
     Args:
-        contacts: depth, point and inward normal by fingertip and thing, shape (tips, things, 7).
-        stiffness: of the fingertips, N/m.
-        wrenches: takes the forces.
+        contacts: Depth, point and inward normal by fingertip and object, shape (tips, things, 7).
+        stiffness: Stiffness of the fingertips, N/m.
+        wrenches: Output: sums of the forces.
     """
     for tip in range(contacts.shape[0]):
         for thing in range(contacts.shape[1]):

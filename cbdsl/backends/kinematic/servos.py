@@ -1,4 +1,4 @@
-"""Ideal servos: joints are where their references are, as far as speeds and limits allow.
+"""Ideal servos: joints reach their references as far as speeds and limits allow.
 
 Joints carry links: both move in one compiled call.
 """
@@ -17,13 +17,13 @@ Floats = NDArray[np.float64]
 
 
 class Servos:
-    """The servos of all actuated joints.
+    """Servos of all actuated joints.
 
     Args:
-        joints: the actuated joints.
-        model: knows their limits.
-        tree: of the links that they move.
-        period: of a control tick, s.
+        joints: Actuated joints.
+        model: Knows their limits.
+        tree: Tree of the links that they move.
+        period: Period of a control tick, s.
     """
 
     def __init__(self, joints: Joints, model: UrdfModel, tree: Tree, period: float) -> None:
@@ -33,14 +33,14 @@ class Servos:
         self._limits = np.array([(period * j.velocity, j.lower, j.upper) for j in limits]).T.copy()
 
     def follow(self, positions: Floats, reference: Floats) -> tuple[Floats, Floats]:
-        """Move to where the joints are a tick later, and take the links along.
+        """Move the joints by one tick, and place the links.
 
         Args:
-            positions: of the joints now, rad, shape (n,).
-            reference: where they are to be, rad, shape (n,).
+            positions: Positions of the joints now, rad, shape (n,).
+            reference: References of the joints, rad, shape (n,).
 
         Returns:
-            Where they are, rad, and how fast they went, rad/s, shape (n,) each.
+            Reached positions, rad, and mean velocities, rad/s, shape (n,) each.
         """
         reached, velocities = np.empty((2, len(positions)))
         _follow(positions, reference, self._limits, self._period, reached, velocities, *self._chain)
@@ -61,10 +61,10 @@ def _follow(
     moved: Booleans,
     placed: Floats,
 ) -> None:
-    """Fill in what is reached, and how fast, and place the links.
+    """Write reached positions and velocities, and place the links.
 
-    ``limits`` are the largest step, the lower and the upper limit, shape (3, n); what comes after
-    the velocities is a tree's chain.
+    ``limits`` are the largest step, the lower and the upper limit, shape (3, n); the arguments
+    after ``velocities`` are a tree's chain.
     """
     for joint in range(len(positions)):
         step, lower, upper = limits[0, joint], limits[1, joint], limits[2, joint]

@@ -1,7 +1,7 @@
-"""Forward kinematics of the whole robot at once.
+"""Forward kinematics of the whole robot in one pass.
 
 Controllers need a few links with their Jacobians; a world needs many links without. One compiled
-pass over the tree takes less time than asking for three links one by one.
+pass over the tree takes less time than three links one by one.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ Booleans = NDArray[np.bool_]
 
 
 class Tree:
-    """The links of a URDF model and the joints between them.
+    """Links of a URDF model and the joints between them.
 
     Attributes:
-        rows: the row of each link in ``placements``.
-        placements: of all links in the world: rotation, row by row, then position, m, shape
+        rows: Row of each link in ``placements``.
+        placements: Placements of all links in the world: rotation by rows, then position, m, shape
             (links, 12); always the same array.
-        chain: all that ``place`` takes but the joints' positions.
+        chain: All arguments of ``place`` after the joints' positions.
     """
 
     def __init__(self, model: UrdfModel, joints: Joints, base: str) -> None:
@@ -69,7 +69,7 @@ class Tree:
         place(positions, *self.chain)
 
     def pose(self, link: str) -> Pose:
-        """Pose of a link, until the next update changes it."""
+        """Return the pose of a link, until the next update changes it."""
         return self._poses[link]
 
 
@@ -78,7 +78,7 @@ def _pose(placement: Floats) -> Pose:
 
 
 def _ratios(joint: str, joints: Joints) -> Floats:
-    """Motion of a joint per motion of each actuated one, shape (n,); 0 where it rests."""
+    """Return a joint's motion per motion of each actuated one, shape (n,); 0 if it rests."""
     row = joints.index.get(joint)
     return np.zeros(len(joints)) if row is None else joints.expansion[row]
 
@@ -98,7 +98,7 @@ def _axis(joint: UrdfJoint) -> Floats:
 
 
 def _outwards(leaving: Mapping[str, list[UrdfJoint]], base: str) -> Iterator[UrdfJoint]:
-    """All joints beyond a link, each after the one before it."""
+    """Yield all joints beyond a link, each after its parent joint."""
     for joint in leaving.get(base, ()):
         yield joint
         yield from _outwards(leaving, joint.child)
@@ -113,17 +113,17 @@ def place(
     moved: Booleans,
     placed: Floats,
 ) -> None:
-    """Place all links beyond the base that something moves.
+    """Place all links beyond the base that have moved.
 
     Args:
-        positions: of the actuated joints, rad, shape (n,).
-        follows: row of the link that each joint leaves from, and the actuated joint that it
-            follows, shape (joints, 2).
-        joints: origin of each joint in that link's frame, as a placement, the unit vector of its
-            axis, how far it follows, and whether it slides, shape (joints, 17).
-        angles: positions of all joints when they were last placed, rad or m, shape (joints,).
-        moved: takes whether each link moves, shape (1 + joints,); the base does not.
-        placed: the placements of all links, shape (1 + joints, 12).
+        positions: Positions of the actuated joints, rad, shape (n,).
+        follows: Row of each joint's parent link, and index of the actuated joint that it follows,
+            shape (joints, 2).
+        joints: Origin of each joint in its parent link's frame, as a placement, the unit vector of
+            its axis, the ratio at which it follows, and whether it slides, shape (joints, 17).
+        angles: Positions of all joints when they were last placed, rad or m, shape (joints,).
+        moved: Output: whether each link moves, shape (1 + joints,); the base does not.
+        placed: Placements of all links, shape (1 + joints, 12).
     """
     turn, turned = np.empty(9), np.empty(9)
     for joint in range(len(joints)):

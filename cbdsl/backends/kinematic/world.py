@@ -1,4 +1,4 @@
-"""The world besides the robot: things that stand, roll, fall, and go along with hands."""
+"""World besides the robot: objects that stand, roll, fall, and move with hands."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from cbdsl.backends.staging.solids import WIDTH, Walls
 
 Floats = NDArray[np.float64]
 
-# What is this near to a floor stands on it, m.
+# Distance to a floor within which an object stands on it, m.
 _CLOSE = 1e-3
-# What has sunk further than this below a top is beside it, m.
+# Depth below a top beyond which an object is beside it, m.
 _BESIDE = 0.02
-# Nothing goes along with the only thing that can be moved.
+# If only one object is movable, no other moves with it.
 _ALONE = nullcontext()
 
 
 class World:
-    """Things in one episode, moved without forces: they stay upright where they fall and roll.
+    """Objects in one episode, moved without forces: they stay upright when they fall and roll.
 
     Attributes:
-        objects: fixtures and things by name, as the stage has them.
-        things: the same, as they move.
-        solids: all of them in that order, as ``solids`` has them, shape (k, 16); another array
-            when something comes or goes.
-        walls: the solids that they are made of.
+        objects: Fixtures and things by name, as in the stage.
+        things: The same objects, with their motion.
+        solids: Rows of all objects in that order, as in ``solids``, shape (k, 16); another array
+            after an object is added or removed.
+        walls: Solids that the objects consist of.
     """
 
     def __init__(self) -> None:
@@ -42,21 +42,21 @@ class World:
         self.walls = Walls([])
 
     def add(self, item: SceneObject) -> KinematicObject:
-        """Put something there; without mass it does not move."""
+        """Add an object; without mass it does not move."""
         thing = self.things[item.name] = KinematicObject(item)
         self.objects[item.name] = item
         self._gather()
         return thing
 
     def remove(self, name: str) -> None:
-        """Take something out of the world; what stood on it falls."""
+        """Remove an object; objects that stood on it fall."""
         for rider in self._riders(self.things[name]):
             rider.resting = False
         del self.things[name], self.objects[name]
         self._gather()
 
     def taking_along(self, thing: KinematicObject) -> AbstractContextManager[None]:
-        """Let what stands on a thing, and on that, go along while it is moved."""
+        """Move all objects that rest on an object, directly or not, along with it."""
         return _ALONE if self._movable < 2 else self._taking_along(thing)
 
     @contextmanager
@@ -69,7 +69,7 @@ class World:
                 rider.shift(shift)
 
     def _riders(self, thing: KinematicObject) -> Iterator[KinematicObject]:
-        """All that stands on a thing and is not held, and on that."""
+        """Yield all objects that rest on an object, directly or not, and are not held."""
         for other in self.things.values():
             if other.mass and not other.gripped and other is not thing:
                 top = _top(thing, other)
@@ -78,7 +78,7 @@ class World:
                     yield from self._riders(other)
 
     def _gather(self) -> None:
-        """Let all things keep their poses in one array."""
+        """Gather the poses of all objects in one array."""
         self.walls = Walls([thing.shape for thing in self.things.values()])
         self._movable = sum(thing.mass > 0.0 for thing in self.things.values())
         self.solids = np.array([thing.solid for thing in self.things.values()])
@@ -87,14 +87,14 @@ class World:
             thing.solid = solid
 
     def let_go(self, thing: KinematicObject, period: float) -> None:
-        """Let something that nobody holds move for ``period``, s."""
+        """Move an object that is not held for ``period``, s."""
         if thing.resting:
             return
         floor = self.floor(thing)
         if floor is not None and thing.velocity[2] <= 0.0:
             self._glide(thing, floor, period)
             return
-        # By the mean velocity, which makes it a parabola however long the period is.
+        # The mean velocity gives a parabola for any period.
         thing.velocity[2] -= 0.5 * GRAVITY * period
         thing.shift(period * thing.velocity)
         fallen = -period * float(thing.velocity[2])
@@ -102,11 +102,11 @@ class World:
         self.land(thing, fallen)
 
     def land(self, thing: KinematicObject, fallen: float = 0.0) -> None:
-        """Lift what has sunk into the top of something, or fallen through it just now, onto it.
+        """Lift an object that has sunk into a top, or has just fallen through it, onto that top.
 
         Args:
-            thing: what may have landed.
-            fallen: how far it has just fallen, m.
+            thing: Object that may have landed.
+            fallen: Distance that it has just fallen, m.
         """
         bottom, deepest = thing.bottom, _BESIDE + max(fallen, 0.0)
         tops = [_top(lower, thing) for lower in self.things.values()]
@@ -117,7 +117,7 @@ class World:
             thing.velocity[2] = 0.0
 
     def floor(self, thing: KinematicObject) -> KinematicObject | None:
-        """The fixture or thing that something stands on, if any."""
+        """Return the fixture or object that an object stands on; ``None`` if there is none."""
         bottom = thing.bottom
         for lower in self.things.values():
             top = _top(lower, thing)
@@ -142,7 +142,7 @@ class World:
 
 
 def _spin(ball: KinematicObject, change: float) -> None:
-    """Let friction slow a sliding ball by at most ``change``, m/s, and spin it, until it rolls."""
+    """Let friction slow and spin a sliding ball by at most ``change``, m/s, until it rolls."""
     slip = ball.velocity - ball.rolling
     size = math.hypot(*slip.tolist())
     if size == 0.0:
@@ -154,7 +154,7 @@ def _spin(ball: KinematicObject, change: float) -> None:
 
 
 def _top(lower: KinematicObject, thing: KinematicObject) -> float | None:
-    """Height of the top of something under the middle of a thing, m, ``None`` where not under."""
+    """Return the height of a top under an object's middle, m; ``None`` if it is not under it."""
     if lower is thing:
         return None
     _, _, _, _, a, b, c, xx, yx, _, xy, yy, _, xz, yz, _ = lower.solid.tolist()
@@ -162,7 +162,7 @@ def _top(lower: KinematicObject, thing: KinematicObject) -> float | None:
     u, v, w = u - a, v - b, w - c
     x, y = u * xx + v * xy + w * xz, u * yx + v * yy + w * yz
     if lower.shape.walls:
-        # Of something hollow that stands upright, the highest wall under it.
+        # The highest wall under the middle counts for a hollow object that stands upright.
         tops = (_wall_top(wall, x, y) for wall in lower.shape.walls)
         height = max((top for top in tops if top is not None), default=None)
         return None if height is None else float(lower.solid[6]) + height
@@ -176,7 +176,7 @@ def _top(lower: KinematicObject, thing: KinematicObject) -> float | None:
 
 
 def _wall_top(wall: Wall, x: float, y: float) -> float | None:
-    """Height of a wall's top over the middle of what it is a wall of, m, if (x, y) is over it."""
+    """Return a wall's top above its object's middle, m; ``None`` if (x, y) is outside."""
     (dx, dy, dz), turn = wall.origin.xyz, wall.origin.rpy[2]
     u = math.cos(turn) * (x - dx) + math.sin(turn) * (y - dy)
     v = math.cos(turn) * (y - dy) - math.sin(turn) * (x - dx)

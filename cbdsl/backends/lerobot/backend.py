@@ -39,7 +39,7 @@ class LeRobotBackend:
         urdf: URDF of the robot.
         gui: False, since a real robot has no window.
         clock: Monotonic time, s.
-        sleep: Waits for some seconds.
+        sleep: Function that waits for some seconds.
 
     Attributes:
         patience: Longest time for an answer of the robot, and for a tick of the controllers, s.

@@ -1,4 +1,4 @@
-"""A robot of LeRobot in SI units, whatever units its motors have."""
+"""Robot of LeRobot in SI units, from any units of its motors."""
 
 from __future__ import annotations
 

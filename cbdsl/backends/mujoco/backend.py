@@ -1,4 +1,4 @@
-"""A faster backend with physics: MuJoCo's steady contacts, rendered or ideal cameras."""
+"""Faster backend with physics: MuJoCo's steady contacts, rendered or ideal cameras."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ class MujocoBackend(SimulatedBackend[MujocoEngine]):
     """A robot in MuJoCo, with contacts and forces.
 
     Args:
-        robot: what can be sensed and moved.
-        urdf: its model.
-        gui: whether to open the simulator's window.
-        cameras: ``rendered`` or ``ideal``; rendered without a choice, or ideal without OpenGL.
+        robot: Robot document.
+        urdf: URDF of the robot.
+        gui: True to open the simulator's window.
+        cameras: ``rendered`` or ``ideal``; if ``None``, rendered, or ideal without OpenGL.
 
     Raises:
-        BackendError: robot file and model do not fit together, the renderer that the robot file
-            asks for does not work here, or there is no screen for a window.
+        BackendError: Robot file and model do not fit together, the requested renderer does not work
+            here, or there is no screen for a window.
     """
 
     def __init__(

@@ -16,23 +16,23 @@ _LEAST_ROLLING = 1e-5
 class ContactSettings:
     """Contact constants of robot and objects.
 
-    The friction of a pair is the larger one, but for the objects that can be moved: these bring
-    theirs along, so that a stage says how slippery a thing is.
+    The friction of a pair is the larger one, except for movable objects, whose own friction counts:
+    so a stage states how slippery an object is.
 
     Args:
-        settings: of the robot file.
+        settings: Settings of the robot file.
     """
 
     def __init__(self, settings: MujocoSection) -> None:
         self._time, self._spinning = settings.contact_time, settings.spinning_friction
 
     def apply(self, geom: Any, friction: float) -> None:
-        """Give a shape of the robot its constants, with a coefficient of lateral friction."""
+        """Set the contact constants of a shape of the robot, with its lateral friction."""
         geom.friction = [friction, self._spinning, _LEAST_ROLLING]
         self._soften(geom)
 
     def apply_surface(self, geom: Any, surface: Surface, *, movable: bool) -> None:
-        """Give a shape of an object its constants; of what can be moved they count."""
+        """Set the contact constants of a shape of an object; those of a movable object prevail."""
         given = surface.spinning_friction
         spinning = self._spinning if given is None else given
         rolling = max(surface.rolling_friction, _LEAST_ROLLING)

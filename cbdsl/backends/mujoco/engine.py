@@ -35,14 +35,14 @@ class MujocoEngine(Engine):
     """A robot in MuJoCo; see ``Engine``.
 
     Args:
-        robot: what can be sensed and moved.
-        model: its URDF.
-        timestep: of the physics, s.
-        window: where to show it, if anywhere.
+        robot: Robot document.
+        model: URDF model of the robot.
+        timestep: Period of a physics step, s.
+        window: Window to show the simulation in; ``None`` for none.
 
     Raises:
-        BackendError: MuJoCo cannot simulate the model, or the robot file names links that the
-            model does not have.
+        BackendError: MuJoCo cannot simulate the model, or the robot file names links that the model
+            does not have.
     """
 
     def __init__(
@@ -102,7 +102,7 @@ class MujocoEngine(Engine):
             self._window.show(model, data)
 
     def _placed(self) -> Any:
-        """The state, with all poses as of now."""
+        """Return the state, with all poses as of now."""
         data = self._world.data
         if self._moved:
             mj.mj_kinematics(self._world.model, data)
@@ -114,7 +114,7 @@ class MujocoEngine(Engine):
         return data.qpos[positions], data.qvel[velocities]
 
     def all_positions(self) -> Floats:
-        """Positions of the actuated, then the coupled joints, rad or m, shape (n + m,)."""
+        """Return positions of actuated, then coupled joints, rad or m, shape (n + m,)."""
         positions: Floats = self._world.data.qpos[self._positions]
         return positions
 
@@ -162,13 +162,13 @@ class MujocoEngine(Engine):
         self._gather()
 
     def _gather(self) -> None:
-        """Take another array for the solids, since other objects are there."""
+        """Allocate a new array for the solids after a change of the objects."""
         solids = [placed(item.shape, item.pose) for item in self.objects.values()]
         self._solids = np.array(solids).reshape(len(solids), WIDTH)
         self._moved = True
 
     def attach(self, name: str) -> None:
-        """See ``Engine``; an object that is held keeps its orientation."""
+        """Attach an object, which keeps its orientation; see ``Engine``."""
         pose, grip = self.pose(name), self._world.body(name).grip
         goal = self._world.model.eq_data[grip]
         goal[:3], goal[3:6], goal[6:10] = 0.0, pose.position, wxyz(pose)
@@ -198,7 +198,7 @@ class MujocoEngine(Engine):
             self._moved = True
 
     def _distance(self, body: int) -> float:
-        """Distance of a body from the robot, m, or ``ROOM`` where that is less."""
+        """Return the distance of a body from the robot, m, at most ``ROOM``."""
         model, data, fromto = self._world.model, self._placed(), np.zeros(6)
         geoms = np.arange(model.ngeom)
         own, robot = geoms[model.geom_bodyid == body], geoms[self._of_robot(model.geom_bodyid)]
@@ -220,17 +220,17 @@ class MujocoEngine(Engine):
         return frozenset(cell for cell, tip in cells if tip in pressing)
 
     def neighbours(self, name: str) -> frozenset[str]:
-        """Names of the other objects that one presses on, as of the last step."""
+        """Return the names of the other objects that press on an object, as of the last step."""
         pressing, number = set(self._pressing(name).tolist()), self._world.body
         return frozenset(
             other for other in self.objects if other != name and number(other).number in pressing
         )
 
     def _pressing(self, name: str) -> NDArray[np.int32]:
-        """Bodies in contact with an object, and the object's own, as of the last step."""
+        """Return bodies in contact with an object, and the object's own, as of the last step."""
         model, data, body = self._world.model, self._world.data, self._world.body(name).number
         bodies: NDArray[np.int32] = model.geom_bodyid[data.contact.geom].reshape(-1, 2)
         rows = data.contact.efc_address
-        forces = np.append(data.efc_force, 0.0)[rows]  # of contacts without a row: none
+        forces = np.append(data.efc_force, 0.0)[rows]  # contacts without a row have no force
         pressing: NDArray[np.int32] = bodies[(bodies == body).any(axis=1) & (forces > 0.0)].ravel()
         return pressing

@@ -1,4 +1,4 @@
-"""The posture in which episodes begin, and the links that overlap there."""
+"""Posture in which episodes begin, and the links that overlap in it."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
 
-# Links that are this far inside each other cannot be so in the world, m.
+# Depth of one link inside another that is impossible in the world, m.
 _OVERLAP = 0.001
 
 
 class FirstPosture:
-    """A robot at rest in the posture in which episodes begin.
+    """Robot at rest in the posture in which episodes begin.
 
     Args:
-        spec: of the robot; stays as it is.
-        robot: names joints and postures.
-        model: its URDF.
+        spec: Specification of the robot; not changed.
+        robot: Robot document, which names joints and postures.
+        model: URDF model of the robot.
 
     Attributes:
         compiled: MuJoCo's model.
-        data: its state.
+        data: State of the model.
 
     Raises:
-        BackendError: the robot cannot be simulated.
+        BackendError: The robot cannot be simulated.
     """
 
     def __init__(self, spec: Any, robot: RobotDocument, model: UrdfModel) -> None:
@@ -45,10 +45,10 @@ class FirstPosture:
         mj.mj_forward(self.compiled, self.data)
 
     def overlaps(self) -> list[tuple[str, str]]:
-        """Pairs of bodies that are inside each other.
+        """Return the pairs of bodies that are inside each other.
 
-        Hulls are larger than meshes, and many public models have links that overlap besides.
-        Nothing can push these apart, so that a robot would be thrown about by trying.
+        Hulls are larger than meshes, and the links of many public models overlap as well. No motion
+        can separate them, so that contact forces would throw the robot about.
         """
         deep = self.data.contact.geom[self.data.contact.dist < -_OVERLAP]
         bodies = np.unique(np.sort(self.compiled.geom_bodyid[deep], axis=1), axis=0)

@@ -20,13 +20,13 @@ _KINDS = {
     "cylinder": mj.mjtGeom.mjGEOM_CYLINDER,
     "capsule": mj.mjtGeom.mjGEOM_CAPSULE,
 }
-# Of the robot in the simulator's window.
+# Colour of the robot in the simulator's window.
 _GREY = (0.7, 0.7, 0.7)
-# Corners of a convex hull, beyond which contacts cost more than they are better.
+# Largest number of corners of a convex hull; more cost time and hardly improve contacts.
 _MOST_CORNERS = 64
 # Singular value below which all corners are in a plane, m.
 _FLATTEST = 1e-6
-# How many extents each kind has.
+# Number of extents of each kind.
 _EXTENTS = {"ball": 1, "box": 3, "cylinder": 2, "capsule": 2}
 
 
@@ -36,7 +36,7 @@ def add_shape(spec: Any, body: Any, shape: UrdfShape, name: str, urdf: Path) -> 
     A mesh collides as its convex hull, as in most engines.
 
     Raises:
-        BackendError: it is a mesh that cannot be read, or a shape that MuJoCo does not know.
+        BackendError: The shape is a mesh that cannot be read, or a kind that MuJoCo does not have.
     """
     link = name.rpartition("/")[0]
     place = {"name": name, "rgba": [*_GREY, 1.0], **_placement(shape)}
@@ -58,7 +58,7 @@ def _placement(shape: UrdfShape) -> dict[str, Any]:
 
 
 def _add_hull(spec: Any, shape: UrdfShape, urdf: Path, link: str) -> str:
-    """Add the hull of a mesh to the specification, unless it is there; its name."""
+    """Add the hull of a mesh to the specification if it is missing; return its name."""
     name = f"{shape.file} {shape.size}"
     if spec.mesh(name) is not None:
         return name
@@ -82,13 +82,13 @@ def _add_hull(spec: Any, shape: UrdfShape, urdf: Path, link: str) -> str:
 
 
 def add_solids(spec: Any, body: Any, shape: SolidShape, mass: float) -> list[Any]:
-    """Add what an object is made of to its body; walls share its mass by their volumes.
+    """Add the solids of an object to its body; walls share its mass by their volumes.
 
     Args:
-        spec: of the world, which takes the corners of a hull.
-        body: of the object.
-        shape: of it.
-        mass: kg.
+        spec: Specification of the world, which takes the corners of a hull.
+        body: Body of the object.
+        shape: Shape of the object.
+        mass: Mass, kg.
     """
     if shape.hull is not None:
         name = f"{body.name}/hull"

@@ -21,12 +21,12 @@ _FIELDS = (
     mj.mjtConDataField.mjCONDATA_TORQUE,
     mj.mjtConDataField.mjCONDATA_POS,
 )
-# The reduction by which a sensor gives one sum for all contacts, in the world frame.
+# Reduction by which a sensor returns one sum of all contacts, in the world frame.
 _NET_FORCE = 3
 
 
 def add_sensors(spec: Any, robot: RobotDocument) -> None:
-    """Add a sensor of all that each fingertip exerts on the world."""
+    """Add a contact sensor of each fingertip's wrench on the world."""
     fields = sum(1 << int(field) for field in _FIELDS)
     for (hand, finger), link in cell_links(robot).items():
         spec.add_sensor(
@@ -39,7 +39,7 @@ def add_sensors(spec: Any, robot: RobotDocument) -> None:
 
 
 def cell_links(robot: RobotDocument) -> dict[Cell, str]:
-    """The link that carries each load cell, in the robot file's order."""
+    """Return the link that carries each load cell, in the robot file's order."""
     return {
         (hand, finger): cell.link
         for hand, fingers in robot.load_cells.items()
@@ -48,7 +48,7 @@ def cell_links(robot: RobotDocument) -> dict[Cell, str]:
 
 
 def sensor_addresses(model: Any, robot: RobotDocument) -> Rows:
-    """Where each cell's reading begins among a compiled model's, shape (cells,)."""
+    """Return the index of each cell's reading among a compiled model's, shape (cells,)."""
     names = (f"{hand}/{finger}" for hand, finger in cell_links(robot))
     return np.array([int(model.sensor(name).adr[0]) for name in names], dtype=np.intp)
 
@@ -57,14 +57,15 @@ def sensor_addresses(model: Any, robot: RobotDocument) -> Rows:
 def sum_wrenches(
     readings: Floats, addresses: Rows, origins: Floats, fingertips: Rows, wrenches: Floats
 ) -> None:
-    """Wrenches about the fingertips' origins.
+    """Sum the sensors' readings to wrenches about the fingertips' origins.
 
     Args:
-        readings: of all sensors: force, N, torque, N m, and where both act, m, each of 3 numbers.
-        addresses: where each cell's begins, shape (cells,).
-        origins: of all bodies, m, shape (bodies, 3).
-        fingertips: the bodies of the cells, shape (cells,).
-        wrenches: takes them, world frame, shape (cells, 6).
+        readings: Readings of all sensors: force, N, torque, N m, and their point, m, 3 numbers
+            each.
+        addresses: Index of each cell's reading, shape (cells,).
+        origins: Origins of all bodies, m, shape (bodies, 3).
+        fingertips: Bodies of the cells, shape (cells,).
+        wrenches: Output: wrenches, world frame, shape (cells, 6).
     """
     for cell in range(len(addresses)):
         own, wrench = readings[addresses[cell] :], wrenches[cell]

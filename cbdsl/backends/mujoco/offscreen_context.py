@@ -1,4 +1,4 @@
-"""An OpenGL context without a window, in which MuJoCo can draw."""
+"""OpenGL context without a window, for MuJoCo's drawing."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import ctypes
 from ctypes import byref, c_int, c_uint, c_void_p
 from typing import Any
 
-# EGL's numbers: the platform that needs no window system, and desktop OpenGL.
+# EGL's numbers: the platform without a window system, and desktop OpenGL.
 _SURFACELESS, _OPENGL = 0x31DD, 0x30A2
 
 
 class OffscreenContext:
-    """An OpenGL context by EGL, in the profile in which MuJoCo draws.
+    """OpenGL context by EGL, in the profile in which MuJoCo draws.
 
     Raises:
-        OSError: there is no EGL, or none that draws without a window.
+        OSError: EGL is missing, or cannot draw without a window.
     """
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class OffscreenContext:
 
 
 def _library() -> Any:
-    """EGL, with the types of what is called."""
+    """Return the library EGL, with the types of the functions that are called."""
     egl = ctypes.CDLL("libEGL.so.1")
     egl.eglGetPlatformDisplay.restype = egl.eglCreateContext.restype = c_void_p
     egl.eglGetPlatformDisplay.argtypes = [c_uint, c_void_p, c_void_p]

@@ -1,4 +1,4 @@
-"""Images by MuJoCo's own renderer, of the same shapes and in the same light as by ours."""
+"""Images by MuJoCo's own renderer, with the same shapes and light as those of cbdsl."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ _KINDS = {
     "cylinder": mj.mjtGeom.mjGEOM_CYLINDER,
 }
 _BACKGROUND = 199
-# Of links whose model gives no colour.
+# Colour of links without a colour in the model.
 _GREY = (0.7, 0.7, 0.7)
-# Most shapes in a scene.
+# Largest number of shapes in a scene.
 _SHAPES = 2000
 
 
 class MujocoRenderer:
-    """Renders with MuJoCo, by OpenGL, without shadows and highlights, which would change hues.
+    """Renderer by MuJoCo with OpenGL, without shadows and highlights, which change hues.
 
     Args:
-        robot: names the cameras, whose largest images have to fit.
-        model: its URDF.
+        robot: Robot document with the cameras, whose largest images have to fit.
+        model: URDF model of the robot.
 
     Raises:
-        BackendError: there is no OpenGL without a window, or the robot has a shape that cannot be
+        BackendError: OpenGL without a window is missing, or the robot has a shape that cannot be
             drawn.
     """
 
@@ -67,14 +67,14 @@ class MujocoRenderer:
         _light(self._scene)
 
     def render(self, engine: Engine, views: Sequence[View]) -> list[Image]:
-        """Robot and objects as they are now, from each view; see ``Renderer.render``."""
+        """Return images of robot and objects from each view; see ``Renderer.render``."""
         self._show(engine)
         with self._context:
             self._make_room(views)
             return [self._image(view) for view in views]
 
     def _make_room(self, views: Sequence[View]) -> None:
-        """Enlarge the picture that is drawn to until each view fits."""
+        """Enlarge the offscreen buffer until each view fits."""
         room = self._drawing.offWidth, self._drawing.offHeight
         width = max(room[0], *(view.camera.width for view in views))
         height = max(room[1], *(view.camera.height for view in views))
@@ -122,18 +122,18 @@ class MujocoRenderer:
 
 
 def _empty_model(robot: RobotDocument) -> Any:
-    """A model of nothing, with room for the largest image and one sample a pixel."""
+    """Return a model of nothing, with room for the largest image and one sample a pixel."""
     spec = mj.MjSpec()
     spec.visual.global_.offwidth = max(each.width for each in robot.cameras.values())
     spec.visual.global_.offheight = max(each.height for each in robot.cameras.values())
     spec.visual.quality.offsamples = 0
-    # Balls whose patches are as large as they should be.
+    # Enough slices for balls whose regions have the right size.
     spec.visual.quality.numslices, spec.visual.quality.numstacks = 96, 48
     return spec.compile()
 
 
 def _light(scene: Any) -> None:
-    """The light of all renderers, and nothing that changes colours."""
+    """Set the light of all renderers, and switch off all effects that change colours."""
     for flag in ("SHADOW", "REFLECTION", "SKYBOX", "FOG", "HAZE"):
         scene.flags[getattr(mj.mjtRndFlag, f"mjRND_{flag}")] = False
     scene.nlight = 1
@@ -155,7 +155,7 @@ def _part(shape: UrdfShape, model: UrdfModel) -> Part:
 
 
 def _set_shape(geom: Any, part: Part, place: Pose) -> None:
-    """Make a shape of the scene a part."""
+    """Set a shape of the scene to that of a part."""
     a, b, c = (*part.size, 0.0, 0.0)[:3]
     sizes = {"ball": [a, a, a], "box": [a / 2, b / 2, c / 2], "cylinder": [a, b / 2, 0.0]}
     size, color = np.array(sizes[part.shape]), np.array([*part.color, 1.0], dtype=np.float32)
@@ -164,7 +164,7 @@ def _set_shape(geom: Any, part: Part, place: Pose) -> None:
 
 
 def _look(camera: Any, view: View) -> None:
-    """Put a camera of the scene where a view is from."""
+    """Move a camera of the scene to a view."""
     opening = NEAREST * view.camera.height / (2.0 * view.camera.focal_length)
     axes = view.pose.rotation
     camera.pos, camera.forward, camera.up = view.pose.position, axes[:, 0], axes[:, 2]
@@ -174,6 +174,6 @@ def _look(camera: Any, view: View) -> None:
 
 
 def _is_empty(depth: NDArray[np.float32]) -> NDArray[np.bool_]:
-    """Where nothing was drawn; MuJoCo may count depth from either end."""
+    """Return the pixels without a shape; MuJoCo may count depth from either end."""
     empty: NDArray[np.bool_] = (depth >= 1.0) | (depth <= 0.0)
     return empty

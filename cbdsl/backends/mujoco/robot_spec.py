@@ -1,4 +1,4 @@
-"""The robot as a MuJoCo specification, made from its URDF and its robot file."""
+"""MuJoCo specification of the robot, from its URDF and its robot file."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 # Lighter bodies are given this mass, kg, and moment of inertia, kg m^2.
 _LEAST_MASS, _LEAST_INERTIA = 1e-4, 1e-8
-# Of links whose surface the robot file does not name.
+# Friction of links without a surface in the robot file.
 _FRICTION = 0.5
 _JOINTS = {
     "revolute": mj.mjtJoint.mjJNT_HINGE,
@@ -35,18 +35,18 @@ _JOINTS = {
 
 
 def make_robot_spec(robot: RobotDocument, model: UrdfModel, timestep: float) -> Any:
-    """A robot in an otherwise empty world; servos and sensors are left to others.
+    """Return a robot in an otherwise empty world, without servos and sensors.
 
     A joint that the robot file does not name rests, as near to 0 as its limits allow. Coupled
-    joints follow theirs by an equality constraint.
+    joints follow their leading joints by an equality constraint.
 
     Args:
-        robot: names joints and surfaces.
-        model: its URDF.
-        timestep: of the physics, s.
+        robot: Robot document, which names joints and surfaces.
+        model: URDF model of the robot.
+        timestep: Period of a physics step, s.
 
     Raises:
-        BackendError: the model has a shape that MuJoCo cannot simulate, or lacks a link that the
+        BackendError: The model has a shape that MuJoCo cannot simulate, or lacks a link that the
             robot file names.
     """
     settings = robot.simulation.mujoco
@@ -60,10 +60,10 @@ def make_robot_spec(robot: RobotDocument, model: UrdfModel, timestep: float) -> 
 
 
 def compile_spec(spec: Any, model: UrdfModel) -> Any:
-    """MuJoCo's model of a specification.
+    """Return MuJoCo's model of a specification.
 
     Raises:
-        BackendError: it cannot be simulated.
+        BackendError: The specification cannot be simulated.
     """
     try:
         return spec.compile()
@@ -89,7 +89,7 @@ def _empty_world(timestep: float, settings: MujocoSection) -> Any:
 
 
 class _Links:
-    """Bodies of all links, put into a specification."""
+    """Bodies of all links in a specification."""
 
     def __init__(self, spec: Any, robot: RobotDocument, model: UrdfModel) -> None:
         self._spec, self._model, self._joints = spec, model, Joints(robot)
@@ -110,7 +110,7 @@ class _Links:
                 waiting.append((joint.child, self._hang(body, joint)))
 
     def _hang(self, parent: Any, joint: UrdfJoint) -> Any:
-        """The body that hangs on a joint."""
+        """Return a new body that hangs on a joint."""
         is_driven = joint.name in self._joints.index
         pose = Pose.at(joint.origin)
         if joint.movable and not is_driven:
@@ -126,7 +126,7 @@ class _Links:
         return child
 
     def _fill(self, body: Any, link: str) -> None:
-        """Mass and shapes of a link."""
+        """Set mass and shapes of a link's body."""
         content = self._model.bodies[link]
         body.gravcomp = 1.0
         if content.inertial is not None:
@@ -137,18 +137,18 @@ class _Links:
 
 
 def body_name(link: str) -> str:
-    """A link's body; some models have a link of the name that MuJoCo's fixed body has, world."""
+    """Return the name of a link's body, distinct from MuJoCo's fixed body ``world``."""
     return f"link/{link}"
 
 
 def wxyz(pose: Pose) -> tuple[float, float, float, float]:
-    """A rotation as MuJoCo's quaternion."""
+    """Return a rotation as MuJoCo's quaternion."""
     x, y, z, w = pose.quaternion()
     return w, x, y, z
 
 
 def _set_inertia(body: Any, inertial: UrdfInertial) -> None:
-    """Mass and principal moments; models in the wild have some that no body can have."""
+    """Set mass and principal moments; some public models have impossible ones."""
     xx, yy, zz, xy, xz, yz = inertial.inertia
     moments, axes = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     axes[:, 2] *= np.sign(np.linalg.det(axes))
@@ -160,7 +160,7 @@ def _set_inertia(body: Any, inertial: UrdfInertial) -> None:
 
 
 def _without_contact(robot: RobotDocument, model: UrdfModel) -> set[tuple[str, str]]:
-    """Pairs of a link and one that carries it, and those within groups of the robot file."""
+    """Return each link paired with its carriers, and the pairs of the robot file's groups."""
     pairs = {
         (min(link, joint.parent), max(link, joint.parent))
         for link in model.links
@@ -172,7 +172,7 @@ def _without_contact(robot: RobotDocument, model: UrdfModel) -> set[tuple[str, s
 
 
 def _couple(spec: Any, passive: str, coupling: Coupling) -> None:
-    """Let a joint follow another one, as stiffly as the timestep allows."""
+    """Couple a joint to its leading joint, as stiffly as the timestep allows."""
     equality = spec.add_equality(
         type=mj.mjtEq.mjEQ_JOINT,
         objtype=mj.mjtObj.mjOBJ_JOINT,

@@ -1,4 +1,4 @@
-"""Joint servos: their stiffness goes with the inertia that a joint moves, brakes keep its speed."""
+"""Joint servos: stiffness in proportion to the moved inertia, and brakes at the largest speed."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from cbdsl.robot.urdf import UrdfModel
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-# Torque per speed that an explicit step bears, as a share of the inertia over the timestep.
+# Torque per speed that an explicit step tolerates, as a share of inertia over timestep.
 _STEEPEST = 0.5
 
 
 class MujocoServos:
     """Servos of one natural frequency in the actuated joints, within the URDF's limits.
 
-    The torque of a servo is kp (reference - q) - kv dq/dt, and what gravity takes; kp is the
-    inertia that the joint moves times the frequency squared, kv is kp times the servos' lag. All
-    joints, coupled ones too, are given a share of that inertia besides, as of a gearing's rotor.
-    A reference is kept so near that the torque falls along a line: from the effort at rest to that
-    which keeps the largest speed. Rotors are at least so heavy that this line is stable: a gripper
-    whose light fingers are slow pushes as hard as its drive can. Beyond the largest speed a joint
-    is braked.
+    The torque of a servo is kp (reference - q) - kv dq/dt plus gravity compensation. kp is the
+    inertia that the joint moves times the squared frequency, and kv is kp times the servos' lag.
+    All joints, coupled ones included, get an additional share of that inertia, like a gear's rotor.
+    A reference is kept so near that the torque falls along a line, from the effort at rest to the
+    torque that keeps the largest speed. Rotors are at least so heavy that this line is stable: a
+    gripper with light, slow fingers pushes as hard as its drive can. Beyond the largest speed a
+    joint is braked.
 
     Args:
-        spec: of the robot, without servos; takes them.
-        robot: names the joints.
-        model: its URDF.
-        first: posture, in which the inertias are taken.
+        spec: Specification of the robot without servos; gets them.
+        robot: Robot document, which names the joints.
+        model: URDF model of the robot.
+        first: Posture in which the inertias are taken.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class MujocoServos:
         fastest = np.array([joint.velocity for joint in limits])
         efforts = [_effort(robot, model, name) for name in joints.names]
         rotors = settings.armature * moved
-        # The steepest stable fall of the torque over the speed, per inertia.
+        # Steepest stable fall of the torque over the speed, per inertia.
         steepest = _STEEPEST / timestep + settings.servo_frequency**2 * lag
         least = np.where(np.isfinite(efforts), efforts, 0.0) / (fastest * steepest)
         own = slice(len(joints.names))
@@ -67,8 +67,8 @@ class MujocoServos:
             _limit(spec.joint(name), effort)
         stiffness = settings.servo_frequency**2 * inertias
         impulses = inertias / timestep
-        # How much the torque may fall with the speed, besides the servo's own damping.
-        # Without a largest speed it does not fall, however large the effort is.
+        # Fall of the torque per speed, besides the servo's own damping. Without a largest speed it
+        # does not fall, for any effort.
         steepness = np.zeros(len(fastest))
         np.divide(efforts, fastest, out=steepness, where=np.isfinite(fastest))
         falls = steepness - stiffness * lag
@@ -86,12 +86,12 @@ class MujocoServos:
         )
 
     def drive(self, arrays: StepArrays, rows: tuple[Rows, Rows], targets: Floats) -> None:
-        """Give the servos their references, and brake.
+        """Set the references of the servos, and brake joints that are too fast.
 
         Args:
-            arrays: take references and damping.
-            rows: of the actuated joints among all positions and velocities, shape (n,) each.
-            targets: rad or m, shape (n,).
+            arrays: Output: references and damping.
+            rows: Rows of the actuated joints among all positions and velocities, shape (n,) each.
+            targets: Targets, rad or m, shape (n,).
         """
         state = arrays.positions, arrays.velocities
         _drive(*state, *rows, targets, self._limits, arrays.references, arrays.damping)
@@ -108,11 +108,11 @@ def _drive(
     references: Floats,
     damping: Floats,
 ) -> None:
-    """See ``MujocoServos.drive``; ``limits`` has seven rows.
+    """Set references and damping; see ``MujocoServos.drive``.
 
-    Lower and upper positions, largest velocities, farthest references at rest, by how much nearer
-    they are per speed, inertias over the timestep, and efforts. In one implicit step, a brake takes
-    a joint by itself below its largest velocity by as much as it was above it.
+    ``limits`` has seven rows: lower and upper positions, largest velocities, farthest references at
+    rest, their approach per speed, inertias over the timestep, and efforts. In one implicit step, a
+    brake alone takes a joint as far below its largest velocity as it was above it.
     """
     lower, upper, fastest, farthest, tapers, impulses, efforts = limits
     for joint in range(len(targets)):
@@ -129,7 +129,7 @@ def _drive(
 
 
 def _effort(robot: RobotDocument, model: UrdfModel, name: str) -> float:
-    """The smaller of the robot file's and the URDF's, N m or N."""
+    """Return the smaller of the efforts in robot file and URDF, N m or N."""
     return min(robot.simulation.efforts.get(name, math.inf), model.joints[name].effort)
 
 
@@ -141,7 +141,7 @@ def _limit(joint: Any, effort: float) -> None:
 
 
 def _inertias(first: FirstPosture, joints: Joints) -> Floats:
-    """Inertia that each joint moves in the first posture, kg m^2 or kg, shape (all joints,)."""
+    """Return inertias moved by joints in the first posture, kg m^2 or kg, shape (all joints,)."""
     compiled = first.compiled
     full = np.zeros((compiled.nv, compiled.nv))
     mj.mj_fullM(compiled, first.data, full)

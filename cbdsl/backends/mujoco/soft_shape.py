@@ -11,21 +11,21 @@ from cbdsl.backends.staging.links import matching_links
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
 
-# Impedances that the solver takes well.
+# Bounds of the impedances with which the solver is stable.
 _SOFTEST, _STIFFEST = 0.2, 0.99
 # Width, middle and power of an impedance that does not change with depth.
 _SHAPE = [0.001, 0.5, 2.0]
 
 
 class SoftShape(NamedTuple):
-    """A shape of the robot whose surface has a stiffness and a damping.
+    """Shape of the robot whose surface has a stiffness and a damping.
 
     Attributes:
-        geom: its name in the specification.
-        friction: coefficient of lateral friction.
-        stiffness: N/m.
-        damping: N s/m.
-        mobility: of its link, 1/kg: the inverse of the inertia that it opposes to a push.
+        geom: Name of the shape in the specification.
+        friction: Coefficient of lateral friction.
+        stiffness: Stiffness, N/m.
+        damping: Damping, N s/m.
+        mobility: Mobility of the link, 1/kg: inverse of its inertia against a push.
     """
 
     geom: str
@@ -35,7 +35,7 @@ class SoftShape(NamedTuple):
     mobility: float
 
     def press(self, spec: Any, geom: Any, mobility: float, movable: bool) -> Any:
-        """Let it touch a shape of an object as softly as it is; the pair that says so.
+        """Add the contact pair of this soft shape with a shape of an object; return the pair.
 
         MuJoCo pushes two bodies apart with the force impedance / (1 - impedance) / mobility times
         the acceleration of a critically damped spring (its documentation, "Solver parameters"), so
@@ -43,10 +43,10 @@ class SoftShape(NamedTuple):
         stiffness times the time constant.
 
         Args:
-            spec: of the world.
-            geom: of the object.
-            mobility: of the object, 1/kg.
-            movable: whether the object's friction counts.
+            spec: Specification of the world.
+            geom: Shape of the object.
+            mobility: Mobility of the object, 1/kg.
+            movable: True if the object's friction counts.
         """
         together = max(self.mobility + mobility, 1e-9)
         time = max(self.damping / (2.0 * self.stiffness), 2.0 * spec.option.timestep)
@@ -68,11 +68,11 @@ class SoftShape(NamedTuple):
 
 
 def soft_shapes(robot: RobotDocument, model: UrdfModel, compiled: Any) -> Iterator[SoftShape]:
-    """The shapes of links to whose surfaces the robot file gives a stiffness.
+    """Yield the shapes of links whose surfaces have a stiffness in the robot file.
 
     Args:
-        robot: names surfaces.
-        model: its URDF.
+        robot: Robot document, which names surfaces.
+        model: URDF model of the robot.
         compiled: MuJoCo's model of the robot.
     """
     for surface in robot.simulation.surfaces:

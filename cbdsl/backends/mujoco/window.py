@@ -10,15 +10,15 @@ from typing import Any
 
 from cbdsl.backends.backend import BackendError
 
-# How long a window may take to close, s.
+# Longest time for a window to close, s.
 _PATIENCE = 5.0
 
 
 class Window:
-    """MuJoCo's viewer, opened when there is something to show.
+    """MuJoCo's viewer, opened with the first state to show.
 
     Raises:
-        BackendError: there is no screen, or a package is missing that opens windows.
+        BackendError: There is no screen, or a package for windows is missing.
     """
 
     def __init__(self) -> None:
@@ -46,7 +46,7 @@ class Window:
         self._viewer.sync()
 
     def close(self) -> None:
-        """Close the window, and wait for it: one that outlives the process makes it crash."""
+        """Close the window and wait: a window that outlives the process makes it crash."""
         if self._viewer is not None:
             self._viewer.close()
             for thread in self._threads:

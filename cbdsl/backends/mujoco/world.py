@@ -1,4 +1,4 @@
-"""The world in one episode: a specification, what MuJoCo compiled of it, and its state."""
+"""World in one episode: a specification, MuJoCo's compiled model, and its state."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from cbdsl.robot.urdf import UrdfModel
 
 Floats = NDArray[np.float64]
 
-# Numbers of a free body's position and of its velocity.
+# Number of values of a free body's position and of its velocity.
 _POSE, _TWIST = 7, 6
 
 
 class Body(NamedTuple):
-    """Where MuJoCo keeps an object.
+    """Addresses of an object in MuJoCo.
 
     Attributes:
-        number: of its body.
-        pose: where its position and quaternion begin among all positions; -1 for a fixture.
-        twist: where its velocities begin among all velocities; -1 for a fixture.
-        grip: number of the constraint by which the experimenter holds it; -1 for a fixture.
+        number: Number of the object's body.
+        pose: Index of its position and quaternion among all positions; -1 for a fixture.
+        twist: Index of its velocities among all velocities; -1 for a fixture.
+        grip: Number of the constraint by which the experimenter holds it; -1 for a fixture.
     """
 
     number: int
@@ -41,14 +41,14 @@ class Body(NamedTuple):
 class StepArrays(NamedTuple):
     """Arrays that a step reads and writes, in MuJoCo's own memory.
 
-    Asking MuJoCo for an array makes another view of it, which takes as long as a small kernel.
+    Every access to an array of MuJoCo makes another view, which takes as long as a small kernel.
 
     Attributes:
-        positions, velocities: of all joints and free bodies.
-        references: of the servos.
-        damping: of all velocities, N m s/rad or N s/m.
-        readings: of all sensors.
-        origins: of all bodies, m, shape (bodies, 3).
+        positions, velocities: Positions and velocities of all joints and free bodies.
+        references: References of the servos.
+        damping: Damping of all velocities, N m s/rad or N s/m.
+        readings: Readings of all sensors.
+        origins: Origins of all bodies, m, shape (bodies, 3).
     """
 
     positions: Floats
@@ -60,21 +60,21 @@ class StepArrays(NamedTuple):
 
     @classmethod
     def of(cls, model: Any, data: Any) -> StepArrays:
-        """Those of a model and its state."""
+        """Return the arrays of a model and its state."""
         forces = model.dof_damping, data.sensordata
         return cls(data.qpos, data.qvel, data.ctrl, *forces, data.xpos)
 
 
 class MujocoWorld:
-    """A robot and objects that come and go.
+    """Robot and objects that are added and removed.
 
-    An object that comes or goes makes another model necessary, which is compiled when it is next
-    asked for: what a stage puts up at once costs one compilation.
+    A change of the objects requires another model, which is compiled at its next use: simultaneous
+    changes cost one compilation.
 
     Args:
-        spec: of the robot.
-        robot: names surfaces, and has the constants of contacts.
-        urdf: its URDF.
+        spec: Specification of the robot.
+        robot: Robot document, with surfaces and contact constants.
+        urdf: URDF model of the robot.
     """
 
     def __init__(self, spec: Any, robot: RobotDocument, urdf: UrdfModel) -> None:
@@ -86,7 +86,7 @@ class MujocoWorld:
         self.begin()
 
     def begin(self) -> None:
-        """Leave nothing but the robot in the world."""
+        """Remove everything but the robot from the world."""
         self._spec: Any = None
         self._model, self._data = self.bare, mj.MjData(self.bare)
         self._arrays = StepArrays.of(self._model, self._data)
@@ -96,7 +96,7 @@ class MujocoWorld:
         self._stale = False
 
     def add(self, item: SceneObject) -> None:
-        """Put an object into the world; without mass it does not move."""
+        """Add an object to the world; without mass it does not move."""
         spec, name = self._changed(), _named(item.name)
         self._names.append(item.name)
         position, quaternion = item.pose.position, wxyz(item.pose)
@@ -124,7 +124,7 @@ class MujocoWorld:
             grip.solref = [self._grip_time, 1.0]
 
     def remove(self, name: str) -> None:
-        """Take an object out of the world."""
+        """Remove an object from the world."""
         spec, own = self._changed(), _named(name)
         self._names.remove(name)
         for pair in self._pairs.pop(name):
@@ -141,28 +141,28 @@ class MujocoWorld:
         return self._spec
 
     def current(self) -> tuple[Any, Any, StepArrays]:
-        """MuJoCo's model of the world as it is now, its state, and what a step needs of them."""
+        """Return the current model, its state, and the arrays of a step."""
         if self._stale:
             self._update()
         return self._model, self._data, self._arrays
 
     @property
     def model(self) -> Any:
-        """MuJoCo's model of the world as it is now."""
+        """MuJoCo's model of the current world."""
         return self.current()[0]
 
     @property
     def data(self) -> Any:
-        """Its state."""
+        """State of the current world."""
         return self.current()[1]
 
     def body(self, name: str) -> Body:
-        """Where an object is kept."""
+        """Return the addresses of an object."""
         self.current()
         return self._bodies[name]
 
     def _update(self) -> None:
-        """Compile what has changed, and take the state over."""
+        """Compile the changes, and transfer the state."""
         self._stale = False
         model, data, bodies = self._model, self._data, self._bodies
         self._model = compile_spec(self._spec, self._urdf)
@@ -190,7 +190,7 @@ class MujocoWorld:
     def _take_over(
         self, data: Any, positions: tuple[int, int, int], velocities: tuple[int, int, int]
     ) -> None:
-        """Take over a stretch of the state: from where, to where, and how many numbers."""
+        """Transfer a part of the state: old index, new index, and count."""
         begin, own, count = positions
         self._data.qpos[own : own + count] = data.qpos[begin : begin + count]
         begin, own, count = velocities
@@ -200,5 +200,5 @@ class MujocoWorld:
 
 
 def _named(name: str) -> str:
-    """An object's name among those of links and joints."""
+    """Return an object's name, distinct from those of links and joints."""
     return f"object/{name}"

@@ -1,4 +1,4 @@
-"""Faults: what a served robot does wrong on purpose, from a time on."""
+"""Faults: intentional errors of a served robot, from a time on."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class Faults:
         self._start = self._clock()
 
     def start_now(self) -> None:
-        """Begin all faults, whatever their times."""
+        """Begin all faults, regardless of their times."""
         self._faults = tuple(fault._replace(start=0.0) for fault in self._faults)
 
     def active(self, kind: str) -> bool:
@@ -95,7 +95,7 @@ class Faults:
         return acts
 
     def stall(self) -> None:
-        """Stop or end the process if a fault says so."""
+        """Stop or end the process if such a fault is active."""
         if self.active("kill"):
             os.kill(os.getpid(), signal.SIGKILL)
         for kind in ("stall", "suspend"):
@@ -114,7 +114,7 @@ class Faults:
         return now + _JUMP if self.active("clock") else now
 
     def states(self, state: msg.JointState) -> Iterator[msg.JointState]:
-        """Yield what is sent instead of joint states."""
+        """Yield the messages that replace joint states."""
         if self.loses():
             return
         if self.active("frozen"):

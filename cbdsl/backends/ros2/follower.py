@@ -1,4 +1,4 @@
-"""Follower: a joint trajectory controller that holds still where its trajectory ends."""
+"""Follower: a joint trajectory controller that holds still at the end of its trajectory."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from cbdsl.backends.ros2 import messages as msg
 
 Floats = NDArray[np.float64]
 
-# A writer owns a controller until it has been silent for so long, s.
+# Silence after which a writer loses its ownership of a controller, s.
 _OWNED = 1.0
-# A controller is stalled if it is not asked for so long, s.
+# Time without a request after which a controller counts as stalled, s.
 _STALLED = 0.1
 
 
@@ -28,10 +28,10 @@ class _Leg(NamedTuple):
 
 
 class Follower:
-    """Controller of some joints, as ros2_controllers has them.
+    """Controller of some joints, as in ros2_controllers.
 
-    A trajectory begins at its stamp, or at its arrival without one. One that is over already is
-    refused. Bare positions are references immediately, and remain so.
+    A trajectory begins at its stamp, or at its arrival without one. A trajectory that is over
+    already is refused. Bare positions become references immediately, and remain so.
 
     Args:
         names: Joints, by their names in messages.

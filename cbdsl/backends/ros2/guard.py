@@ -56,15 +56,15 @@ class Guard:
 
     @property
     def topics(self) -> list[tuple[str, str]]:
-        """Topics that are read and written, by driver."""
+        """Topics of input and output, by driver."""
         return [(guarded(post.topic), post.topic) for post in self._posts]
 
     def watch(self, report: Callable[[str], None], stopped: Callable[[], bool]) -> bool:
-        """Guard until all watchdogs have stopped.
+        """Run the watchdogs until all have stopped.
 
         Args:
-            report: Takes lines for people.
-            stopped: Returns whether a person ended it.
+            report: Function that takes lines for people.
+            stopped: Function that returns whether a person ended the guard.
 
         Returns:
             True if a watchdog held.

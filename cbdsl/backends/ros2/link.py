@@ -28,7 +28,7 @@ from cbdsl.backends.ros2.regions_text import read_regions
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 
-# Messages that are taken at a time, and seconds between two looks at who is there without news.
+# Messages per poll, and seconds between two surveys of the peers without news.
 _MOST, _SURVEYED = 64, 0.25
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
 

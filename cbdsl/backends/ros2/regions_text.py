@@ -17,7 +17,7 @@ def read_regions(text: str) -> dict[str, Regions]:
     """Return the regions that JSON holds.
 
     Raises:
-        ValueError: The text is not what ``write_regions`` writes.
+        ValueError: The text is not an output of ``write_regions``.
     """
     try:
         return {

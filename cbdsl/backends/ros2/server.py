@@ -1,4 +1,4 @@
-"""Server: a simulated robot behind ROS 2 topics, in real time, to try drivers on."""
+"""Server: a simulated robot behind ROS 2 topics, in real time, to test drivers."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class RobotServer:
         return name
 
     def serve(self, watch: Callable[[Moment], bool]) -> None:
-        """Let the robot live in real time, until ``watch`` returns false after a control period."""
+        """Run the robot in real time, until ``watch`` returns false after a control period."""
         period, due = self._backend.control_period, time.monotonic()
         while True:
             moment = self.tick()
@@ -111,12 +111,12 @@ class RobotServer:
                 return
             due += period
             left = due - time.monotonic()
-            # A simulation that is slower than real time is not made up for.
+            # A simulation that is slower than real time does not catch up.
             due = max(due, time.monotonic() - period)
             time.sleep(max(0.0, left))
 
     def tick(self) -> Moment:
-        """Follow the newest commands for one control period, and publish what sensors measure."""
+        """Follow the newest commands for one control period, and publish the measurements."""
         self._faults.stall()
         backend, now = self._backend, time.time()
         self._listen(now)
@@ -142,7 +142,8 @@ class RobotServer:
         for name, driver in self._drivers.items():
             self._publish_wrenches(name, driver, observation, now)
             self._publish_views(name, driver, observation, now)
-            # Joint states come last, so that whoever waits for them has the rest as well.
+            # Joint states come last, so that a reader that waits for them has the other messages as
+            # well.
             if driver.states is not None:
                 for state in self._states(name, driver, observation, now):
                     writer = self._writer((name, "states"), driver.states, msg.JointState)
@@ -151,7 +152,7 @@ class RobotServer:
     def _states(
         self, name: str, driver: Driver, observation: Observation, now: float
     ) -> Iterator[msg.JointState]:
-        """Yield the joint states of a driver: none or one, as faults have it."""
+        """Yield the joint states of a driver: none or one, depending on faults."""
         _, own = self._followers[name]
         indices = own if len(own) else np.arange(len(self._joints))
         names = [self._joints.names[i] for i in indices]

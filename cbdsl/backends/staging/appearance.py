@@ -1,4 +1,4 @@
-"""Appearance of scene objects: their shape, and what is printed or painted on a side."""
+"""Appearance of scene objects: shapes, and prints or painted spots on their sides."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.form import Pattern, Spot
 from cbdsl.robot.urdf import UrdfOrigin
 
-# How far a print stands out of its side, so that what is in front of what stays clear, m.
+# Height of a print above its side, so that the depth order stays unambiguous, m.
 _THICKNESS = 1e-4
-# A ball's spot is part of a larger curvature: this share of the radius nearer to the side.
+# Share of the radius by which a ball's spot is nearer to the side, as part of a larger ball.
 _RAISED = 0.05
 _BLACK = (0.0, 0.0, 0.0)
 _CENTRE, _UNTURNED = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 _NORMALS = {"-x": (-1, 0, 0), "+x": (1, 0, 0), "-y": (0, -1, 0), "+y": (0, 1, 0)}
-#: Turns that lay a cylinder, which stands along z, along x or y.
+#: Rotations that lay a cylinder, which stands along z, along x or y.
 LYING = {
     "x": UrdfOrigin(rpy=(0.0, math.pi / 2, 0.0)),
     "y": UrdfOrigin(rpy=(math.pi / 2, 0.0, 0.0)),
@@ -28,7 +28,7 @@ LYING = {
 
 
 def parts_of(item: SceneObject) -> list[Part]:
-    """The visible parts of an object: first what it is made of, then its print or spot."""
+    """Return the visible parts of an object: first its solids, then its print or spots."""
     shape = item.shape
     color = tuple(item.surface.color)
     if shape.mesh is not None:
@@ -41,7 +41,7 @@ def parts_of(item: SceneObject) -> list[Part]:
 
 
 def solid_parts(shape: SolidShape, color: tuple[float, ...]) -> list[Part]:
-    """The parts that a shape is made of, seen or not."""
+    """Return the parts that a shape consists of, visible or not."""
     return [
         Part(wall.shape.kind, _size(wall.shape), wall.origin.xyz, wall.origin.quaternion, color)
         for wall in shape.solids
@@ -49,7 +49,7 @@ def solid_parts(shape: SolidShape, color: tuple[float, ...]) -> list[Part]:
 
 
 def _size(shape: SolidShape) -> tuple[float, ...]:
-    """The size of a shape as ``Part`` has it."""
+    """Return the size of a shape as in ``Part``."""
     a, b, c = shape.halves
     if shape.kind == "ball":
         return (a,)
@@ -57,7 +57,7 @@ def _size(shape: SolidShape) -> tuple[float, ...]:
 
 
 def _spot(shape: SolidShape, spot: Spot) -> Part:
-    """A spot: of a ball the part of another ball that stands out of it, of a box a disc."""
+    """Return a spot: on a ball, the protruding part of another ball; on a box, a disc."""
     normal, height = np.array(_NORMALS[spot.face], dtype=np.float64), shape.spot_height(spot)
     if shape.kind == "ball":
         raised = _RAISED * shape.halves[0]

@@ -1,4 +1,4 @@
-"""Offsets of load cells: what they read without contact."""
+"""Offsets of load cells: their readings without contact."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from cbdsl.robot.urdf import UrdfLink
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-# For how many ticks drift is drawn at once.
+# Number of ticks for which drift is drawn at a time.
 _AHEAD = 64
 
 
 class CellOffsets:
     """Bias, drift and the tips' weight, which load cells add to the wrenches of contacts.
 
-    A bias is constant in the frame of its cell, and wanders. The weight is constant in the world.
+    A bias wanders slowly in the frame of its cell. The weight is constant in the world.
 
     Args:
-        tips: links that carry the cells.
-        rows: of these links in the placements of an engine.
-        contact: sizes of bias and drift.
-        period: of control, s.
-        rng: draws them.
+        tips: Links that carry the cells.
+        rows: Rows of these links in the placements of an engine.
+        contact: Sizes of bias and drift.
+        period: Control period, s.
+        rng: Generator of bias and drift.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class CellOffsets:
         self._rng, self._ticks = rng, 0
 
     def drift(self) -> None:
-        """Let one control period pass."""
+        """Advance the drift by one control period."""
         index = self._ticks % _AHEAD
         if index == 0:
             steps = self._rng.standard_normal((_AHEAD, *self._bias.shape)) * self._wander
@@ -62,11 +62,11 @@ class CellOffsets:
         self._ticks += 1
 
     def added(self, wrenches: Floats, placements: Floats) -> Floats:
-        """Wrenches with the offsets.
+        """Return wrenches with the offsets.
 
         Args:
-            wrenches: of contacts, N and N m, world frame, shape (cells, 6).
-            placements: of links, as ``Engine`` has them, shape (links, 12).
+            wrenches: Wrenches of contacts, N and N m, world frame, shape (cells, 6).
+            placements: Placements of the links, as in ``Engine``, shape (links, 12).
         """
         sums = wrenches.copy()
         _add(placements, self._rows, self._bias, self._weights, self._levers, sums)
@@ -80,7 +80,7 @@ def _add(
     """Add biases, in the cells' frames, and weights, N, behind levers there, m, to wrenches."""
     for cell in range(len(rows)):
         place = placements[rows[cell]]
-        # What bears a weight pushes upwards.
+        # The support of a weight pushes upwards.
         weight = weights[cell]
         x = y = 0.0
         for k in range(3):

@@ -1,4 +1,4 @@
-"""Conflicts of a scene: things that overlap, or are closer together than asked for."""
+"""Conflicts of a scene: objects that overlap, or are closer together than requested."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ import numpy as np
 from cbdsl.backends.staging.scenario import Scenario, SceneObject
 from cbdsl.numeric.convex import Convex, gap
 
-# How far two things may each be inside the other: what stands on something is so by rounding, m.
+# Depth by which two objects may each be inside the other: contact is so by rounding, m.
 _MARGIN = 5e-4
 
 
 class Conflict(NamedTuple):
-    """Two things that are too close together; its text is a part of a sentence.
+    """Two objects that are too close together; its text is a part of a sentence.
 
     Attributes:
-        one, other: their names.
-        room: that they should have between them, m; none between those that overlap.
+        one, other: Names of the objects.
+        room: Required distance between them, m; 0 if they overlap.
     """
 
     one: str
@@ -36,12 +36,12 @@ class Conflict(NamedTuple):
 def find_conflict(
     scenario: Scenario, apart: Mapping[str, float], supports: Mapping[str, str | None]
 ) -> Conflict | None:
-    """The first conflict of a scene, if there is any.
+    """Return the first conflict of a scene; ``None`` if there is none.
 
     Args:
-        scenario: has the scene.
-        apart: how far each thing should be from all others, by name, m.
-        supports: what each thing stands on, by name; these two may be close.
+        scenario: Scenario with the scene.
+        apart: Required distance of each thing from all others, by name, m.
+        supports: Support that each thing stands on, by name; the two may be close.
     """
     for one, other in _pairs(scenario):
         rooms = [apart.get(each.name, 0.0) for each in (one, other) if one.mass and other.mass]
@@ -53,7 +53,7 @@ def find_conflict(
 
 
 def _pairs(scenario: Scenario) -> Iterator[tuple[SceneObject, SceneObject]]:
-    """All pairs of a thing with another, or with a fixture."""
+    """Yield all pairs of an object with another, or with a fixture."""
     things = [thing.item for thing in scenario.things]
     yield from combinations(things, 2)
     yield from ((thing, fixture) for thing in things for fixture in scenario.fixtures)

@@ -16,10 +16,10 @@ Floats = NDArray[np.float64]
 
 
 def choose_context(stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
-    """The name of the context, drawn by the shares of all when it is ``None``.
+    """Return the name of the context, drawn by the shares of all if it is ``None``.
 
     Raises:
-        BackendError: the stage has no such context.
+        BackendError: The stage has no such context.
     """
     if context is None:
         shares = np.array([each.share for each in stage.contexts.values()])
@@ -37,17 +37,17 @@ def starting_posture(
     elsewhere: Floats,
     rng: np.random.Generator,
 ) -> Floats:
-    """Positions at which the actuated joints start, rad, shape (n,).
+    """Return the start positions of the actuated joints, rad, shape (n,).
 
     Args:
-        context: has the first word.
-        robot: its effectors' start postures are next.
-        joints: their order.
-        elsewhere: where joints are that neither mentions, rad, shape (n,).
-        rng: draws what the context leaves to chance.
+        context: Context, whose joint positions have priority.
+        robot: Robot document, whose start postures of effectors come next.
+        joints: Order of the joints.
+        elsewhere: Positions of joints that neither specifies, rad, shape (n,).
+        rng: Generator of positions that the context leaves to chance.
 
     Raises:
-        BackendError: the context names a joint that the robot does not have.
+        BackendError: The context names a joint that the robot does not have.
     """
     unknown = set(context.joints) - set(joints.names)
     if unknown:

@@ -15,8 +15,8 @@ class Encoders:
     """Encoders of a robot's actuated joints.
 
     Args:
-        robot: states their resolution, effector by effector.
-        period: between two readings, s.
+        robot: Robot document, with the resolutions by effector.
+        period: Period between two readings, s.
     """
 
     def __init__(self, robot: RobotDocument, period: float) -> None:
@@ -26,16 +26,16 @@ class Encoders:
         self._period = period
 
     def begin(self, positions: Floats) -> tuple[Floats, Floats]:
-        """First reading of joints at rest; see ``read``."""
+        """Return the first reading of joints at rest; see ``read``."""
         self._before = positions
         self._before, _ = self.read(positions)
         return self._before, np.zeros_like(positions)
 
     def read(self, positions: Floats) -> tuple[Floats, Floats]:
-        """Read the joints, one period after the reading before.
+        """Read the joints, one period after the last reading.
 
         Args:
-            positions: where they are, rad or m, shape (n,).
+            positions: True positions, rad or m, shape (n,).
 
         Returns:
             Positions and velocities, rad and rad/s or m and m/s, shape (n,) each.
@@ -55,7 +55,7 @@ def _read(
     read: Floats,
     velocities: Floats,
 ) -> None:
-    """Round positions to steps, and compare them with those ``before``."""
+    """Round positions to steps, and difference them with those ``before``."""
     for joint in range(len(positions)):
         step = steps[joint]
         read[joint] = round(positions[joint] / step) * step if step > 0.0 else positions[joint]

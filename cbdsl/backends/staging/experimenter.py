@@ -1,4 +1,4 @@
-"""The experimenter: puts up what an episode shows, and carries out its scripted actions."""
+"""Experimenter: sets up the scene of an episode, and performs its scripted actions."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from cbdsl.backends.staging.scripted_action import (
 from cbdsl.documents.context import Context
 from cbdsl.documents.stage import WorldSection
 
-# What is this far from where it was put has moved, m.
+# Distance from its place beyond which an object counts as moved, m.
 _MOVED = 0.02
 
 
 class _Plan:
-    """All that the experimenter does with one thing.
+    """All actions of the experimenter on one object.
 
     Args:
-        thing: in the world already.
-        engine: that it is in.
+        thing: Object, already in the world.
+        engine: Engine with the object.
     """
 
     def __init__(self, thing: PlacedThing, engine: Engine) -> None:
@@ -46,10 +46,10 @@ class _Plan:
             self._actions.append(ReturnAction(engine, self._name, thing.returned_after))
 
     def act(self, time: float) -> bool:
-        """Act at this time since the episode began, s.
+        """Act at a time since the episode began, s.
 
         Returns:
-            Whether there is nothing left to do.
+            Whether no action is left.
         """
         if time >= self._removal:
             self._engine.remove(self._name)
@@ -59,12 +59,12 @@ class _Plan:
 
 
 class Experimenter:
-    """Acts in the world as a person would beside the robot, and sees all of it.
+    """Agent that acts in the world like a person beside the robot, and knows its whole state.
 
     Args:
-        sampler: draws what is shown in this episode, and where it is put again.
-        context: that it draws from.
-        engine: where it is put.
+        sampler: Sampler of the episode's scene, and of new places.
+        context: Context of the scene.
+        engine: Engine with the world.
     """
 
     def __init__(self, sampler: ScenarioSampler, context: Context, engine: Engine) -> None:
@@ -78,11 +78,11 @@ class Experimenter:
         self._bring()
 
     def act(self, time: float) -> None:
-        """Act at this time since the episode began, s."""
+        """Act at a time since the episode began, s."""
         self._plans = [plan for plan in self._plans if not plan.act(time)]
 
     def take_turn(self, world: WorldSection) -> None:
-        """Between two episodes of a world that goes on: bring, move and put back things."""
+        """Bring, move and put back objects between two episodes of a persistent world."""
         self._turn += 1
         self._bring()
         for thing in self._scenario.things:
@@ -92,7 +92,7 @@ class Experimenter:
                 self._tidy(thing, world)
 
     def _bring(self) -> None:
-        """Put up the things whose turn has come."""
+        """Add the objects whose turn has come."""
         for thing in self._scenario.things:
             if thing.from_turn == self._turn:
                 self._engine.add(thing.item)
@@ -100,7 +100,7 @@ class Experimenter:
                 self._places[thing.item.name] = thing.item.pose
 
     def _displace(self, thing: PlacedThing) -> None:
-        """Move a thing for good, as its script says."""
+        """Move an object permanently, as its script says."""
         for move in thing.displaced:
             if move.turn == self._turn:
                 home = self._places[thing.item.name]
@@ -109,7 +109,7 @@ class Experimenter:
                 self._engine.put_back(thing.item.name, moved)
 
     def _tidy(self, thing: PlacedThing, world: WorldSection) -> None:
-        """Put a thing where it belongs, unless the robot touches it or is in the way."""
+        """Put an object back at its place, unless the robot touches it or is in the way."""
         name = thing.item.name
         if self._engine.touched(name):
             return
@@ -126,13 +126,13 @@ class Experimenter:
         self._engine.put_back(name, place or home)
 
     def _is_astray(self, name: str, home: Pose, world: WorldSection) -> bool:
-        """Whether a thing is where the experimenter does not leave it."""
+        """Return whether an object is at a place where the experimenter does not leave it."""
         way = self._engine.pose(name).position - home.position
         fallen = world.put_back != "nothing" and float(way[2]) <= -FALLEN
         return fallen or (world.put_back == "moved" and math.hypot(*way.tolist()) >= _MOVED)
 
     def _now(self) -> Scenario:
-        """The scene as it is now."""
+        """Return the current scene."""
         things = tuple(
             replace(thing, item=thing.item._replace(pose=self._engine.pose(thing.item.name)))
             for thing in self._scenario.things

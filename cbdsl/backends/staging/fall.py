@@ -1,19 +1,19 @@
-"""Whether something has fallen from where it was put, and for how long."""
+"""Detection of an object's fall from its place, and of its duration."""
 
 from __future__ import annotations
 
 import math
 
-#: What is this far below where it was put has fallen, m.
+#: Depth below its place at which an object counts as fallen, m.
 FALLEN = 0.2
 
 
 class Fall:
-    """One thing that falls from its place, now and then.
+    """One object that may fall from its place repeatedly.
 
     Args:
-        height: of its place, m.
-        delay: after how long it is to be put back, s.
+        height: Height of its place, m.
+        delay: Delay after which it is put back, s.
     """
 
     def __init__(self, height: float, delay: float) -> None:
@@ -21,12 +21,12 @@ class Fall:
         self._began = math.inf
 
     def is_due(self, height: float, time: float, *, touched: bool) -> bool:
-        """Whether it is time to put it back.
+        """Return whether it is time to put the object back.
 
         Args:
-            height: where it is now, m.
-            time: since the episode began, s.
-            touched: whether the robot touches it; what a hand carries has not fallen.
+            height: Current height, m.
+            time: Time since the episode began, s.
+            touched: True if the robot touches the object; a carried object has not fallen.
         """
         if height > self._lowest or touched:
             self._began = math.inf

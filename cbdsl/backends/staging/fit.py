@@ -16,7 +16,7 @@ def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
     """Read the model of a robot.
 
     Raises:
-        BackendError: it cannot be read, or lacks something that the robot file names.
+        BackendError: The model cannot be read, or lacks a part that the robot file names.
     """
     try:
         model = read_urdf(urdf)
@@ -47,10 +47,10 @@ def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
 
 
 def physics_steps(robot: RobotDocument) -> int:
-    """Physics steps per control period.
+    """Return the number of physics steps per control period.
 
     Raises:
-        BackendError: there is no whole number of them.
+        BackendError: The number is not an integer.
     """
     ratio = robot.simulation.physics_rate / robot.control.rate
     if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
@@ -62,7 +62,7 @@ def physics_steps(robot: RobotDocument) -> int:
 
 
 def _links(robot: RobotDocument) -> Iterator[str]:
-    """Links that a robot file names for its sensors and tips."""
+    """Yield the links that a robot file names for its sensors and tips."""
     yield from (camera.link for camera in robot.cameras.values())
     yield from (cell.link for cells in robot.load_cells.values() for cell in cells.values())
     yield from (each.tip.link for each in robot.effectors.values() if each.tip is not None)

@@ -12,10 +12,10 @@ from cbdsl.robot.urdf import UrdfModel
 def matching_links(
     robot: RobotDocument, model: UrdfModel, patterns: Iterable[str]
 ) -> tuple[str, ...]:
-    """The links that patterns match, pattern by pattern; a trailing * matches any ending.
+    """Return links that match patterns, by pattern; a trailing * matches any ending.
 
     Raises:
-        BackendError: a pattern matches no link.
+        BackendError: A pattern matches no link.
     """
     links: list[str] = []
     for pattern in patterns:

@@ -21,14 +21,14 @@ LEVER = 0.012
 
 
 class ContactPoint(NamedTuple):
-    """One contact point of a fingertip.
+    """Contact point of a fingertip.
 
     Attributes:
-        cell: the fingertip's load cell.
-        other: the engine's number of what is touched.
-        point: on the fingertip, in the world frame, m.
-        force: that the fingertip exerts there, in the world frame, N.
-        pressure: the force's share along the contact normal, N.
+        cell: Load cell of the fingertip.
+        other: The engine's number of the touched body.
+        point: Point on the fingertip, world frame, m.
+        force: Force that the fingertip exerts there, world frame, N.
+        pressure: Share of the force along the contact normal, N.
     """
 
     cell: Cell
@@ -41,7 +41,7 @@ class ContactPoint(NamedTuple):
 def sum_wrenches(
     cells: tuple[Cell, ...], touches: Sequence[ContactPoint], origins: Mapping[Cell, Triple]
 ) -> Floats:
-    """Wrench of each fingertip on the world, world frame, shape (cells, 6).
+    """Return the wrench of each fingertip on the world, world frame, shape (cells, 6).
 
     Force, N, then torque about the fingertip's origin, N m.
     """
@@ -58,14 +58,14 @@ def sum_wrenches(
 class LoadCells:
     """Noisy readings of wrenches behind a first-order low-pass filter.
 
-    Whoever takes fewer samples reads as much: the filter lags as much, and as much noise passes.
+    Fewer samples give equivalent readings: lag and noise after the filter are the same.
 
     Args:
-        cells: the load cells, as (hand, finger).
-        contact: noise of a cell that samples with the physics, and time constant of the filter.
-        periods: between two samples here, and between two of such a cell, s.
-        rng: draws the noise.
-        ahead: for how many samples noise is drawn at once.
+        cells: Load cells, as (hand, finger).
+        contact: Noise of a cell that samples with the physics, and time constant of the filter.
+        periods: Period between two samples here, and between two of such a cell, s.
+        rng: Generator of the noise.
+        ahead: Number of samples for which noise is drawn at a time.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class LoadCells:
         self._ahead, self._samples = ahead, 0
 
     def sample(self, wrenches: Floats) -> None:
-        """Take in one sample of the wrenches, shape (cells, 6)."""
+        """Process one sample of the wrenches, shape (cells, 6)."""
         index = self._samples % self._ahead
         if index == 0:
             self._drawn = self._rng.standard_normal((self._ahead, *self._readings.shape))
@@ -95,13 +95,13 @@ class LoadCells:
         self._samples += 1
 
     def read(self) -> Loads:
-        """Force, N, and torque, N m, that each fingertip exerts, world frame, shape (6,) each."""
+        """Return force, N, and torque, N m, that each fingertip exerts, world frame, shape (6,)."""
         return Loads(self._cells, self._readings)
 
 
 @compiled_once
 def _filter(before: Floats, wrenches: Floats, noise: Floats, gain: float, after: Floats) -> None:
-    """The readings after those before, shape (cells, 6); ``after`` brings unit noise."""
+    """Filter readings, shape (cells, 6); ``after`` holds unit noise, then the new readings."""
     for cell in range(len(before)):
         for part in range(6):
             sample = wrenches[cell, part] + noise[part] * after[cell, part]
@@ -109,5 +109,5 @@ def _filter(before: Floats, wrenches: Floats, noise: Floats, gain: float, after:
 
 
 def _gain(time_constant: float, period: float) -> float:
-    """Share of a step that passes the filter within one period, s."""
+    """Return the share of a step that passes the filter within one period, s."""
     return -math.expm1(-period / time_constant) if time_constant else 1.0

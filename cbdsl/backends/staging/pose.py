@@ -16,9 +16,9 @@ _X, _Y, _Z = np.eye(3)
 
 
 def rotations(quaternions: Floats) -> Floats:
-    """Rotation matrices, shape (..., 3, 3), of unit quaternions (x, y, z, w), shape (..., 4)."""
+    """Return rotation matrices, shape (..., 3, 3), of unit quaternions (x, y, z, w)."""
     single = quaternions.ndim == 1
-    # A tenth of the time where there is only one.
+    # For a single one this takes a tenth of the time.
     x, y, z, w = quaternions.tolist() if single else np.moveaxis(quaternions, -1, 0)
     entries = (
         *(1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
@@ -32,11 +32,11 @@ def rotations(quaternions: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Pose:
-    """A frame in the world.
+    """Frame in the world.
 
     Attributes:
-        position: of its origin, m, shape (3,).
-        rotation: its axes as columns, shape (3, 3).
+        position: Position of its origin, m, shape (3,).
+        rotation: Axes as columns, shape (3, 3).
     """
 
     position: Floats
@@ -44,30 +44,30 @@ class Pose:
 
     @classmethod
     def of(cls, position: Sequence[float], quaternion: Sequence[float]) -> Pose:
-        """From the simulator's notation, with quaternions as (x, y, z, w)."""
+        """Return a pose in the simulator's notation, with quaternions as (x, y, z, w)."""
         return cls(np.array(position), rotations(np.array(quaternion)))
 
     @classmethod
     def turned(cls, axis: Floats, angle: float) -> Pose:
-        """Turned at the origin about a unit ``axis``, shape (3,), by ``angle``, rad."""
+        """Return a rotation at the origin about a unit ``axis``, shape (3,), by ``angle``, rad."""
         quaternion = np.append(np.sin(angle / 2) * axis, np.cos(angle / 2))
         return cls(np.zeros(3), rotations(quaternion))
 
     @classmethod
     def at(cls, origin: UrdfOrigin) -> Pose:
-        """From a URDF's notation."""
+        """Return a pose in a URDF's notation."""
         roll, pitch, yaw = origin.rpy
         turned = cls.turned(_Z, yaw) @ cls.turned(_Y, pitch) @ cls.turned(_X, roll)
         return cls(np.array(origin.xyz), turned.rotation)
 
     def __matmul__(self, inner: Pose) -> Pose:
-        """The frame ``inner``, given in this one, in the world."""
+        """Return the frame ``inner``, given in this one, in the world."""
         return Pose(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
 
     def quaternion(self) -> tuple[float, float, float, float]:
-        """The rotation as (x, y, z, w)."""
+        """Return the rotation as (x, y, z, w)."""
         m = self.rotation
-        # Of the four ways to divide, the largest divisor is the safe one.
+        # Of the four formulas, the one with the largest divisor is numerically safe.
         divisors = np.array([1 + np.trace(m), *(1 - np.trace(m) + 2 * np.diag(m))])
         case = int(np.argmax(divisors))
         root = 2 * np.sqrt(divisors[case])

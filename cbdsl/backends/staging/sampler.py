@@ -1,4 +1,4 @@
-"""The scenario sampler: it draws what a context leaves to chance."""
+"""Scenario sampler: draws all values that a context leaves to chance."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from cbdsl.documents.stage import StageDocument
 Floats = NDArray[np.float64]
 _Entry = TypeVar("_Entry")
 
-# Scenes that are drawn until one fits.
+# Largest number of scenes that are drawn until one fits.
 _TRIES = 1000
 
 _UP = np.array([0.0, 0.0, 1.0])
@@ -32,13 +32,13 @@ _ACROSS = np.array([0.0, 1.0, 0.0])
 
 
 class ScenarioSampler:
-    """Draws scenarios from contexts of a stage.
+    """Sampler of scenarios from contexts of a stage.
 
     Args:
-        stage: has the contexts.
-        robot: knows the tips in whose reach things are held.
-        link_pose: where links of the robot are at the start.
-        rng: the only source of chance.
+        stage: Stage with the contexts.
+        robot: Robot document, with the tips in whose reach things are held.
+        link_pose: Function that returns poses of the robot's links at the start.
+        rng: Only source of chance.
     """
 
     def __init__(
@@ -54,15 +54,15 @@ class ScenarioSampler:
         self._rng = rng
 
     def sample(self, context: Context) -> Scenario:
-        """The stage's fixtures and the context's things in their places.
+        """Return the stage's fixtures and the context's things in their places.
 
-        Where there are several, or fixtures have no fixed place, all are drawn together until no
-        thing overlaps another, and they are as far apart as the context asks for: every scene that
-        fits is as likely as any other.
+        If there are several things, or fixtures without a fixed place, all are drawn together.
+        Drawing repeats until no thing overlaps another, and they are as far apart as the context
+        requests: every scene that fits is equally likely.
 
         Raises:
-            BackendError: the context names what its stage or the robot does not have, or no scene
-                was found in which its things have room.
+            BackendError: The context names a part that its stage or the robot does not have, or no
+                scene was found in which its things have room.
         """
         drawn = any(fixture.is_drawn for fixture in self._stage.fixtures.values())
         if not context.placed and not drawn:
@@ -83,15 +83,15 @@ class ScenarioSampler:
         )
 
     def place_again(self, context: Context, scenario: Scenario, name: str) -> Pose | None:
-        """Another place for one thing of a scene, with the others where they are.
+        """Return another place for one thing of a scene, with the others where they are.
 
         Args:
-            context: that the scene is of.
-            scenario: the scene as it is now.
-            name: of the thing.
+            context: Context of the scene.
+            scenario: Current scene.
+            name: Name of the thing.
 
         Returns:
-            ``None`` where there is no room for it.
+            New pose; ``None`` if there is no room for it.
         """
         presentation = context.presentations.get(name) or context.presentations.get(None)
         item = next(thing.item for thing in scenario.things if thing.item.name == name)
@@ -103,7 +103,7 @@ class ScenarioSampler:
         return self._fitting(context, scenario, item, lambda: self._pose(place, half, known))
 
     def scatter(self, context: Context, scenario: Scenario, name: str, home: Pose) -> Pose | None:
-        """A place around the one that a thing was put at; see ``place_again``."""
+        """Return a place around the original place of a thing; see ``place_again``."""
         thing = next(thing for thing in scenario.things if thing.item.name == name)
         own = thing.scattered
         if own is None:
@@ -125,7 +125,7 @@ class ScenarioSampler:
         item: SceneObject,
         draw_place: Callable[[], Pose | None],
     ) -> Pose | None:
-        """The first place of those drawn at which a thing overlaps no other."""
+        """Return the first of the drawn places at which a thing overlaps no other."""
         apart = {name: each.apart for name, each in context.placed.items()}
         supports = {name: each.place.on for name, each in context.placed.items()}
         others = tuple(thing for thing in scenario.things if thing.item.name != item.name)
@@ -139,7 +139,7 @@ class ScenarioSampler:
         return None
 
     def _draw(self, context: Context) -> Scenario:
-        """A scene whose things may overlap."""
+        """Return a scene whose things may overlap."""
         fixtures = self._fixtures()
         known = {fixture.name: fixture for fixture in fixtures}
         things = []
@@ -151,7 +151,7 @@ class ScenarioSampler:
         return Scenario(fixtures, tuple(things))
 
     def _ordered(self, context: Context) -> list[tuple[str | None, Presentation]]:
-        """All presentations of a context, each behind what it is on or beside."""
+        """Return all presentations of a context, each after its neighbours."""
         presentations = context.presentations
         before = {
             name: [each for each in presentation.place.neighbours if each in context.placed]
@@ -171,7 +171,7 @@ class ScenarioSampler:
         fixtures = []
         for name, fixture in self._stage.fixtures.items():
             shape = SolidShape.draw(fixture.form, self._rng)
-            # Nothing is drawn that is not asked for.
+            # Only values that are left to chance are drawn.
             position = [
                 first if first == last else draw((first, last), self._rng)
                 for first, last in fixture.position
@@ -187,7 +187,7 @@ class ScenarioSampler:
         place: PlaceSection,
         known: Mapping[str, SceneObject],
     ) -> SceneObject:
-        """One of a presentation's things in its place; without a name it keeps its own."""
+        """Return one of a presentation's things in its place; without a name it keeps its own."""
         drawn = presentation.things[int(self._rng.integers(len(presentation.things)))]
         thing = self._named(self._stage.things, drawn, "thing")
         shape = SolidShape.draw(thing.form, self._rng)
@@ -216,7 +216,7 @@ class ScenarioSampler:
     ) -> Pose:
         x, y = self._across(place, known)
         turned = Pose.turned(_UP, draw(place.yaw, self._rng))
-        if place.pitch != (0.0, 0.0):  # nothing is drawn that is not asked for
+        if place.pitch != (0.0, 0.0):  # drawn only if it is left to chance
             turned = turned @ Pose.turned(_ACROSS, draw(place.pitch, self._rng))
         if place.gap is not None:
             z = draw(place.gap, self._rng) + half_height
@@ -236,11 +236,11 @@ class ScenarioSampler:
         return pose if place.hand is None else self._tip(place.hand) @ pose
 
     def _is_drawn(self, name: str) -> bool:
-        """Whether chance decides where something is."""
+        """Return whether the place of an object is drawn."""
         return name not in self._stage.fixtures or self._stage.fixtures[name].is_drawn
 
     def _across(self, place: PlaceSection, known: Mapping[str, SceneObject]) -> tuple[float, float]:
-        """Where a place is along x and y."""
+        """Return the coordinates of a place along x and y."""
         if place.beside is None:
             return draw(place.x, self._rng), draw(place.y, self._rng)
         x, y, _ = self._beside(place, known).pose.position.tolist()
@@ -249,7 +249,7 @@ class ScenarioSampler:
         return x + distance * math.cos(direction), y + distance * math.sin(direction)
 
     def _beside(self, place: PlaceSection, known: Mapping[str, SceneObject]) -> SceneObject:
-        """The object that a place is beside."""
+        """Return the object that a place is beside."""
         assert place.beside is not None, "only such places are asked about"
         return self._named(known, place.beside.name, "fixture or placed thing")
 

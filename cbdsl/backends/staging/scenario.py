@@ -1,4 +1,4 @@
-"""Scenario of an episode: what is shown, where, and what is done with it."""
+"""Scenario of an episode: objects, places and scripted events."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ GRAVITY = 9.81
 
 
 class SceneObject(NamedTuple):
-    """A fixture or thing of a stage, as it is put into the world.
+    """Fixture or thing of a stage, as it is added to the world.
 
     Attributes:
-        name: that it has in the world, unlike all others.
-        shape: of definite size.
-        surface: its colour and friction.
-        mass: kg; 0 for a fixture.
-        pose: of its centre.
+        name: Unique name in the world.
+        shape: Shape of definite size.
+        surface: Colour and friction.
+        mass: Mass, kg; 0 for a fixture.
+        pose: Pose of its centre.
     """
 
     name: str
@@ -42,10 +42,11 @@ class Movement(NamedTuple):
     """Motion of a thing that the experimenter carries along, shakes or throws.
 
     Attributes:
-        velocity: m/s, shape (3,); level unless it is thrown. Of what is shaken, in the middle.
-        start: since the episode began, s.
-        thrown: whether it is given its velocity once, instead of kept at it.
-        within: how far to either side it is shaken, m; infinite where it goes straight on.
+        velocity: Velocity, m/s, shape (3,); level unless it is thrown; at the middle if it is
+            shaken.
+        start: Time since the episode began, s.
+        thrown: True if the velocity is given once, instead of kept.
+        within: Amplitude to either side if it is shaken, m; infinite if it moves straight on.
     """
 
     velocity: Floats
@@ -56,17 +57,17 @@ class Movement(NamedTuple):
 
 @dataclass(frozen=True)
 class PlacedThing:
-    """A thing that is shown, and the events that befall it; times are since the episode began, s.
+    """Thing in a scene, and its scripted events; times are since the episode began, s.
 
     Attributes:
-        item: the thing in its place.
-        held_until: when the experimenter lets go of it, ``None`` if nobody holds it.
-        removed: when it is taken away.
-        returned_after: how long after it has fallen it is put back, ``None`` if nobody does that.
-        movement: how it is moved, if it is.
-        from_turn: turn of the experimenter in which it comes.
-        scattered: how it is moved in each turn, if it is.
-        displaced: moves in single turns.
+        item: Thing in its place.
+        held_until: Time at which the experimenter releases it; ``None`` if it is not held.
+        removed: Time at which it is removed.
+        returned_after: Time from its fall until it is put back; ``None`` if it is not.
+        movement: Motion; ``None`` if it is not moved.
+        from_turn: Turn of the experimenter in which it is added.
+        scattered: Random displacement in each turn; ``None`` for none.
+        displaced: Displacements in single turns.
     """
 
     item: SceneObject
@@ -84,8 +85,8 @@ class Scenario:
     """Objects and events of one episode.
 
     Attributes:
-        fixtures: objects that do not move.
-        things: the objects that are shown besides.
+        fixtures: Objects that do not move.
+        things: Other objects of the scene.
     """
 
     fixtures: tuple[SceneObject, ...]

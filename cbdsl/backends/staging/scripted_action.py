@@ -1,4 +1,4 @@
-"""Scripted actions: what the experimenter does with an object while an episode runs."""
+"""Scripted actions: the experimenter's actions on an object while an episode runs."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Floats = NDArray[np.float64]
 
 
 class ScriptedAction(Protocol):
-    """An action that goes on in every physics step until it is finished."""
+    """Action that continues in every physics step until it is finished."""
 
     def act(self, time: float) -> bool:
-        """Act at this time since the episode began, s.
+        """Act at a time since the episode began, s.
 
         Returns:
             Whether it is finished.
@@ -28,14 +28,14 @@ class ScriptedAction(Protocol):
 
 
 class HoldAction:
-    """Hold an object still, whatever presses against it, until a time, s."""
+    """Action that holds an object still against any force until a time, s."""
 
     def __init__(self, engine: Engine, name: str, until: float) -> None:
         self._engine, self._name, self._until = engine, name, until
         engine.attach(name)
 
     def act(self, time: float) -> bool:
-        """Let go when it is time."""
+        """Release the object when it is time."""
         over = time >= self._until
         if over:
             self._engine.release(self._name)
@@ -43,7 +43,7 @@ class HoldAction:
 
 
 class CarryAction:
-    """Carry an object along, or shake it, until the robot touches it."""
+    """Action that carries or shakes an object until the robot touches it."""
 
     def __init__(self, engine: Engine, name: str, movement: Movement) -> None:
         self._engine, self._name = engine, name
@@ -51,7 +51,7 @@ class CarryAction:
         self._carries, self._before = False, math.nan
 
     def act(self, time: float) -> bool:
-        """Lead it on, or leave it to the hand that touches it."""
+        """Lead the object on, or release it to the hand that touches it."""
         if self._engine.touched(self._name):
             self._engine.release(self._name)
             return True
@@ -66,7 +66,7 @@ class CarryAction:
         return False
 
     def _velocity(self, time: float) -> Floats:
-        """Velocity by which the next step takes a thing to where it is to be then, m/s."""
+        """Return the velocity that takes the object to its place after the next step, m/s."""
         step = time - self._before
         if math.isinf(self._movement.within) or not step > 0.0:
             return self._movement.velocity
@@ -76,7 +76,7 @@ class CarryAction:
 
 
 def _way(movement: Movement, time: float) -> Floats:
-    """How far from where it began a thing is led after a time, s."""
+    """Return the displacement of a led object from its origin after a time, s."""
     speed = float(np.linalg.norm(movement.velocity))
     if math.isinf(movement.within) or speed == 0.0:
         return time * movement.velocity
@@ -85,13 +85,13 @@ def _way(movement: Movement, time: float) -> Floats:
 
 
 class ThrowAction:
-    """Give an object a velocity once."""
+    """Action that gives an object a velocity once."""
 
     def __init__(self, engine: Engine, name: str, movement: Movement) -> None:
         self._engine, self._name, self._movement = engine, name, movement
 
     def act(self, time: float) -> bool:
-        """Throw it, once its time has come."""
+        """Throw the object, once its time has come."""
         due = time >= self._movement.start
         if due:
             self._engine.launch(self._name, np.array(self._movement.velocity))
@@ -99,7 +99,7 @@ class ThrowAction:
 
 
 class ReturnAction:
-    """Put an object back where it was shown, a while after it fell from there."""
+    """Action that puts an object back at its place, a while after it fell from there."""
 
     def __init__(self, engine: Engine, name: str, delay: float) -> None:
         self._engine, self._name = engine, name
@@ -107,7 +107,7 @@ class ReturnAction:
         self._fall = Fall(float(self._place.position[2]), delay)
 
     def act(self, time: float) -> bool:
-        """Put it back when it is time, as soon as the robot is not in the way."""
+        """Put the object back when it is time, as soon as the robot is not in the way."""
         touched = self._engine.touched(self._name)
         height = float(self._engine.pose(self._name).position[2])
         if self._fall.is_due(height, time, touched=touched):

@@ -37,16 +37,16 @@ from cbdsl.robot.urdf import UrdfOrigin
 Floats = NDArray[np.float64]
 
 
-# Boxes that the wall of a tube is made of.
+# Number of boxes that the wall of a tube consists of.
 _SIDES = 12
 
 
 class Wall(NamedTuple):
-    """A solid that a hollow shape is made of.
+    """Solid that is a part of a hollow shape.
 
     Attributes:
-        shape: of it.
-        origin: in the frame of the hollow shape.
+        shape: Shape of the solid.
+        origin: Origin in the frame of the hollow shape.
     """
 
     shape: SolidShape
@@ -55,17 +55,17 @@ class Wall(NamedTuple):
 
 @dataclass(frozen=True)
 class SolidShape:
-    """A ball, box or cylinder, or something hollow that is made of such.
+    """Ball, box or cylinder, or a hollow shape that consists of them.
 
     Attributes:
-        kind: which of them it is, or fills if it is hollow; a cylinder stands along its z.
-        halves: half its extents along its own axes, m.
-        pattern: what is printed on it, if it is a box.
-        spots: what is painted on its sides, if it is a ball or a box.
-        walls: the solids that it is made of, if it is hollow; those of a hull fill it, for whoever
-            knows balls, boxes and cylinders only.
-        mesh: what is seen of it, if it is a mesh, m, in its frame.
-        hull: corners of the convex hull that is touched, if it is one, m, shape (k, 3).
+        kind: Kind of the shape, or of its envelope if it is hollow; a cylinder stands along its z.
+        halves: Half extents along its own axes, m.
+        pattern: Print on a box.
+        spots: Painted spots on the sides of a ball or a box.
+        walls: Solids of a hollow shape; those of a hull fill it, for code that supports balls,
+            boxes and cylinders only.
+        mesh: Visible mesh, m, in its frame, if there is one.
+        hull: Corners of the colliding convex hull, m, shape (k, 3), if there is one.
     """
 
     kind: Literal["ball", "box", "cylinder"]
@@ -78,17 +78,17 @@ class SolidShape:
 
     @classmethod
     def ball(cls, radius: float, spots: tuple[Spot, ...] = ()) -> SolidShape:
-        """A ball of this radius, m."""
+        """Return a ball of a radius, m."""
         return cls("ball", (radius, radius, radius), spots=spots)
 
     @classmethod
     def cylinder(cls, radius: float, height: float) -> SolidShape:
-        """A cylinder of this radius and height, m."""
+        """Return a cylinder of a radius and a height, m."""
         return cls("cylinder", (radius, radius, height / 2))
 
     @classmethod
     def tube(cls, radius: float, height: float, wall: float) -> SolidShape:
-        """A tube of this outer radius, height and thickness, m, that stands along its z."""
+        """Return a tube along its z, of an outer radius, a height and a wall thickness, m."""
         bore, across = radius - wall, radius * math.tan(math.pi / _SIDES)
         side = cls("box", (wall / 2, across, height / 2))
         walls = []
@@ -100,7 +100,7 @@ class SolidShape:
 
     @classmethod
     def open_box(cls, depth: float, width: float, height: float, wall: float) -> SolidShape:
-        """A box without a lid of these outer edges along x, y and z and this thickness, m."""
+        """Return an open box of outer edges along x, y and z and a wall thickness, m."""
         x, y, z, half = depth / 2, width / 2, height / 2, wall / 2
         bottom = Wall(cls("box", (x, y, half)), UrdfOrigin((0.0, 0.0, half - z)))
         front, side = (half, y, z - half), (x - wall, half, z - half)
@@ -117,22 +117,22 @@ class SolidShape:
 
     @classmethod
     def composed(cls, form: ComposedForm) -> SolidShape:
-        """Several solids as one, in the middle of the box around them."""
+        """Return several solids as one shape, in the middle of the box around them."""
         middle = [(first + last) / 2 for first, last in form.box]
         x, y, z = ((last - first) / 2 for first, last in form.box)
         return cls("box", (x, y, z), walls=tuple(_wall(piece, middle) for piece in form.pieces))
 
     @classmethod
     def meshed(cls, file: Path, scale: float, solid: str) -> SolidShape:
-        """A mesh, and what is touched of it.
+        """Return a mesh with its colliding solid.
 
         Args:
-            file: the mesh.
-            scale: of its unit, m.
-            solid: as ``MeshForm`` has it.
+            file: File of the mesh.
+            scale: Scale of its unit, m.
+            solid: Kind of the colliding solid, as in ``MeshForm``.
 
         Raises:
-            UsageError: its file is not there, or no mesh of a thing.
+            UsageError: The file is missing, or holds no mesh of a thing.
         """
         mesh, halves = read_thing_mesh(file, scale)
         x, y, z = halves
@@ -156,7 +156,7 @@ class SolidShape:
 
     @classmethod
     def draw(cls, form: Form, rng: np.random.Generator) -> SolidShape:
-        """A shape of this form, of a size drawn from its spans."""
+        """Return a shape of a form, of a size drawn from its spans."""
         if isinstance(form, BallForm):
             return cls.ball(draw(form.radius, rng), form.all_spots)
         if isinstance(form, BoxForm):
@@ -176,30 +176,30 @@ class SolidShape:
 
     @property
     def solids(self) -> tuple[Wall, ...]:
-        """The solids that it is made of: its walls, or itself."""
+        """Solids that the shape consists of: its walls, or itself."""
         return self.walls or (Wall(self, UrdfOrigin()),)
 
     @property
     def half_height(self) -> float:
-        """From its centre to its lowest point while it stands upright, m."""
+        """Distance from the centre to the lowest point of the upright shape, m."""
         return self.halves[2]
 
     @property
     def volume(self) -> float:
-        """Volume of it, or of its walls, m^3."""
+        """Volume of the shape, or of its walls, m^3."""
         if self.walls:
             return sum(wall.shape.volume for wall in self.walls)
         share = {"ball": math.pi / 6, "box": 1.0, "cylinder": math.pi / 4}[self.kind]
         return share * 8 * math.prod(self.halves)
 
     def spot_height(self, spot: Spot) -> float:
-        """From its centre along a spot's axis to the plane of the spot's edge, m."""
+        """Return the distance from the centre to the plane of a spot's edge, along its axis, m."""
         if self.kind == "ball":
             return math.sqrt(self.halves[0] ** 2 - spot.radius**2)
         return self.halves["xy".index(spot.face[1])]
 
     def depth(self, rotation: Floats) -> float:
-        """From its centre to its lowest point with these axes, shape (3, 3), m."""
+        """Return the distance from centre to lowest point with these axes, shape (3, 3), m."""
         a, b, c = self.halves
         if self.kind == "ball":
             return a
@@ -209,7 +209,7 @@ class SolidShape:
         return float(a * x + b * y + c * z)
 
     def bodies(self, pose: Pose) -> list[Convex]:
-        """The convex bodies that it is made of at a pose."""
+        """Return the convex bodies that the shape consists of at a pose."""
         if self.hull is not None:
             return [Convex("hull", self.halves, pose.position, pose.rotation, self.hull)]
         frames = [(wall.shape, pose @ Pose.at(wall.origin)) for wall in self.solids]
@@ -217,7 +217,7 @@ class SolidShape:
 
 
 def _wall(piece: Piece, middle: Sequence[float]) -> Wall:
-    """A piece of something composed, in a frame in the middle of that."""
+    """Return a piece of a composed shape, in a frame in the middle of that shape."""
     x, y, z = (own - mean for own, mean in zip(piece.position, middle, strict=True))
     origin = UrdfOrigin((x, y, z), (0.0, 0.0, piece.yaw))
     if isinstance(piece.form, BoxForm):
@@ -233,7 +233,7 @@ def _meshed(file: Path, scale: float, solid: str, _changed: int) -> SolidShape:
 
 
 def _filling(triangles: Floats) -> tuple[Wall, ...]:
-    """Boxes that fill a closed surface."""
+    """Return boxes that fill a closed surface."""
     boxes = cover(triangles, MOST_PIECES).boxes
     return tuple(
         Wall(SolidShape("box", (a / 2, b / 2, c / 2)), UrdfOrigin((x, y, z)))

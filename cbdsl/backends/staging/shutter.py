@@ -1,21 +1,21 @@
-"""The shutter: times at which the cameras take images."""
+"""Shutter: times at which the cameras take images."""
 
 from __future__ import annotations
 
 
 class Shutter:
-    """Opens at the cameras' rate, which need not divide the control rate.
+    """Shutter that opens at the cameras' rate, which need not divide the control rate.
 
     Args:
-        rate: of the images, Hz.
-        period: of control, s.
+        rate: Image rate, Hz.
+        period: Control period, s.
     """
 
     def __init__(self, rate: float, period: float) -> None:
         self._per_tick = rate * period
 
     def opens(self, tick: int) -> bool:
-        """Whether the time for an image came within the last tick; the first is at tick 0."""
-        # Images that are due by then, and a small share that keeps rounding from putting one off.
+        """Return whether an image became due within the last tick; the first is due at tick 0."""
+        # Number of images due by then; a small share keeps rounding from delaying one.
         due = tick * self._per_tick + 1e-6
         return tick == 0 or int(due) > int(due - self._per_tick)

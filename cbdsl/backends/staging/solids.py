@@ -25,7 +25,7 @@ HALVES, POSITION, ROTATION = slice(1, 4), slice(4, 7), slice(7, 16)
 
 
 def placed(shape: SolidShape, pose: Pose) -> Floats:
-    """Row of a shape at a pose, shape (16,)."""
+    """Return the row of a shape at a pose, shape (16,)."""
     solid = np.empty(WIDTH)
     solid[0], solid[HALVES] = _NUMBERS[shape.kind], shape.halves
     solid[POSITION], solid[ROTATION] = pose.position, pose.rotation.ravel()
@@ -33,13 +33,13 @@ def placed(shape: SolidShape, pose: Pose) -> Floats:
 
 
 class Walls:
-    """Solids that some objects are made of, in one array for all of them.
+    """Solids that some objects consist of, in one array for all of them.
 
     Args:
-        shapes: of the objects.
+        shapes: Shapes of the objects.
 
     Attributes:
-        owners: index of the object that each solid belongs to, shape (m,).
+        owners: Index of the object that each solid belongs to, shape (m,).
     """
 
     def __init__(self, shapes: Sequence[SolidShape]) -> None:
@@ -53,10 +53,10 @@ class Walls:
         self._own = np.array(rows).reshape(len(walls), WIDTH)
 
     def at(self, solids: Floats) -> Floats:
-        """The solids in the world, shape (m, 16).
+        """Return the solids in the world, shape (m, 16).
 
         Args:
-            solids: rows of the objects, shape (k, 16), which is the answer where none is hollow.
+            solids: Rows of the objects, shape (k, 16), which are returned if none is hollow.
         """
         if self._are_objects:
             return solids
@@ -71,7 +71,7 @@ class Walls:
 
 @compiled
 def into(solid: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """A vector of the world frame in the solid's axes."""
+    """Return a vector of the world frame in the solid's axes."""
     return (
         solid[7] * x + solid[10] * y + solid[13] * z,
         solid[8] * x + solid[11] * y + solid[14] * z,
@@ -81,13 +81,13 @@ def into(solid: Floats, x: float, y: float, z: float) -> tuple[float, float, flo
 
 @compiled
 def attach(parts: Floats, placements: Floats, carriers: Rows, solids: Floats) -> None:
-    """Solids that are given in their links' frames, shape (k, 16), in the world frame.
+    """Transform solids, shape (k, 16), from their links' frames to the world frame.
 
     Args:
-        parts: shape (k, 16).
-        placements: of links, as ``Engine`` has them, shape (links, 12).
-        carriers: rows of the links that carry them, shape (k,).
-        solids: takes them, shape (k, 16).
+        parts: Rows of the solids in their links' frames, shape (k, 16).
+        placements: Placements of the links, as in ``Engine``, shape (links, 12).
+        carriers: Rows of the links that carry them, shape (k,).
+        solids: Output: rows in the world frame, shape (k, 16).
     """
     for index in range(len(parts)):
         part, own, place = parts[index], solids[index], placements[carriers[index]]

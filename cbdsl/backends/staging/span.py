@@ -1,4 +1,4 @@
-"""Spans of numbers, as documents give what is left to chance."""
+"""Spans of numbers, from which documents let values be drawn."""
 
 from __future__ import annotations
 

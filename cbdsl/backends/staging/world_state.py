@@ -1,4 +1,4 @@
-"""World state: what a backend tells recordings and tests of its world, and no controller."""
+"""World state: a backend's report on its world to recordings and tests, not to controllers."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from cbdsl.robot.mesh_reader import Mesh
 
 
 class Part(NamedTuple):
-    """A visible shape of an object.
+    """Visible shape of an object.
 
     Attributes:
         shape: ``ball`` (radius), ``box`` (edge lengths), ``cylinder`` about z (radius, height), or
             ``mesh`` (nothing).
-        size: as the shape needs it, m.
-        position: of its centre in the object's frame, m.
-        quaternion: of its axes in the object's frame, as (x, y, z, w).
-        color: red, green and blue, each from 0 to 1.
-        mesh: the triangles of a mesh.
+        size: Sizes that the shape needs, m.
+        position: Position of its centre in the object's frame, m.
+        quaternion: Quaternion of its axes in the object's frame, as (x, y, z, w).
+        color: Red, green and blue, each from 0 to 1.
+        mesh: Triangles of a mesh.
     """
 
     shape: str
@@ -31,30 +31,30 @@ class Part(NamedTuple):
 
 
 class WorldState(Protocol):
-    """The objects besides the robot that are in the world now."""
+    """Objects besides the robot that are in the world now."""
 
     def names(self) -> tuple[str, ...]:
-        """Names of the objects that the stage has put into the world and not taken away."""
+        """Return the names of the objects that the stage has added to the world and not removed."""
         ...
 
     def parts(self, name: str) -> Sequence[Part]:
-        """The visible parts of an object."""
+        """Return the visible parts of an object."""
         ...
 
     def pose(self, name: str) -> Pose:
-        """Pose of an object: its centre and axes."""
+        """Return the pose of an object: its centre and axes."""
         ...
 
 
 @runtime_checkable
 class GroundTruthProvider(Protocol):
-    """A backend that knows its world.
+    """Backend that knows its world.
 
     Attributes:
-        truth: the world of the current episode.
+        truth: World of the current episode.
     """
 
     @property
     def truth(self) -> WorldState:
-        """The world of the current episode."""
+        """World of the current episode."""
         ...
