@@ -169,7 +169,7 @@ class BackendFactory(Protocol):
 
         Args:
             robot: Robot document.
-            urdf: File of its model.
+            urdf: URDF of the robot.
             gui: True to open a window.
             cameras: One of ``CAMERAS``; the backend's own choice if ``None``.
 

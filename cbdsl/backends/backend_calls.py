@@ -27,7 +27,7 @@ class BackendCalls:
         robot: Robot that it embodies.
 
     Attributes:
-        backend: The backend.
+        backend: Backend that is called.
         name: Name of the backend in messages.
 
     Raises:

@@ -74,7 +74,7 @@ class _Scene:
 
     Args:
         engine: Engine with the objects.
-        palette: Channels of colours.
+        palette: Map from colours to channels.
         channels: Channels that are looked for.
         cameras: Number of cameras.
 
@@ -330,7 +330,7 @@ def _joined(
 
 
 def _sum(shapes: Sequence[Sequence[float]]) -> Sequence[float]:
-    """Return the joint shape of disjoint visible parts, as in ``silhouettes``."""
+    """Return the combined shape of disjoint visible parts, as in ``silhouettes``."""
     each = np.array(shapes)
     area = float(each[:, 0].sum())
     if area == 0.0:

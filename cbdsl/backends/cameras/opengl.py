@@ -115,7 +115,7 @@ class OpenGLRenderer:
                 ("cylinder", mesh.cylinder()),
             )
         }
-        #: Meshes of objects by identity; the mesh is kept so that its identity is not reused.
+        #: Buffers by identity of the mesh, which is kept so that its identity is not reused.
         self._own: dict[int, tuple[Mesh, Any]] = {}
         self._canvases: dict[tuple[int, int], Any] = {}
         self._shown: Floats | None = None

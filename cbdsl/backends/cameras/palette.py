@@ -12,7 +12,7 @@ from cbdsl.sensing.channels import ChannelFilter
 
 
 class Palette:
-    """Channels of colours in white light."""
+    """Map from colours in white light to channels."""
 
     def __init__(self, channels: Channels) -> None:
         wanted = [name for name in channel_names(channels) if name != "motion"]

@@ -20,7 +20,7 @@ class PixelNoise:
 
     Args:
         deviation: Standard deviation, of 255.
-        rng: Draws it.
+        rng: Generator of the noise.
     """
 
     def __init__(self, deviation: float, rng: np.random.Generator) -> None:

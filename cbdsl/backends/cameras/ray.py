@@ -72,7 +72,7 @@ def met_rows(
     up: float,
     samples: int,
 ) -> tuple[int, int]:
-    """Return the first line of sight of a column that meets a solid, and the end of those lines.
+    """Return the range of a column's lines of sight that meet a solid: first index and end index.
 
     Solids are convex, so lines that meet one are adjacent. If none does, the two are equal.
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 # Standard deviation of a region's area, px, per square root of its border's length, px, and per
-# deviation of a pixel's value of 255. Pixels that are half within the region count or do not, and a
-# sensor noise of 2 decides which.
+# deviation of a pixel's value of 255. The noise of the sensor, of 2,
+# decides whether a pixel that is half within the region counts.
 _UNSURE = 0.15
 # Number of regions for which errors are drawn at a time.
 _AHEAD = 256

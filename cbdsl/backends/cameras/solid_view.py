@@ -20,7 +20,7 @@ _NEAREST = 0.02
 """Least distance from a camera at which an object is visible, m."""
 
 _ROUNDING = 1e-6
-"""Bound above the rounding error of any distance, m."""
+"""Upper bound of the rounding error of any distance, m."""
 
 _TOUCHING = 1e-9
 """Largest depth at which one solid only touches another, m."""

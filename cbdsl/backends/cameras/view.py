@@ -45,7 +45,7 @@ class View:
         return transform
 
     def eye_to_clip(self) -> Floats:
-        """Return the projection, shape (4, 4), from OpenGL's eye frame to its clip space."""
+        """Return the perspective projection, shape (4, 4), from OpenGL's eye to clip space."""
         camera, depth = self.camera, FARTHEST - NEAREST
         projection = np.zeros((4, 4))
         projection[0, 0] = 2 * camera.focal_length / camera.width

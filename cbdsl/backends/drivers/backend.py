@@ -188,7 +188,7 @@ class DrivenBackend:
         return [endpoint for link in self._links for endpoint in link.survey()]
 
     def _leave_last(self) -> None:
-        """Bring the episode before to rest, and have a person release a held robot."""
+        """Bring the last episode to rest, and have a person release a held robot."""
         supervisor = self.supervisor
         if supervisor.state is State.RUNNING:
             self.halt()

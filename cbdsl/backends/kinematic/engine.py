@@ -54,7 +54,7 @@ class KinematicEngine(Engine):
         self._wrenches = self._manipulation.press()
 
     def _hold_back(self, before: Floats) -> None:
-        """Hold back the joints of fingertips that push immovable objects.
+        """Hold back the joints of fingertips that push objects that do not yield.
 
         The joints go half of their way, or half of that. If a joint that several fingertips share
         is held back, another fingertip may go deeper. So all are checked again until none changes.

@@ -16,8 +16,8 @@ from cbdsl.backends.staging.scenario import GRAVITY
 
 Floats = NDArray[np.float64]
 
-#: Force per depth of a fingertip, N/m. The force controllers of the robot file settle on it within
-#: a few control ticks; the softness of a real fingertip would need faster ones.
+#: Force per depth of a fingertip, N/m. With it the force controllers of the robot file settle
+#: within a few control ticks; the softness of a real fingertip would need faster ones.
 STIFFNESS = 500.0
 
 

@@ -79,8 +79,8 @@ class KinematicObject:
         return self.surface.friction * floor.surface.friction * GRAVITY
 
     def resistance(self, floor: KinematicObject) -> float:
-        """Return the deceleration on a level floor while it rolls, or else slides, m/s^2."""
+        """Return the deceleration on a level floor, m/s^2: rolling, or else sliding."""
         if not self.rolls:
             return self.sliding_friction(floor)
-        # A rolling ball's inertia is two fifths larger than its mass.
+        # The effective inertia of a rolling ball is 7/5 of its mass.
         return 5 / 7 * self.surface.rolling_friction / self.shape.halves[0] * GRAVITY

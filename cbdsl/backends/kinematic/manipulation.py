@@ -186,7 +186,7 @@ class Manipulation:
             force = weight - plane @ needed
             wrench = wrenches[contact.fingertip.cell]
             wrench[:3] += force
-            # This lever leads to the point where the force acts.
+            # The force acts at the end of this lever.
             wrench[3:] += contact.fingertip.radius * np.cross(contact.normal, force)
 
 
@@ -195,7 +195,7 @@ def _held_back(contacts: Floats, before: Floats, moving: Booleans, share: Floats
     """Lessen the shares, shape (n,), of joints whose fingertips are too deep and go deeper.
 
     Args:
-        contacts: Depths, m, first of each row, shape (tips, things, 7).
+        contacts: Depths of fingertips in objects, m, first of each row, shape (tips, things, 7).
         before: Depths a tick ago, likewise.
         moving: Joints that move each fingertip, shape (tips, n).
         share: Shares, as in ``Manipulation.hold_back``.

@@ -21,7 +21,7 @@ class Servos:
 
     Args:
         joints: Actuated joints.
-        model: Knows their limits.
+        model: URDF model with their limits.
         tree: Tree of the links that they move.
         period: Period of a control tick, s.
     """
@@ -40,7 +40,7 @@ class Servos:
             reference: References of the joints, rad, shape (n,).
 
         Returns:
-            Reached positions, rad, and mean velocities, rad/s, shape (n,) each.
+            Reached positions, rad, and mean velocities during the tick, rad/s, shape (n,) each.
         """
         reached, velocities = np.empty((2, len(positions)))
         _follow(positions, reference, self._limits, self._period, reached, velocities, *self._chain)

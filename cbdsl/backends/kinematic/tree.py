@@ -56,7 +56,7 @@ class Tree:
                 )
             ]
         )
-        # No joint is there yet.
+        # No joint has been placed yet.
         angles, moved = np.full(len(ordered), np.nan), np.zeros(len(self.rows), np.bool_)
         self.placements: Floats = np.zeros((len(self.rows), 12))
         self.chain = follows, parts, angles, moved, self.placements

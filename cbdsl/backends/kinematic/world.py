@@ -56,7 +56,7 @@ class World:
         self._gather()
 
     def taking_along(self, thing: KinematicObject) -> AbstractContextManager[None]:
-        """Move all objects that rest on an object, directly or not, along with it."""
+        """Return a context in which objects on an object, directly or not, move with it."""
         return _ALONE if self._movable < 2 else self._taking_along(thing)
 
     @contextmanager
@@ -78,7 +78,7 @@ class World:
                     yield from self._riders(other)
 
     def _gather(self) -> None:
-        """Gather the poses of all objects in one array."""
+        """Store the poses of all objects in one array."""
         self.walls = Walls([thing.shape for thing in self.things.values()])
         self._movable = sum(thing.mass > 0.0 for thing in self.things.values())
         self.solids = np.array([thing.solid for thing in self.things.values()])
@@ -87,7 +87,7 @@ class World:
             thing.solid = solid
 
     def let_go(self, thing: KinematicObject, period: float) -> None:
-        """Move an object that is not held for ``period``, s."""
+        """Advance the motion of a free object by ``period``, s."""
         if thing.resting:
             return
         floor = self.floor(thing)
@@ -142,7 +142,7 @@ class World:
 
 
 def _spin(ball: KinematicObject, change: float) -> None:
-    """Let friction slow and spin a sliding ball by at most ``change``, m/s, until it rolls."""
+    """Slow a sliding ball by friction, by at most ``change``, m/s, and spin it until it rolls."""
     slip = ball.velocity - ball.rolling
     size = math.hypot(*slip.tolist())
     if size == 0.0:
@@ -154,7 +154,7 @@ def _spin(ball: KinematicObject, change: float) -> None:
 
 
 def _top(lower: KinematicObject, thing: KinematicObject) -> float | None:
-    """Return the height of a top under an object's middle, m; ``None`` if it is not under it."""
+    """Return an object's height under the middle of another, m; ``None`` if it is beside it."""
     if lower is thing:
         return None
     _, _, _, _, a, b, c, xx, yx, _, xy, yy, _, xz, yz, _ = lower.solid.tolist()
@@ -176,7 +176,7 @@ def _top(lower: KinematicObject, thing: KinematicObject) -> float | None:
 
 
 def _wall_top(wall: Wall, x: float, y: float) -> float | None:
-    """Return a wall's top above its object's middle, m; ``None`` if (x, y) is outside."""
+    """Return the height of a wall's top above its object's middle, m, if (x, y) is over it."""
     (dx, dy, dz), turn = wall.origin.xyz, wall.origin.rpy[2]
     u = math.cos(turn) * (x - dx) + math.sin(turn) * (y - dy)
     v = math.cos(turn) * (y - dy) - math.sin(turn) * (x - dx)

@@ -190,7 +190,7 @@ class LeRobotBackend:
             self._call("disconnect")
 
     def _leave(self) -> None:
-        """Disconnect after a failure, whose message counts more than one of this."""
+        """Disconnect after a failure, whose message takes precedence over one of this method."""
         with suppress(BackendError):
             self.close()
 

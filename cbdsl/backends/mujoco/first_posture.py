@@ -47,8 +47,8 @@ class FirstPosture:
     def overlaps(self) -> list[tuple[str, str]]:
         """Return the pairs of bodies that are inside each other.
 
-        Hulls are larger than meshes, and the links of many public models overlap as well. No motion
-        can separate them, so that contact forces would throw the robot about.
+        Hulls are larger than meshes, and the links of many public models overlap as well. No force
+        can separate them, and contact forces would throw the robot about.
         """
         deep = self.data.contact.geom[self.data.contact.dist < -_OVERLAP]
         bodies = np.unique(np.sort(self.compiled.geom_bodyid[deep], axis=1), axis=0)

@@ -48,7 +48,7 @@ def cell_links(robot: RobotDocument) -> dict[Cell, str]:
 
 
 def sensor_addresses(model: Any, robot: RobotDocument) -> Rows:
-    """Return the index of each cell's reading among a compiled model's, shape (cells,)."""
+    """Return the first index of each cell's reading in a compiled model, shape (cells,)."""
     names = (f"{hand}/{finger}" for hand, finger in cell_links(robot))
     return np.array([int(model.sensor(name).adr[0]) for name in names], dtype=np.intp)
 
@@ -62,7 +62,7 @@ def sum_wrenches(
     Args:
         readings: Readings of all sensors: force, N, torque, N m, and their point, m, 3 numbers
             each.
-        addresses: Index of each cell's reading, shape (cells,).
+        addresses: First index of each cell's reading, shape (cells,).
         origins: Origins of all bodies, m, shape (bodies, 3).
         fingertips: Bodies of the cells, shape (cells,).
         wrenches: Output: wrenches, world frame, shape (cells, 6).

@@ -35,7 +35,7 @@ class MujocoServos:
     joint is braked.
 
     Args:
-        spec: Specification of the robot without servos; gets them.
+        spec: Specification of the robot, to which the servos are added.
         robot: Robot document, which names the joints.
         model: URDF model of the robot.
         first: Posture in which the inertias are taken.
@@ -111,7 +111,7 @@ def _drive(
     """Set references and damping; see ``MujocoServos.drive``.
 
     ``limits`` has seven rows: lower and upper positions, largest velocities, farthest references at
-    rest, their approach per speed, inertias over the timestep, and efforts. In one implicit step, a
+    rest, their decrease per speed, inertias over the timestep, and efforts. In one implicit step, a
     brake alone takes a joint as far below its largest velocity as it was above it.
     """
     lower, upper, fastest, farthest, tapers, impulses, efforts = limits

@@ -27,8 +27,8 @@ class Body(NamedTuple):
 
     Attributes:
         number: Number of the object's body.
-        pose: Index of its position and quaternion among all positions; -1 for a fixture.
-        twist: Index of its velocities among all velocities; -1 for a fixture.
+        pose: First index of its position and quaternion among all positions; -1 for a fixture.
+        twist: First index of its velocities among all velocities; -1 for a fixture.
         grip: Number of the constraint by which the experimenter holds it; -1 for a fixture.
     """
 

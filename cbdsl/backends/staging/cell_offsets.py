@@ -24,7 +24,7 @@ _AHEAD = 64
 class CellOffsets:
     """Bias, drift and the tips' weight, which load cells add to the wrenches of contacts.
 
-    A bias wanders slowly in the frame of its cell. The weight is constant in the world.
+    A bias is fixed in the frame of its cell, and drifts. The weight is constant in the world.
 
     Args:
         tips: Links that carry the cells.

@@ -11,7 +11,7 @@ import numpy as np
 from cbdsl.backends.staging.scenario import Scenario, SceneObject
 from cbdsl.numeric.convex import Convex, gap
 
-# Depth by which two objects may each be inside the other: contact is so by rounding, m.
+# Depth by which two objects may each be inside the other, as by rounding in contact, m.
 _MARGIN = 5e-4
 
 

@@ -55,7 +55,7 @@ def _read(
     read: Floats,
     velocities: Floats,
 ) -> None:
-    """Round positions to steps, and difference them with those ``before``."""
+    """Round positions to steps, and compute velocities since ``before``."""
     for joint in range(len(positions)):
         step = steps[joint]
         read[joint] = round(positions[joint] / step) * step if step > 0.0 else positions[joint]

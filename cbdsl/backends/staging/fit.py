@@ -50,7 +50,7 @@ def physics_steps(robot: RobotDocument) -> int:
     """Return the number of physics steps per control period.
 
     Raises:
-        BackendError: The number is not an integer.
+        BackendError: The number is not a positive integer.
     """
     ratio = robot.simulation.physics_rate / robot.control.rate
     if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:

@@ -95,7 +95,7 @@ class LoadCells:
         self._samples += 1
 
     def read(self) -> Loads:
-        """Return force, N, and torque, N m, that each fingertip exerts, world frame, shape (6,)."""
+        """Return each fingertip's force, N, and torque, N m, world frame, shape (6,) each."""
         return Loads(self._cells, self._readings)
 
 
