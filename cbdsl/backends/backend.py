@@ -91,8 +91,8 @@ class Backend(Protocol):
     def halt(self) -> None:
         """Freeze the references at the measured positions: the robot is no longer controlled.
 
-        Called when an episode cannot go on or cannot begin, and at Ctrl-C, in ``reset`` and before
-        the first one, too; ``reset`` or ``close`` follows. It works in each of these states.
+        Called when an episode cannot begin or continue, and at Ctrl-C, also during ``reset`` and
+        before the first one. ``reset`` or ``close`` follows. It works in each of these states.
         """
         ...
 
@@ -103,7 +103,7 @@ class Backend(Protocol):
 
 @runtime_checkable
 class ResumableBackend(Protocol):
-    """Backend whose world can go on from one episode to the next."""
+    """Backend whose world can persist from one episode to the next."""
 
     def resume(
         self,
@@ -116,7 +116,7 @@ class ResumableBackend(Protocol):
         """Begin an episode in the world that the last episode left, robot and references included.
 
         The experimenter puts things back as the stage says. Time begins at 0 again, and the first
-        observation has images; all that chance decides goes on in the streams of the reset.
+        observation has images; all random draws continue the streams of the reset.
 
         Args:
             stage: Stage of the world.

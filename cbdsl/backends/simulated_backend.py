@@ -149,7 +149,7 @@ class SimulatedBackend(Generic[SomeEngine]):
     def _cell_offsets(self, noise: np.random.Generator) -> CellOffsets:
         links = [self._robot.load_cells[hand][finger].link for hand, finger in self.truth.cells]
         tips, rows = [self._model.bodies[k] for k in links], [self.truth.rows[k] for k in links]
-        # A stream of its own, as noise may be drawn ahead.
+        # The offsets have a separate stream, as noise may be drawn ahead.
         own = noise.spawn(1)[0]
         return CellOffsets(tips, rows, self._robot.contact, self.control_period, own)
 

@@ -154,7 +154,7 @@ class BulletRobot:
         """Set the targets of the servos, rad, shape (n,).
 
         A passive joint's target follows from the measured position of its leading joint, not from
-        the reference: a fingertip that is held back must not bend the joint behind it.
+        the reference. So a fingertip that is held back does not bend the joint behind it.
         """
         states = p.getJointStates(self.id, self._indices, physicsClientId=self._client)
         positions = np.array([state[0] for state in states])

@@ -36,7 +36,7 @@ class Chance(NamedTuple):
 class CameraSystem(ABC):
     """All cameras of a robot.
 
-    Each camera is displaced from its pose in the robot's model by an error: a distance in a random
+    Each camera is displaced from its pose in the robot's model. The error is a distance in a random
     direction and an angle about a random axis. A robot body with a number keeps its errors in all
     episodes; without a number they are drawn once per episode.
 
@@ -58,7 +58,7 @@ class CameraSystem(ABC):
         """Begin an episode.
 
         Args:
-            engine: Engine, which knows the poses of links and objects.
+            engine: Engine with the poses of links and objects.
             disturbance: Sizes of the cameras' errors and of the images' noise.
             channels: Channels whose regions are looked for; all if ``None``.
             chance: Generators of errors and noise.

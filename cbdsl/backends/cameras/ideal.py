@@ -52,7 +52,7 @@ class VisibleSurface(NamedTuple):
         owner: Index of the object among the engine's objects.
         target: Index of the solid with the surface among all solids that objects consist of.
         patch: Part of the solid's surface, as in ``silhouettes``.
-        channels: Channels of its colour among those that are looked for.
+        channels: Channels that are looked for and contain its colour.
     """
 
     item: SceneObject

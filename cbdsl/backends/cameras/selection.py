@@ -19,7 +19,7 @@ def make_cameras(
     model: UrdfModel,
     own: Mapping[str, Callable[[], Renderer]] | None = None,
 ) -> CameraSystem:
-    """The camera system of a robot.
+    """Return the camera system of a robot.
 
     Args:
         kind: ``rendered`` or ``ideal``; rendered if ``None``, or ideal if rendering fails here and

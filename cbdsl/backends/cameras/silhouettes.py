@@ -246,7 +246,7 @@ def unhidden(
     """Find the lines of sight at which a solid is visible.
 
     Args:
-        things, parts, carriers, placements: As in ``silhouettes``.
+        things, parts, carriers, placements: Arguments of ``silhouettes``.
         target: Index of the solid among the things.
         camera: Placement of the camera, shape (12,).
         slopes: Slopes of the lines, y / x and z / x, shape (k, 2).

@@ -19,7 +19,7 @@ NEAREST, FARTHEST = 0.05, 10.0
 class View:
     """View of a camera with this frame: along +x, with +y to the left and +z up.
 
-    A point (x, y, z) of the camera's frame appears at (w/2 - f y/x, h/2 - f z/x), px, counted from
+    A point (x, y, z) of the camera's frame appears at (w/2 - f y/x, h/2 - f z/x), px. The origin is
     the outer corner of the top left pixel, so that pixel centres are at halves.
     """
 

@@ -224,7 +224,7 @@ class DrivenBackend:
         raise BackendError(f"robot '{self._robot.name}' is not ready:{lines}")
 
     def _listen(self, seconds: float) -> None:
-        """Process samples for a while; discard those that queued while this process waited."""
+        """Process samples for a while; discard samples that queued while this process slept."""
         clock = self._clock
         last, until = -np.inf, clock.monotonic() + seconds
         while (now := clock.monotonic()) < until:

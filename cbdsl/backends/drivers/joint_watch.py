@@ -120,7 +120,7 @@ class JointWatch:
             efforts = np.array(sample.efforts)[theirs]
             changed |= efforts != self.efforts[ours]
             self.efforts[ours] = efforts
-        # Any change shows that the whole driver's measurement goes on.
+        # Any change shows that the whole driver's measurement is running.
         if changed.any():
             self._changed[ours] = sample.stamp
         self.positions[ours], self.velocities[ours] = positions, velocities
@@ -197,7 +197,7 @@ class JointWatch:
         for driver, columns in self.columns.items():
             own = np.array(list(columns.values()))
             latest = float(self._changed[own].max())
-            # References count from the last change of the states on.
+            # Motion of references is counted from the last change of the states.
             if latest != self._compared.get(driver):
                 self._compared[driver] = latest
                 self._references[own] = references[own]

@@ -13,7 +13,7 @@ Span = tuple[float, float]
 
 
 def describe_setup(stage: StageDocument, context: str, robot: RobotDocument) -> str:
-    """Return the arrangement that a context asks for, one instruction a line."""
+    """Return the arrangement that a context requires, one instruction a line."""
     return "\n".join(_lines(stage, context, robot))
 
 

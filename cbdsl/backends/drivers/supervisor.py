@@ -1,6 +1,6 @@
 """Supervisor: the safety contract between a program and a real robot, as a state machine.
 
-    off -> ready     all joints and sensors heard, clocks and limits agree, one commander
+    off -> ready     all joints and sensors received, clocks and limits agree, one commander
     ready -> running the first reference, near the measured positions
     any -> held      a deadline, a lost peer, the emergency stop, a limit, a tracking error, a halt
     held -> off      a person, and nothing else
@@ -277,12 +277,12 @@ class SafetySupervisor:
             self.hold(cause, blind=blind)
 
     def release(self) -> None:
-        """Leave ``held``, by a person's decision; everything has to be heard again."""
+        """Leave ``held``, by a person's decision; all samples have to be received again."""
         if self.state is State.HELD:
             self.rest()
 
     def rest(self) -> None:
-        """Enter ``off``: everything has to be heard again."""
+        """Enter ``off``: all samples have to be received again."""
         self.joints = JointWatch(self._robot, self._limits)
         self.sensors = SensorWatch(self._robot, ideal=self._ideal)
         self._mismatches.clear()

@@ -24,9 +24,9 @@ STIFFNESS = 500.0
 class Grasp:
     """Hands that hold one object.
 
-    Two fingertips hold it if the line between them lies within both of their friction cones, and if
-    the friction of all their hands' fingertips can bear its weight. Single hands come before pairs,
-    and the current holders keep the object as long as these conditions hold.
+    Two fingertips hold it under two conditions. The line between them lies within both of their
+    friction cones, and the friction of all their hands' fingertips can bear its weight. Single
+    hands come before pairs, and the current holders keep the object while these conditions hold.
 
     Attributes:
         thing: Object.

@@ -16,8 +16,8 @@ _LEAST_ROLLING = 1e-5
 class ContactSettings:
     """Contact constants of robot and objects.
 
-    The friction of a pair is the larger one, except for movable objects, whose own friction counts:
-    so a stage states how slippery an object is.
+    The friction of a pair is the larger one, except for movable objects, whose own friction counts.
+    So a stage states how slippery an object is.
 
     Args:
         settings: Settings of the robot file.

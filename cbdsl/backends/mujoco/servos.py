@@ -29,10 +29,10 @@ class MujocoServos:
     The torque of a servo is kp (reference - q) - kv dq/dt plus gravity compensation. kp is the
     inertia that the joint moves times the squared frequency, and kv is kp times the servos' lag.
     All joints, coupled ones included, get an additional share of that inertia, like a gear's rotor.
-    A reference is kept so near that the torque falls along a line, from the effort at rest to the
-    torque that keeps the largest speed. Rotors are at least so heavy that this line is stable: a
-    gripper with light, slow fingers pushes as hard as its drive can. Beyond the largest speed a
-    joint is braked.
+    A reference is kept so near that the torque falls linearly with the speed. The line leads from
+    the effort at rest to the torque that keeps the largest speed. Rotors are at least so heavy that
+    this line is stable: a gripper with light, slow fingers pushes as hard as its drive can. Beyond
+    the largest speed a joint is braked.
 
     Args:
         spec: Specification of the robot, to which the servos are added.

@@ -38,8 +38,8 @@ class SoftShape(NamedTuple):
         """Add the contact pair of this soft shape with a shape of an object; return the pair.
 
         MuJoCo pushes two bodies apart with the force impedance / (1 - impedance) / mobility times
-        the acceleration of a critically damped spring (its documentation, "Solver parameters"), so
-        that the stiffness is 1 / ((1 - impedance) mobility time^2), and the damping twice the
+        the acceleration of a critically damped spring (its documentation, "Solver parameters").
+        So the stiffness is 1 / ((1 - impedance) mobility time^2), and the damping is twice the
         stiffness times the time constant.
 
         Args:

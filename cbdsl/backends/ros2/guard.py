@@ -1,4 +1,4 @@
-"""Guard: watchdogs of a robot's forward controllers, as a process of its own."""
+"""Guard: watchdogs of a robot's forward controllers, as a separate process."""
 
 from __future__ import annotations
 

@@ -96,7 +96,7 @@ class RosNode:
 
     @property
     def has_news(self) -> bool:
-        """True if readers or writers came or went since ``remotes`` was asked."""
+        """True if readers or writers came or went since the last call of ``remotes``."""
         return any(condition.is_triggered() for condition in self._news)
 
     def reader(

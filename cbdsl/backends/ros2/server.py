@@ -247,7 +247,7 @@ def simulated_robot(
     ratio = backend.control_period * robot.control.rate
     if ratio <= 1.0 + 1e-9:
         return backend
-    # The kinematic backend has fewer ticks than the robot's control rate asks for.
+    # The kinematic backend has fewer ticks than the robot's control rate requires.
     backend.close()
     control = robot.control.model_copy(update={"rate": robot.control.rate * ratio})
     return embody(name, robot.model_copy(update={"control": control}), urdf, cameras=cameras)
