@@ -10,14 +10,14 @@ from cbdsl.program.schema import Schema
 
 
 def allocate(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedProgram:
-    """The program whose actions can be run under each of several allocations.
+    """Return the program whose actions can be run under each of several allocations.
 
-    A state has the predicates of the abstract actions, whatever they are allocated with. What no
-    action moves returns to where its own allocation has it in the background.
+    A state has the predicates of the abstract actions, independently of their allocation. Joints
+    that no action moves return to the background posture of the active allocation.
 
     Args:
-        variants: the same program by the name of its allocation, with other resources.
-        schema: what chooses among them.
+        variants: Same program with different resources, by name of the allocation.
+        schema: Schema that chooses among the allocations.
     """
     base = next(iter(variants.values()))
     replaced = {
@@ -48,7 +48,7 @@ def _allocated(action: Action, allocation: str, variant: CheckedProgram) -> Acti
 
 
 def _joined(backgrounds: list[Composition]) -> Composition | None:
-    """One composition of several, the first with the highest priority."""
+    """Return one composition of several; the first has the highest priority."""
     if not backgrounds:
         return None
     joined = {

@@ -9,12 +9,12 @@ from cbdsl.program.transition import Transition
 
 
 class Attempt(NamedTuple):
-    """An allocation in a context.
+    """Allocation in a context.
 
     Attributes:
-        allocation: its name.
-        features: by name, when it was chosen.
-        rewarded: whether reward followed before it was given up.
+        allocation: Name of the allocation.
+        features: Features by name, at the time of the choice.
+        rewarded: True if reward followed before the attempt was given up.
     """
 
     allocation: str
@@ -22,15 +22,15 @@ class Attempt(NamedTuple):
     rewarded: bool
 
 
-# What hides a thing for a moment, as a hand on its way does, is no failure.
+# A short occlusion, for example by a hand on its way, is no failure.
 _SETBACKS = 1
 
 
 class AttemptProgress:
-    """The progress of one attempt towards the reward.
+    """Progress of one attempt towards the reward.
 
     Args:
-        worth: expected reward by state; what is not there is worth nothing.
+        worth: Expected reward by state; 0 for missing states.
     """
 
     def __init__(self, worth: Mapping[str, float]) -> None:
@@ -38,18 +38,19 @@ class AttemptProgress:
         self.begin()
 
     def begin(self) -> None:
-        """Another attempt."""
+        """Begin another attempt."""
         self._is_first, self._setbacks = True, 0
 
     def fails(self, before: str, after: str) -> bool:
-        """Whether the next transition ends it, so that another allocation may be tried.
+        """Return whether the next transition ends the attempt, so that another can be tried.
 
-        It fails where an action changes nothing, where it would be better to begin anew, and where
-        it loses ground for the second time. The first transition tells what the attempt before has
-        left, and is no loss. Out of sight is ground lost, and found again by whoever looks for it.
+        An attempt fails if an action changes nothing or if it loses ground for the second time.
+        It also fails in a defined state that is worth less than the initial one. The first
+        transition is never a loss, because it shows the outcome of the previous attempt. A state
+        in which the object is out of sight counts as lost ground, which a search can regain.
 
         Args:
-            before, after: the states, equal where an action changed nothing.
+            before, after: States, equal if an action changed nothing.
         """
         is_first, self._is_first = self._is_first, False
         now, earlier = self._worth.get(after, 0.0), self._worth.get(before, 0.0)
@@ -61,16 +62,16 @@ class AttemptProgress:
 
 
 def _is_undefined(state: str) -> bool:
-    """Whether nothing that was tried is defined."""
+    """Return whether a state has undefined predicates, and no transient or quiescent ones."""
     return "-" in state and not set(state) & {"0", "1"}
 
 
 def attempts(transitions: Iterable[Transition], worth: Mapping[str, float]) -> Iterator[Attempt]:
-    """The attempts of an episode.
+    """Yield the attempts of an episode.
 
     Args:
-        transitions: of a schema, in their order.
-        worth: as of ``AttemptProgress``.
+        transitions: Transitions of a schema, in order.
+        worth: Expected reward by state, as in ``AttemptProgress``.
     """
     allocation, features, progress = "", dict[str, float](), AttemptProgress(worth)
     for transition in transitions:

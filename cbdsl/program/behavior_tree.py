@@ -163,7 +163,7 @@ def _add_policy(policy: Element, use: _Use) -> None:
     if not program.reward_ends and _is_rewardable(program):
         _leaf(policy, "Rewarded", use)
     if not _has_rewarded_controllers(program):
-        # A program that nothing can reward succeeds at rest, where it has no further action.
+        # Without possible reward, a program succeeds at rest if it has no further action.
         for place in range(len(program.members)):
             rest = ANY * place + Predicate.QUIESCENT + ANY * (len(program.members) - place - 1)
             _state(policy, use, rest, patterns)
@@ -196,7 +196,7 @@ def _add_branch(policy: Element, use: _Use, action: Action, own: list[str]) -> N
             idle="" if idle is None else f"{idle:g}",
         )
         return
-    # The end of a used program is a letter of the state, by which the policy goes on.
+    # The end of a used program is a letter of the state, which the policy continues from.
     again = SubElement(branch, "KeepRunningUntilFailure", name=f"run {action.name}")
     end = SubElement(again, "Fallback", name=f"end of {action.name}")
     success = SubElement(end, "Sequence", name=f"success of {action.name}")

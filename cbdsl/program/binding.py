@@ -1,4 +1,4 @@
-"""A program with other internal models: the same controllers, drawing from other densities."""
+"""Program with other internal models: same controllers, with samples from other densities."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from cbdsl.types.resource import GaussianSample, KernelSample, Origin, Resource,
 
 
 def density_source(effector: str, density: Gaussian | Kernel) -> GaussianSample | KernelSample:
-    """Source of samples of a density over an effector's configurations."""
+    """Return a source of samples of a density over an effector's configurations."""
     if isinstance(density, Gaussian):
         return GaussianSample(effector, density.mean, density.deviation, density.uniform)
     return KernelSample(effector, density.samples, density.bandwidth, density.uniform)
 
 
 def internal_models(program: CheckedProgram) -> dict[str, Resource]:
-    """The internal models that a program's own actions draw references from, by name."""
+    """Return the internal models from which a program's own actions draw references, by name."""
     models = {}
     for action in program.actions:
         for controller in action.controllers:
@@ -30,13 +30,13 @@ def internal_models(program: CheckedProgram) -> dict[str, Resource]:
 
 
 def bind(program: CheckedProgram, sources: Mapping[str, Source]) -> CheckedProgram:
-    """The program with other densities behind some of its internal models.
+    """Return the program with other densities behind some of its internal models.
 
-    Programs that it uses keep theirs.
+    The programs that it uses keep their densities.
 
     Args:
-        program: the program.
-        sources: what is drawn from instead, by the model's name in the program.
+        program: Program to change.
+        sources: Replacement sources by the model's name in the program.
     """
     if not sources:
         return program

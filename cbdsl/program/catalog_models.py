@@ -1,4 +1,4 @@
-"""Catalogs as they are read: the models of a document, to predict with."""
+"""Models of catalogs: models from a document, for prediction."""
 
 from __future__ import annotations
 
@@ -17,15 +17,16 @@ from cbdsl.types.resource_type import PROBABILITY
 def affordance_resource(
     catalog: CatalogDocument, action: str, resources: Mapping[str, Resource]
 ) -> Resource | None:
-    """Resource ``affords.<action>``: Pr(reward | f, a) by what is seen now.
+    """Return the resource ``affords.<action>``: Pr(reward | f, a) from the current features.
 
     Args:
-        catalog: has the action.
-        action: its name.
-        resources: of the robot, by name.
+        catalog: Catalog with the action.
+        action: Name of the action.
+        resources: Resources of the robot, by name.
 
     Returns:
-        ``None`` where a feature of its model cannot be read beforehand, as what is drawn.
+        Resource, or ``None`` if a feature of its model cannot be read in advance, such as a drawn
+        value.
     """
     own = catalog.affordances[action]
     signals = [resources.get(each.signal) for each in own.features.values()]
@@ -37,19 +38,19 @@ def affordance_resource(
 
 
 def models_of(catalog: CatalogDocument) -> dict[str, AffordanceModel]:
-    """Models of a catalog's actions by name; one without features knows its counts alone."""
+    """Return the models of a catalog's actions by name; without features, they hold counts only."""
     return {name: model_of(each, catalog) for name, each in catalog.affordances.items()}
 
 
 def pair_models(catalog: MetaCatalogDocument) -> dict[str, AffordanceModel]:
-    """Models of a meta-catalog's pairs by name."""
+    """Return the models of a meta-catalog's pairs by name."""
     return {name: model_of(each, catalog) for name, each in catalog.pairs.items()}
 
 
 def model_of(
     affordance: AffordanceSection, catalog: CatalogDocument | MetaCatalogDocument
 ) -> AffordanceModel:
-    """Model of one action of a catalog, with the prior that it was explored with."""
+    """Return the model of one action of a catalog, with the prior used during exploration."""
     constants = {} if catalog.provenance is None else catalog.provenance.constants
     in_si = constants.get("units") == "si"
     scale = np.array(
@@ -80,7 +81,7 @@ def predict(
     model: AffordanceModel,
     ahead: Mapping[str, tuple[float, ...]],
 ) -> float:
-    """Probability that an action is rewarded, by what is seen before it; Pr(reward | a) unseen."""
+    """Return Pr(reward | f, a) from the features before the action, or Pr(reward | a) without."""
     if not affordance.features or not all(name in ahead for name in affordance.features):
         return model.reward_probability
     numbers = [value for name in affordance.features for value in ahead[name]]

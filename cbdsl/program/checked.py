@@ -1,4 +1,4 @@
-"""The checked program: immutable, fully resolved, ready to run."""
+"""Checked program: immutable, fully resolved, ready to run."""
 
 from __future__ import annotations
 
@@ -10,18 +10,20 @@ from cbdsl.program.schema import Schema
 
 
 class Action(NamedTuple):
-    """An action that a policy can select.
+    """Action that a policy can select.
 
     Attributes:
-        name: the action as its program writes it, in canonical spelling.
-        composition: the controllers that it runs, or ``None`` where it is a program.
-        program: the program that it runs, or ``None`` where it is a composition. Where it has
-            both, the program is in the place of a member of that composition.
-        abstract: the action that it is one allocation of, as its program writes it; in a schema.
-        allocation: name of that allocation; empty where no allocation changes the action.
-        member: that its program is in the place of, in a composition; empty in all other cases.
-        above: how many controllers of the composition have priority over that program.
-        background: what runs below it under its allocation; ``None`` for that of its program.
+        name: Action as written in its program, in canonical spelling.
+        composition: Controllers to run, or ``None`` for a program.
+        program: Program to run, or ``None`` for a composition. If both are set, the program
+            replaces a member of that composition.
+        abstract: Abstract action that this action allocates, as its program writes it; only in
+            a schema.
+        allocation: Name of that allocation; empty if no allocation changes the action.
+        member: Member of a composition that the program replaces; empty in all other cases.
+        above: Number of controllers of the composition with priority over that program.
+        background: Composition that runs below the action under its allocation; ``None`` for the
+            background of its program.
     """
 
     name: str
@@ -35,23 +37,23 @@ class Action(NamedTuple):
 
     @property
     def part(self) -> str:
-        """Name of the member whose predicate its program gives."""
+        """Name of the member whose predicate the program provides."""
         return self.member or self.abstract or self.name
 
     @property
     def controllers(self) -> tuple[Controller, ...]:
-        """Controllers of its composition, in written order; none where it is a program."""
+        """Controllers of its composition, in written order; empty for a program."""
         return () if self.composition is None else self.composition.controllers
 
 
 class PriorLook(NamedTuple):
-    """A program that defines a feature, run before anything is allocated where that is undefined.
+    """Program that defines a feature; it runs before the allocation if the feature is undefined.
 
     Attributes:
-        program: what runs, such as SEARCHTRACK of the feature's channel.
-        name: of that program.
-        policy: name of the learned policy that it runs under, if it does.
-        values: of its parameters.
+        program: Program to run, such as SEARCHTRACK of the feature's channel.
+        name: Name of that program.
+        policy: Name of the learned policy that it runs under, or ``None``.
+        values: Values of its parameters.
     """
 
     program: CheckedProgram
@@ -61,12 +63,12 @@ class PriorLook(NamedTuple):
 
 
 class Guards(NamedTuple):
-    """Bounds on what a motion presses with; ``None`` for no bound.
+    """Bounds on the contact loads of a motion; ``None`` for no bound.
 
     Attributes:
-        finger_force: of a fingertip, N.
-        hand_force: net force of a hand, N.
-        joint_torque: of all joints of an arm together, by contacts anywhere on it, N m.
+        finger_force: Force of a fingertip, N.
+        hand_force: Net force of a hand, N.
+        joint_torque: Torque of all joints of an arm together, by contacts anywhere on it, N m.
     """
 
     finger_force: float | None = None
@@ -74,7 +76,7 @@ class Guards(NamedTuple):
     joint_torque: float | None = None
 
     def within(self, other: Guards) -> Guards:
-        """The narrower bounds of two."""
+        """Return the narrower bounds of two."""
         pairs = zip(self, other, strict=True)
         return Guards(*(min((x for x in pair if x is not None), default=None) for pair in pairs))
 
@@ -83,33 +85,33 @@ NO_GUARDS = Guards()
 
 
 class CheckedProgram(NamedTuple):
-    """A program without errors, fully resolved.
+    """Fully resolved program without errors.
 
     Attributes:
-        name: the program's name.
-        robot: the robot that it was checked for.
-        stage: the training context it is used in unless another is named.
-        parameters: the values of its parameters.
-        members: the controllers and programs of a state's predicates, in order, by name.
-        primitives: the members that are primitives, by name.
-        actions: the actions that a policy can select.
-        policy: action name by state pattern (one of ``X - 0 1 *`` per member).
-        background: the composition that runs below every action.
-        transitions: most state transitions in an episode.
-        transition_time: longest time one action may run without a change of state, s.
-        idle_time: the same while no predicate is 0 and no controller seeks what defines it, s;
-            ``None`` for no limit but that.
-        schema: what chooses the resources of its actions, where it is a schema.
-        episode_time: longest time of an episode, s; ``None`` for no limit.
-        reward_ends: whether the first reward ends an episode that is not learned from.
-        success: patterns of states in which it has succeeded.
-        failure: patterns of states in which it has failed.
-        guards: bounds on what it may press with.
-        is_learned: whether its policy was learned.
-        lost_time: longest time for which an object that was seen may be remembered nowhere, s;
+        name: Name of the program.
+        robot: Robot that the program was checked for.
+        stage: Default training context.
+        parameters: Values of its parameters.
+        members: Names of the controllers and programs behind a state's predicates, in order.
+        primitives: Members that are primitives, by name.
+        actions: Actions that a policy can select.
+        policy: Action name by state pattern (one of ``X - 0 1 *`` per member).
+        background: Composition that runs below every action.
+        transitions: Maximum number of state transitions in an episode.
+        transition_time: Maximum time of one action without a change of state, s.
+        idle_time: Maximum time of one action while no predicate is 0 and no controller seeks a
+            missing signal, s; ``None`` for no further limit.
+        schema: Schema that chooses the resources of its actions, if it is a schema.
+        episode_time: Maximum time of an episode, s; ``None`` for no limit.
+        reward_ends: True if the first reward ends an episode outside of learning.
+        success: Patterns of states in which it has succeeded.
+        failure: Patterns of states in which it has failed.
+        guards: Bounds on its contact loads.
+        is_learned: True if its policy was learned.
+        lost_time: Maximum time for which a lost object may have no remembered position, s;
             ``None`` for no limit.
-        looks: what defines features of its schema, by their names, in the order in which it is
-            done.
+        looks: Programs that define features of its schema, by name of the feature, in order of
+            execution.
     """
 
     name: str
@@ -136,7 +138,7 @@ class CheckedProgram(NamedTuple):
 
     @property
     def all_guards(self) -> Guards:
-        """Its bounds, and those of the programs that it uses where they are narrower."""
+        """Narrowest bounds of the program and of the programs that it uses."""
         guards = self.guards
         for action in self.actions:
             if action.program is not None:
@@ -145,5 +147,5 @@ class CheckedProgram(NamedTuple):
 
     @property
     def sequential_actions(self) -> tuple[Action, ...]:
-        """The actions of a single member, without co-articulation (Section 4.2.1)."""
+        """Actions of a single member, without co-articulation (Section 4.2.1)."""
         return tuple(action for action in self.actions if action.name in self.members)

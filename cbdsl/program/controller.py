@@ -10,17 +10,17 @@ from cbdsl.types.resource_type import TYPES, ResourceType
 
 
 class Literal(NamedTuple):
-    """A constant reference, in SI.
+    """Constant reference, in SI.
 
     Attributes:
-        values: one number per component of the feedback.
+        values: One number per component of the feedback.
     """
 
     values: tuple[float, ...]
 
 
 class AlongNormals(NamedTuple):
-    """A force reference along each finger's normal, to be shared among the fingers.
+    """Force reference along each finger's normal, to be shared among the fingers.
 
     Attributes:
         force: N, before each finger's share is applied.
@@ -30,13 +30,13 @@ class AlongNormals(NamedTuple):
 
 
 class Relative(NamedTuple):
-    """A reference that is displaced from a resource, or from where the feedback was at activation.
+    """Reference displaced from a resource, or from the feedback at activation.
 
     Attributes:
-        base: the resource; ``None`` for the value of the feedback at activation, which programs
+        base: Resource; ``None`` for the value of the feedback at activation, which programs
             call ``here``.
-        offset: in SI, one number per component of the feedback. It is added in the world frame;
-            an orientation is turned by a rotation vector in world axes.
+        offset: Offset in SI, one number per component of the feedback. It is added in the world
+            frame; an orientation is turned by a rotation vector in world axes.
     """
 
     base: Resource | None
@@ -53,13 +53,13 @@ Reference = Resource | Literal | AlongNormals | Relative
 
 
 class Quiescence(NamedTuple):
-    """When phi counts as at rest (Eq 4.1).
+    """Criterion for phi to count as at rest (Eq 4.1).
 
     Attributes:
-        rate: largest range of phi over the window, per second of the window.
-        window: s.
-        within: largest residual at rest, as a share of the reference's norm.
-        tolerance: largest residual at rest, in the feedback's unit.
+        rate: Largest range of phi over the window, per second of the window.
+        window: Duration of the window, s.
+        within: Largest residual at rest, as a share of the reference's norm.
+        tolerance: Largest residual at rest, in the feedback's unit.
     """
 
     rate: float
@@ -77,7 +77,7 @@ class Standoff(NamedTuple):
 
 
 class Funnel(NamedTuple):
-    """Approach from above; height and within in m."""
+    """Approach from above; ``height`` and ``within`` in m."""
 
     height: float
     within: float
@@ -85,7 +85,7 @@ class Funnel(NamedTuple):
 
 
 class Seek(NamedTuple):
-    """Acting while the feedback is undefined; within in m, until in rad or m."""
+    """Action while the feedback is undefined; ``within`` in m, ``until`` in rad or m."""
 
     once: str | None
     within: float
@@ -93,14 +93,14 @@ class Seek(NamedTuple):
 
 
 class Onset(NamedTuple):
-    """Waiting for a load to change, before which a controller is undefined.
+    """Required change of a load, before which a controller is undefined.
 
     Attributes:
-        change: of the filtered load since the activation, towards the reference, N or N m.
-        window: for how long it has to last, s.
-        pace: speed of the hand above which no change counts, m/s.
-        borne: smallest load against the change before it, N or N m; ``None`` for any.
-        lifted: distance by which the hand has carried that load against the change, m.
+        change: Change of the filtered load since activation, towards the reference, N or N m.
+        window: Minimum duration of the change, s.
+        pace: Speed of the hand above which no change counts, m/s.
+        borne: Smallest load against the change before it, N or N m; ``None`` for any.
+        lifted: Distance by which the hand has carried that load against the change, m.
     """
 
     change: float
@@ -111,12 +111,12 @@ class Onset(NamedTuple):
 
 
 class Box(NamedTuple):
-    """A box that a motion keeps away from.
+    """Box that a motion keeps away from.
 
     Attributes:
-        name: what messages call it.
-        lower, upper: corners in SI, one number per component.
-        shaft: half of the width, along the first two axes, that stays free around the goal, in SI;
+        name: Name of the box in messages.
+        lower, upper: Corners in SI, one number per component.
+        shaft: Half of the width, along the first two axes, that stays free around the goal, in SI;
             ``None`` for none.
     """
 
@@ -127,11 +127,11 @@ class Box(NamedTuple):
 
 
 class Ball(NamedTuple):
-    """Everything near a resource that a motion keeps away from.
+    """Neighbourhood of a resource that a motion keeps away from.
 
     Attributes:
-        resource: the centre.
-        radius: in SI; ``None`` for the radius that is seen.
+        resource: Resource at the centre.
+        radius: Radius in SI; ``None`` for the perceived radius.
     """
 
     resource: Resource
@@ -139,14 +139,14 @@ class Ball(NamedTuple):
 
 
 class Field(NamedTuple):
-    """Where a harmonic function is computed (Eq 3.2), in SI.
+    """Domain of a harmonic function (Eq 3.2), in SI.
 
     Attributes:
-        lower, upper: corners of the workspace; ``None`` for the limits of the joints.
-        spacing: of the grid.
-        scale: displacement for phi = 1 (Eq 7.1).
-        clearance: distance kept from obstacles.
-        obstacles: what to keep away from.
+        lower, upper: Corners of the workspace; ``None`` for the limits of the joints.
+        spacing: Spacing of the grid.
+        scale: Displacement for phi = 1 (Eq 7.1).
+        clearance: Distance kept from obstacles.
+        obstacles: Obstacles to avoid.
     """
 
     lower: tuple[float, ...] | None
@@ -158,7 +158,7 @@ class Field(NamedTuple):
 
 
 class Modifier(NamedTuple):
-    """A change of the reference in every tick; options by name, in SI."""
+    """Change of the reference in every tick; options by name, in SI."""
 
     name: str
     options: tuple[tuple[str, float], ...]
@@ -166,26 +166,26 @@ class Modifier(NamedTuple):
 
 @dataclass(frozen=True)
 class Controller:
-    """A checked triple c(phi, sigma, tau).
+    """Checked triple c(phi, sigma, tau).
 
     Attributes:
-        name: as the program and messages call it.
-        potential: name in the registry of potentials.
-        feedback: the measured resource.
-        reference: what it is compared with; ``None`` where the potential needs none.
-        effector: the moved resource.
-        joints: the actuated joints that move it.
-        chains: the casts that lead from the feedback to these joints; what they carry adds up.
-        rewarded: whether its quiescence is an affordance (feedback from the environment).
-        gain: kappa, 1/s.
-        speed: largest rate of the task coordinates, or ``None``.
-        acceleration: largest acceleration of the task coordinates, or ``None``.
-        manipulator: ``position`` or ``pose``, where phi is a function of that Jacobian of the tip.
-        modifiers: changes of the reference, in turn.
-        requires: name of the controller without which it is undefined, or ``None``.
-        axes: indices of the world axes that are compared, of every factor; ``None`` for all.
-        onset: how the load has to change before it is defined, or ``None``.
-        tip_stiffness: of what a tip presses on, N/m, where the speed of a force is the tip's, m/s;
+        name: Name in the program and in messages.
+        potential: Name in the registry of potentials.
+        feedback: Measured resource.
+        reference: Reference of the feedback; ``None`` if the potential needs none.
+        effector: Moved resource.
+        joints: Actuated joints that move the effector.
+        chains: Casts that lead from the feedback to these joints; their contributions add up.
+        rewarded: True if its quiescence is an affordance (feedback from the environment).
+        gain: Gain kappa, 1/s.
+        speed: Largest rate of the task coordinates, or ``None``.
+        acceleration: Largest acceleration of the task coordinates, or ``None``.
+        manipulator: ``position`` or ``pose``, if phi is a function of that Jacobian of the tip.
+        modifiers: Changes of the reference, in order.
+        requires: Name of the controller without which it is undefined, or ``None``.
+        axes: Indices of the compared world axes, of every factor; ``None`` for all.
+        onset: Change of the load that is required before it is defined, or ``None``.
+        tip_stiffness: Stiffness under a tip, N/m, if the speed of a force is the tip's, m/s;
             ``None`` for all others.
     """
 
@@ -215,19 +215,19 @@ class Controller:
 
     @property
     def task(self) -> ResourceType:
-        """The type whose unit its error has, and its gain and bounds are of."""
+        """Resource type of its error, which determines the units of its gain and bounds."""
         name = POTENTIALS[self.potential].task
         return self.feedback.type if name is None else TYPES[name]
 
     @property
     def compared(self) -> ResourceType:
-        """The type of its reference."""
+        """Resource type of its reference."""
         name = POTENTIALS[self.potential].compares
         return self.feedback.type if name is None else TYPES[name]
 
     @property
     def is_drawn(self) -> bool:
-        """Whether its reference is drawn when it begins, from an internal model or a surface."""
+        """True if its reference is drawn at activation, from an internal model or a surface."""
         return isinstance(self.reference, Resource) and self.reference.is_drawn
 
     @property
@@ -244,10 +244,10 @@ class Primitive(NamedTuple):
     """Members of a state with one predicate: one controller, or several composed into one.
 
     Attributes:
-        name: as the program calls it, with its arguments.
-        controllers: in written order; the last has priority and gives the predicate.
-        earning: names of those whose rest is rewarded although they were composed, and of those
-            that have to be at rest for it.
+        name: Name in the program, with its arguments.
+        controllers: Controllers in written order; the last has priority and gives the predicate.
+        earning: Names of the controllers whose quiescence is rewarded although they were composed,
+            and of the controllers that have to be at rest for it.
     """
 
     name: str
@@ -256,28 +256,28 @@ class Primitive(NamedTuple):
 
     @property
     def lead(self) -> Controller:
-        """The controller with the highest priority."""
+        """Return the controller with the highest priority."""
         return self.controllers[-1]
 
     @property
     def rewarded(self) -> bool:
-        """Whether its quiescence can be rewarded.
+        """True if its quiescence can be rewarded.
 
-        What was composed into one controller is used as a whole, as programs are, and is habituated
-        as they are (Section 4.3), unless its program says which of its parts are rewarded.
+        Controllers composed into one are used as a whole, as programs are, and are habituated
+        like them (Section 4.3), unless their program states the rewarded parts.
         """
         return bool(self.earners)
 
     @property
     def earners(self) -> tuple[Controller, ...]:
-        """The controllers whose rest is rewarded once all are at rest; empty where none is."""
+        """Controllers whose rest is rewarded once all are at rest; empty if there are none."""
         if len(self.controllers) == 1:
             return self.controllers if self.lead.rewarded else ()
         return tuple(each for each in self._named if each.rewarded)
 
     @property
     def conditions(self) -> tuple[Controller, ...]:
-        """The controllers that have to be at rest for a reward, and earn none."""
+        """Controllers that have to be at rest for a reward, and earn none."""
         return tuple(each for each in self._named if not each.rewarded)
 
     @property

@@ -1,4 +1,4 @@
-"""Correspondences between programs that are rewarded for the same (Section 5.3.2)."""
+"""Correspondences between programs with the same rewards (Section 5.3.2)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _Kind = tuple[str, str, str]
 
 
 def affordances(program: CheckedProgram) -> frozenset[str]:
-    """Types of the signals whose quiescence a program is rewarded for (Eq 4.4)."""
+    """Return the types of the signals whose quiescence a program is rewarded for (Eq 4.4)."""
     return frozenset(
         str(earner.feedback.type.name)
         for primitive in program.primitives.values()
@@ -20,14 +20,15 @@ def affordances(program: CheckedProgram) -> frozenset[str]:
 
 
 def correspondence(program: CheckedProgram, other: CheckedProgram) -> dict[str, str] | None:
-    """Members of a program by the members of another that stand for the same abstract actions.
+    """Return members of a program by the members of another for the same abstract actions.
 
-    Members correspond by potential, type of feedback and whether they are rewarded, or by the
-    program that they are; names do not matter. Of the effectors only the types of what they
-    move by are abstract here: two hands press with their arms, and one with its fingers.
+    Members correspond by potential, type of feedback and whether they are rewarded, or by their
+    program if they are programs; names do not matter. Only the type of motion of an effector
+    is abstract here: two hands press with their arms, and one with its fingers.
 
     Returns:
-        ``None`` where some member has no counterpart or several, or some action has none.
+        Names in the first program by names in the other; ``None`` if a member has no counterpart or
+        several, or an action has none.
     """
     ours, theirs = _by_kind(program), _by_kind(other)
     if ours is None or theirs is None or ours.keys() != theirs.keys():
@@ -40,16 +41,16 @@ def correspondence(program: CheckedProgram, other: CheckedProgram) -> dict[str, 
 def in_place_of(
     program: CheckedProgram, other: CheckedProgram, names: Mapping[str, str]
 ) -> CheckedProgram:
-    """Another program with the members and actions of the one that it stands in for, in its order.
+    """Return another program with the members and actions of the replaced one, in its order.
 
-    Which part of an action leads is for the one to say who does it: two hands that press with the
-    arms by which they reach cannot press below the reach. So where its own policy chooses the same
-    parts in another order only, they are in that order.
+    The replacement decides which part of an action leads: two hands that press with the arms by
+    which they reach cannot press below the reach. So if its own policy chooses the same parts
+    only in another order, they keep that order.
 
     Args:
-        program: that keeps its name.
-        other: what stands in for it.
-        names: as ``correspondence`` has them.
+        program: Replaced program, whose name is kept.
+        other: Program that stands in for it.
+        names: Names of members, as returned by ``correspondence``.
     """
     own = {each.name: _renamed(each, names) for each in other.actions}
     chosen = [own[name] for name in dict.fromkeys(other.policy.values()) if name in own]
@@ -67,7 +68,7 @@ def in_place_of(
 
 
 def _as_chosen(action: Action, known: Sequence[Action], chosen: Sequence[Action]) -> Action:
-    """Action of the same parts, as they are chosen, under the name of the one it stands in for."""
+    """Return the action with the same parts, in their chosen order, under the given name."""
     exact = next(each for each in known if each.name == action.name)
     same = [each for each in chosen if _parts(each) == _parts(exact)]
     if not same or exact in same:
@@ -76,14 +77,14 @@ def _as_chosen(action: Action, known: Sequence[Action], chosen: Sequence[Action]
 
 
 def _parts(action: Action) -> frozenset[str]:
-    """Names of the primitives of an action, or of its program."""
+    """Return the names of the primitives of an action, or of its program."""
     if action.composition is None:
         return frozenset({action.name})
     return frozenset(each.name for each in action.composition.primitives)
 
 
 def _by_kind(program: CheckedProgram) -> dict[_Kind, str] | None:
-    """Members by what they are in the abstract; ``None`` where two are the same."""
+    """Return members by their abstract kind, or ``None`` if two have the same kind."""
     used = {action.name: action.program for action in program.actions if action.program is not None}
     kinds: dict[_Kind, str] = {}
     for name in program.members:

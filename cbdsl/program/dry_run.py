@@ -16,12 +16,12 @@ class StackLevel(NamedTuple):
     """One controller of a stack.
 
     Attributes:
-        controller: the controller.
-        background: whether it comes from the program's background.
-        rows: most directions that it fixes: of its task, and of its joints.
-        free: fewest of its joints' degrees of freedom that the levels above leave to it. It is the
-            bound of full ranks. All are left while the levels above are undefined, and more than
-            the bound where theirs are dependent, as at a singularity.
+        controller: Controller of the level.
+        background: True if it comes from the program's background.
+        rows: Maximum number of directions that it fixes, limited by its task and by its joints.
+        free: Minimum number of its joints' degrees of freedom that the levels above leave to it. It
+            is the bound of full ranks. All are left while the levels above are undefined, and more
+            than the bound if their tasks are dependent, as at a singularity.
     """
 
     controller: Controller
@@ -31,7 +31,7 @@ class StackLevel(NamedTuple):
 
 
 def levels(program: CheckedProgram, action: Action) -> tuple[StackLevel, ...]:
-    """The stack of an action, highest priority first; empty where it is a program."""
+    """Return the stack of an action, highest priority first; empty for a program."""
     if action.composition is None:
         return ()
     own = tuple(reversed(action.controllers))
@@ -46,7 +46,7 @@ def levels(program: CheckedProgram, action: Action) -> tuple[StackLevel, ...]:
 
 
 def rows(controller: Controller) -> int:
-    """Most directions that a controller fixes: rows of its task, and no more than its joints."""
+    """Return the most directions that a controller fixes: at most its task rows or its joints."""
     task, potential = 1, POTENTIALS[controller.potential]
     if potential.residual or potential.field:
         task = _task(controller)
@@ -54,7 +54,7 @@ def rows(controller: Controller) -> int:
 
 
 def _task(controller: Controller) -> int:
-    """Number of task coordinates of a residual."""
+    """Return the number of task coordinates of a residual."""
     kind = controller.task
     if controller.axes is not None:
         return kind.factors * len(controller.axes)
@@ -71,14 +71,14 @@ def _free(above: Iterable[Controller], controller: Controller) -> int:
 
 
 def controllers(program: CheckedProgram) -> tuple[Controller, ...]:
-    """All controllers of a program, each once; without those of the programs that it uses."""
+    """Return all controllers of a program, each once, without those of the programs it uses."""
     own = [each for action in program.actions for each in action.controllers]
     below = () if program.background is None else program.background.controllers
     return tuple(dict.fromkeys((*own, *below)))
 
 
 def resources(program: CheckedProgram) -> tuple[Resource, ...]:
-    """All resources that a program's controllers are bound to, each once."""
+    """Return all resources that a program's controllers are bound to, each once."""
     bindings: dict[str, Resource] = {}
     for controller in controllers(program):
         reference = controller.reference
@@ -90,7 +90,7 @@ def resources(program: CheckedProgram) -> tuple[Resource, ...]:
 
 
 def rewarding(action: Action) -> tuple[str, ...]:
-    """Controllers and programs that can earn the reward while an action runs (Eq 4.3), by name."""
+    """Return the names of members that can earn the reward while an action runs (Eq 4.3)."""
     if action.program is not None:
         earns = any(rewarding(inner) for inner in action.program.actions)
         return (action.part,) if earns else ()
@@ -99,12 +99,12 @@ def rewarding(action: Action) -> tuple[str, ...]:
 
 
 class Coverage(NamedTuple):
-    """States that a policy decides, and those that it leaves out.
+    """States that a policy decides, and states without an action.
 
     Attributes:
-        states: how many states there are, 4 per member.
-        decided: by pattern, in how many states it is the one that applies.
-        undecided: states without an action, in which the program ends.
+        states: Number of states, 4 per member.
+        decided: Number of states that each pattern decides.
+        undecided: Number of states without an action, in which the program ends.
     """
 
     states: int
@@ -113,7 +113,7 @@ class Coverage(NamedTuple):
 
 
 def coverage(program: CheckedProgram) -> Coverage:
-    """Coverage of the states by the patterns of a program's policy."""
+    """Return the coverage of the states by the patterns of a program's policy."""
     decided = dict.fromkeys(program.policy, 0)
     size = len(program.members)
     undecided = _decide(ANY * size, closest_first(program.policy), decided)

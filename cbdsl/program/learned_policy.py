@@ -1,4 +1,4 @@
-"""Learned policies: tables that know when they are of no use."""
+"""Learned policies: tables that end if they make no progress."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.state import at_rest_anew
 
-# Where an object slips away time and again, as many as four approaches have led to a grasp.
+# If an object slips away repeatedly, up to four approaches have preceded a grasp.
 _PATIENCE = 8
 
 
 class LearnedPolicy:
-    """Chooses as a learned table does, and ends where that goes in circles.
+    """Policy that follows a learned table and ends if the table runs in circles.
 
-    While a table is learned, exploration leads out of every circle; without it, where nothing can
-    be rewarded, the same actions would follow each other until the transitions are used up. So the
-    policy has no action where a program has just failed that it would only start again, and where
-    the same transition to rest has come about several times.
+    During learning, exploration leads out of every circle. Without exploration and without
+    possible reward, the same actions would repeat until the transitions are used up. So the
+    policy has no action if it would only restart a program that has just failed. It has none
+    either if the same transition to rest has occurred several times.
 
     Args:
-        program: runs under its learned policy.
+        program: Program that runs under its learned policy.
 
     Attributes:
-        reason: why the last choice was none, as a clause; empty where the table has no action.
+        reason: Reason for the last choice of no action, as a clause; empty if the table has none.
     """
 
     def __init__(self, program: CheckedProgram) -> None:
@@ -34,7 +34,7 @@ class LearnedPolicy:
             for action in program.actions
             if action.program is not None and action.composition is None
         }
-        # Where references are drawn, the next round goes elsewhere.
+        # If references are drawn, the next round leads elsewhere.
         self._counts_rests = program.reward_ends and not any(
             each.is_drawn for action in program.actions for each in action.controllers
         )
@@ -46,7 +46,7 @@ class LearnedPolicy:
         self._rests: Counter[tuple[str, str]] = Counter()
 
     def choose(self, state: str, *, changed: bool) -> str | None:
-        """See ``Policy.choose``; a state without active members begins anew."""
+        """Choose an action as ``Policy.choose``; a state without active members restarts."""
         if set(state) == {"X"}:
             self._begin(state)
         name = self._table.choose(state, changed=changed)

@@ -13,11 +13,11 @@ from cbdsl.types.state import Predicate
 
 
 class EarnedSignal(NamedTuple):
-    """A signal whose quiescence is rewarded.
+    """Signal whose quiescence is rewarded.
 
     Attributes:
-        kind: of quiescence, in the abstract.
-        signal: name of the resource that is sensed.
+        kind: Kind of quiescence, in the abstract.
+        signal: Name of the sensed resource.
     """
 
     kind: RewardKind
@@ -25,16 +25,16 @@ class EarnedSignal(NamedTuple):
 
 
 def exchange(program: CheckedProgram, member: str, other: CheckedProgram) -> CheckedProgram:
-    """A program that runs another one wherever it ran a member.
+    """Return a program that runs another one in place of a member.
 
-    The state keeps one predicate for the member, which then is that of the other program. Where
-    the member was composed with others, these act first, and the program as soon as they are at
-    rest; meanwhile the member is undefined.
+    The state keeps one predicate for the member, which then is the predicate of the other program.
+    If the member was composed with others, these act first, and the program as soon as they are
+    at rest; meanwhile the member is undefined.
 
     Args:
-        program: whose member is exchanged.
-        member: name of one of its members.
-        other: what runs instead.
+        program: Program whose member is exchanged.
+        member: Name of one of its members.
+        other: Program that runs instead.
     """
     actions = tuple(_exchanged(action, member, other) for action in program.actions)
     return program._replace(actions=actions)
@@ -53,7 +53,7 @@ def _exchanged(action: Action, member: str, other: CheckedProgram) -> Action:
 
 
 def member_signals(program: CheckedProgram, member: str) -> frozenset[EarnedSignal]:
-    """Signals whose quiescence a member of a program is rewarded for, or the program that it is."""
+    """Return the signals whose quiescence a member, or its program, is rewarded for."""
     child = member_program(program, member)
     if child is not None:
         return earned_signals(child)
@@ -61,15 +61,15 @@ def member_signals(program: CheckedProgram, member: str) -> frozenset[EarnedSign
 
 
 def earned_signals(program: CheckedProgram) -> frozenset[EarnedSignal]:
-    """Signals whose quiescence a program is rewarded for."""
+    """Return the signals whose quiescence a program is rewarded for."""
     return frozenset(each for name in program.primitives for each in _of_primitive(program, name))
 
 
 def signals_at_its_end(program: CheckedProgram) -> frozenset[EarnedSignal]:
-    """Those of them that are at rest when it has succeeded.
+    """Return the rewarded signals that are at rest when a program has succeeded.
 
-    A program that states when it has succeeded ends with what that asks to be at rest; another one
-    with whatever rewards it, if its reward ends it.
+    A program with patterns of success ends with the signals at rest that they require. For any
+    other program these are all its rewarded signals if its reward ends it, and none otherwise.
     """
     if not program.success:
         return earned_signals(program) if program.reward_ends else frozenset()
@@ -85,7 +85,7 @@ def signals_at_its_end(program: CheckedProgram) -> frozenset[EarnedSignal]:
 
 
 def places_seen(program: CheckedProgram) -> frozenset[str]:
-    """Names of the seen positions that a program goes by, and the programs that it uses."""
+    """Return names of the seen positions that a program and the programs within it depend on."""
     own = {
         resource.name
         for action in program.actions
@@ -98,13 +98,13 @@ def places_seen(program: CheckedProgram) -> frozenset[str]:
 
 
 def member_places(program: CheckedProgram, member: str) -> frozenset[str]:
-    """The same of a member that is a program; a controller is where its program has led it."""
+    """Return the seen positions of a member that is a program; empty for a controller."""
     child = member_program(program, member)
     return frozenset() if child is None else places_seen(child)
 
 
 def member_program(program: CheckedProgram, member: str) -> CheckedProgram | None:
-    """The program that a member is, ``None`` for a controller."""
+    """Return the program of a member, or ``None`` for a controller."""
     return next((each.program for each in program.actions if each.name == member), None)
 
 

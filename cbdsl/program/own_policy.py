@@ -1,4 +1,4 @@
-"""The policy that a program runs under where no other one is given."""
+"""Default policy of a program."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cbdsl.types.policy import Policy, WrittenPolicy
 
 
 def own_policy(program: CheckedProgram) -> Policy:
-    """The policy of a schema, of a learned table or of a written one, at its beginning."""
+    """Return the policy of a schema, a learned table or a written one, at its beginning."""
     if program.schema is not None:
         return SchemaPolicy(program)
     return LearnedPolicy(program) if program.is_learned else WrittenPolicy(program.policy)

@@ -15,17 +15,17 @@ _AXES = ("x", "y", "z")
 
 
 class Schema(NamedTuple):
-    """Everything that a schema knows besides its declarative policy.
+    """Knowledge of a schema besides its declarative policy.
 
     Attributes:
-        policy: name of the declarative policy.
-        features: the signals by which it allocates, by name.
-        allocations: values of parameters by name of the allocation, the program's own first.
-        choice: psi(a, f) of Eq 5.3, as a tree; ``None`` where nothing is known.
-        otherwise: the allocations where a feature is undefined.
-        reward: Pr(reward | pi, f), as a tree; ``None`` where nothing is known.
-        least_reward: below this probability the schema is undefined.
-        worth: expected reward by state, where it was learned; it tells progress from failure.
+        policy: Name of the declarative policy.
+        features: Signals that determine the allocation, by name.
+        allocations: Values of parameters by name of the allocation, the program's own first.
+        choice: psi(a, f) of Eq 5.3, as a tree; ``None`` if unknown.
+        otherwise: Allocations for an undefined feature.
+        reward: Pr(reward | pi, f), as a tree; ``None`` if unknown.
+        least_reward: Probability of reward below which the schema is undefined.
+        worth: Expected reward by state, if it was learned; it separates progress from failure.
     """
 
     policy: str
@@ -48,7 +48,7 @@ class Schema(NamedTuple):
 
 
 def components(name: str, resource: Resource) -> Iterator[str]:
-    """Names of the numbers of a feature: itself, or itself with an axis or a number."""
+    """Yield the names of a feature's components: its name, or its name with an axis or number."""
     size = resource.type.size
     if size == 1:
         yield name

@@ -1,4 +1,4 @@
-"""The policy of a schema: what to do by the state, and with which resources by the context."""
+"""Policy of a schema: actions by the state, and their resources by the context."""
 
 from __future__ import annotations
 
@@ -17,48 +17,48 @@ Features = Mapping[str, float]
 """Numbers by name, in SI; NaN where a signal is undefined."""
 
 Rank = Callable[[Features], Ranking]
-"""Chooses allocations by features, the most promising one first."""
+"""Ranking of the allocations by features, the most promising one first."""
 
 
 @runtime_checkable
 class ContextPolicy(ReasonedPolicy, Protocol):
-    """A policy that goes by more than the state.
+    """Policy that depends on more than the state.
 
     Attributes:
-        withdraws: whether the last choice was none only until what acted has gone back.
+        withdraws: True if the last choice was none only until the effectors have returned.
     """
 
     withdraws: bool
 
     def begin(self, read: Callable[[], Features]) -> None:
-        """Begin an episode, in which ``read`` gives the features of the moment."""
+        """Begin an episode, in which ``read`` returns the current features."""
         ...
 
     def choose(self, state: str, *, changed: bool) -> str | None:
-        """See ``Policy.choose``."""
+        """Choose the next action; see ``Policy.choose``."""
         ...
 
 
 class SchemaPolicy:
-    """Chooses abstract actions by the declarative policy, and allocates them.
+    """Policy that chooses abstract actions by the declarative policy, and allocates them.
 
-    An allocation is kept as long as it makes progress; after a failure the next one is tried, none
-    of them twice in an episode (Figure 5.9). Before that, what failed goes back to where it hides
-    nothing and is in nobody's way, so that each has the same chance. Where an allocation brings
-    programs of its own, it begins as at the beginning: what another's program has led to, such as
-    which hand holds a thing, is nothing that it could go on from.
+    An allocation is kept as long as it makes progress. After a failure the next one is tried, and
+    none of them twice in an episode (Figure 5.9). Before the next attempt, the effectors return to
+    their background posture, so that every allocation starts unobstructed. If allocations bring
+    programs of their own, a new allocation starts from the initial state. It cannot continue from
+    the outcome of another allocation's program, such as an object in a particular hand.
 
     Args:
-        program: the schema with all allocated actions.
-        rank: chooses the allocations; the schema's own tree without it.
-        gives_up: whether nothing is begun where reward is unlikely, as while running; a learner
-            tries all the same.
-        declarative: chooses the abstract actions instead of the program's policy.
-        persists: whether all are tried again when each has failed.
+        program: Schema with all allocated actions.
+        rank: Function that ranks the allocations; the schema's own tree if ``None``.
+        gives_up: True to begin nothing if reward is unlikely, as in execution; a learner tries
+            regardless.
+        declarative: Policy for the abstract actions, instead of the program's policy.
+        persists: True to try all allocations again after each of them has failed.
 
     Attributes:
-        reason: see ``ReasonedPolicy``.
-        withdraws: see ``ContextPolicy``.
+        reason: Reason for the last choice of no action; see ``ReasonedPolicy``.
+        withdraws: True while the effectors return; see ``ContextPolicy``.
     """
 
     def __init__(
@@ -86,14 +86,14 @@ class SchemaPolicy:
         self.begin(dict)
 
     def begin(self, read: Callable[[], Features]) -> None:
-        """See ``ContextPolicy.begin``."""
+        """Begin an episode; see ``ContextPolicy.begin``."""
         self._read = read
         self._failed: set[str] = set()
         self._allocation = self._before = self.reason = ""
         self._is_informed = self.withdraws = self._begins_anew = False
 
     def choose(self, state: str, *, changed: bool) -> str | None:
-        """The next action under its allocation, or ``None``; see ``reason``."""
+        """Return the next action under its allocation, or ``None``; see ``reason``."""
         self.reason, self.withdraws = "", False
         before, self._before = self._before, state
         if self._allocation and self._progress.fails(before, state):
@@ -119,11 +119,11 @@ class SchemaPolicy:
         return actions[self._allocation] if self._allocation else None
 
     def _is_left(self) -> bool:
-        """Whether another attempt may be made."""
+        """Return whether another attempt may be made."""
         return self._persists or len(self._failed) < len(self._schema.allocations)
 
     def _allocate(self) -> str:
-        """The best allocation that has not failed; empty where there is none, with the reason."""
+        """Return the best allocation that has not failed; if none is left, set the reason."""
         features = self._read()
         self._is_informed = are_defined(features)
         if self._gives_up and self._is_unlikely(features):
@@ -147,7 +147,7 @@ class SchemaPolicy:
         return True
 
     def _by_tree(self, features: Features) -> Ranking:
-        """The ranking of the schema's tree, and behind it what that does not name."""
+        """Return the ranking of the schema's tree, followed by the allocations that it omits."""
         schema = self._schema
         known = None if schema.choice is None else decide(schema.choice, features)
         first = schema.otherwise if known is None else known
@@ -155,5 +155,5 @@ class SchemaPolicy:
 
 
 def are_defined(features: Features) -> bool:
-    """Whether all features are."""
+    """Return whether all features are defined."""
     return not any(math.isnan(value) for value in features.values())

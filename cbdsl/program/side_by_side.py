@@ -11,17 +11,17 @@ from cbdsl.program.schema import Schema
 
 
 def side_by_side(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedProgram:
-    """A program in which each allocation of each controller is an action, with a predicate.
+    """Return a program in which each allocation of each controller is an action with a predicate.
 
-    Programs that are actions are there once, and compositions are left out. What an action has
-    moved stays where it is, as otherwise no later one could build on it; so nothing is in the
-    background, and a member is accompanied by what its own background moves and neither it nor a
-    member before it does, as a reach by the shaping of its hand. What seeks once another has
-    arrived seeks at once, since that other acts no longer.
+    Programs that are actions occur once, and compositions are left out. Moved joints stay in place
+    between actions, because later actions build on them, so the program has no background. A
+    member is accompanied by controllers of its own background. They move joints that neither it
+    nor a member before it moves, for example the shaping of the hand during a reach. A controller
+    that seeks after another has arrived seeks immediately, because the other no longer acts.
 
     Args:
-        variants: the same program by the name of its allocation, with other resources.
-        schema: has the features of the context.
+        variants: Same program with different resources, by name of the allocation.
+        schema: Schema with the features of the context.
     """
     base = next(iter(variants.values()))
     programs = [action for action in base.actions if action.program is not None]
@@ -45,7 +45,7 @@ def side_by_side(variants: Mapping[str, CheckedProgram], schema: Schema) -> Chec
 
 
 def _members(allocation: str, program: CheckedProgram) -> Iterator[Primitive]:
-    """The primitives of one allocation, each with what accompanies it."""
+    """Yield the primitives of one allocation, each with its background controllers."""
     moved: set[str] = set()
     for name in program.members:
         primitive = program.primitives.get(name)

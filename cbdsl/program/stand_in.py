@@ -1,4 +1,4 @@
-"""Stand-ins: programs that come to the same rewards as a member of another (Section 5.3.2)."""
+"""Stand-ins: programs that earn the same rewards as a member of another (Section 5.3.2)."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ class RewardKind(NamedTuple):
     """Kind of a rewarded quiescence, in the abstract: a(phi, t_in, t_out) of Eq 5.1.
 
     Attributes:
-        potential: name of the potential.
-        feedback, effector: names of the types of what is sensed and of what is moved.
+        potential: Name of the potential.
+        feedback, effector: Names of the types of the sensed and of the moved resource.
     """
 
     potential: str
@@ -22,7 +22,7 @@ class RewardKind(NamedTuple):
 
     @classmethod
     def of(cls, controller: Controller) -> RewardKind:
-        """The kind of a rewarded controller's quiescence."""
+        """Return the kind of a rewarded controller's quiescence."""
         types = (str(each.type.name) for each in (controller.feedback, controller.effector))
         return cls(controller.potential, *types)
 
@@ -31,12 +31,12 @@ class RewardKind(NamedTuple):
 
 
 class StandIn(NamedTuple):
-    """A program in the place of a member of another.
+    """Program in the place of a member of another.
 
     Attributes:
-        member: that it stands in for.
-        program: its name.
-        kind: of quiescence that both are rewarded for.
+        member: Name of the replaced member.
+        program: Name of the program.
+        kind: Kind of quiescence that both are rewarded for.
     """
 
     member: str
@@ -45,7 +45,7 @@ class StandIn(NamedTuple):
 
 
 def stand_ins(program: CheckedProgram, other: CheckedProgram) -> list[StandIn]:
-    """The members of a program that another one can stand in for, whatever any of them is called.
+    """Return the members of a program that another one can stand in for, regardless of names.
 
     Both are rewarded for the same kind of quiescence. A program that uses the first one can be no
     part of it.
@@ -70,16 +70,16 @@ def stand_ins(program: CheckedProgram, other: CheckedProgram) -> list[StandIn]:
 
 
 def _all_rewards(program: CheckedProgram) -> set[RewardKind]:
-    """Kinds of quiescence that any member of a program is rewarded for."""
+    """Return the kinds of quiescence that any member of a program is rewarded for."""
     return {each for part in program.primitives.values() for each in rewards_of(part)}
 
 
 def rewards_of(primitive: Primitive) -> set[RewardKind]:
-    """Kinds of quiescence that a member is rewarded for."""
+    """Return the kinds of quiescence that a member is rewarded for."""
     return {RewardKind.of(each) for each in primitive.earners}
 
 
 def used_names(program: CheckedProgram) -> set[str]:
-    """Names of the programs that a program uses, at any depth."""
+    """Return the names of the programs that a program uses, at any depth."""
     children = [action.program for action in program.actions if action.program is not None]
     return {child.name for child in children}.union(*(used_names(child) for child in children))

@@ -7,22 +7,22 @@ from collections.abc import Mapping
 from cbdsl.types.policy import WrittenPolicy
 
 Counts = Mapping[str, Mapping[str, Mapping[str, int]]]
-"""How often a state was followed by another, by state, action and next state."""
+"""Number of transitions by state, action and next state."""
 
 _DISCOUNT = 0.8
 _SWEEPS = 100
 
 
 def state_values(policy: Mapping[str, str], transitions: Counts) -> dict[str, float]:
-    """Expected discounted reward of each state, by value iteration.
+    """Return the expected discounted reward of each state, by value iteration.
 
-    A reward ends its episode, so that a state which nothing ever left is taken to be rewarded.
-    Values of actions that were learned in a few episodes are far from converged, and in no order;
-    the transitions tell all the same which states lie on the route to reward.
+    A reward ends its episode, so that a state that was never left is assumed to be rewarded.
+    Action values learned in a few episodes are far from converged, and their order is arbitrary.
+    The transitions nevertheless show which states lie on the route to reward.
 
     Args:
-        policy: action by state pattern.
-        transitions: counts of all actions.
+        policy: Action by state pattern.
+        transitions: Counts of transitions of all actions.
     """
     chooses = WrittenPolicy(policy)
     following = {

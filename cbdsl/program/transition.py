@@ -11,17 +11,17 @@ class Transition:
     """One change of state, or one action that ended without any (Algorithm 1).
 
     Attributes:
-        program: the program whose state it is.
-        depth: 0 for the program that was asked for, 1 for one that it uses, and so on.
-        time: simulated time at its end, s.
-        state: predicates before, one character per member.
-        action: name of the action.
-        next_state: predicates after; equal to ``state`` where the action ran out of time.
-        ticks: control ticks that the action ran.
-        reward: Eq 4.4.
-        rewarding: the members that earned it.
-        allocation: of a schema's action; empty where there is none.
-        features: by name, in SI, when the action was chosen; those that were defined.
+        program: Program with this state.
+        depth: Depth of use: 0 for the main program, 1 for a program that it uses, and so on.
+        time: Simulated time at its end, s.
+        state: Predicates before, one character per member.
+        action: Name of the action.
+        next_state: Predicates after; equal to ``state`` if the action ran out of time.
+        ticks: Number of control ticks of the action.
+        reward: Reward (Eq 4.4).
+        rewarding: Members that earned the reward.
+        allocation: Allocation of a schema's action; empty without one.
+        features: Defined features by name, in SI, when the action was chosen.
         use: Names of the actions that lead to the program, parted by dots; empty for the main one.
     """
 
