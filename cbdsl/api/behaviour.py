@@ -21,16 +21,16 @@ class ProgramBehaviour(Behaviour):
     """Program as a behaviour: each tick of the tree is one control tick of the robot.
 
     Several programs share one body by ``OpenRobot.with_program``, opened with ``persistent=True``:
-    each begins where the one before left the robot and the world. They run one at a time: one that
-    begins interrupts the other. Two in a ``Parallel`` are an error; compose them in one program.
+    each begins in the final state of robot and world of the previous one. They run one at a time: a
+    new one interrupts the other. Two in a ``Parallel`` are an error; compose them in one program.
 
     Args:
-        robot: with the program that runs.
-        name: of the behaviour; the program's without one.
-        seed: of all chance.
+        robot: Robot with the program to run.
+        name: Name of the behaviour; the program's name if empty.
+        seed: Seed of all random draws.
 
     Attributes:
-        result: outcome of the last time that it ran to its end; ``None`` before.
+        result: Outcome of the last complete run; ``None`` before.
     """
 
     def __init__(self, robot: OpenRobot, name: str = "", *, seed: int = 0) -> None:
@@ -40,7 +40,7 @@ class ProgramBehaviour(Behaviour):
         self.result: EpisodeResult | None = None
 
     def initialise(self) -> None:
-        """Begin the program anew."""
+        """Begin the program from the start."""
         self._leave()
         self._robot.interrupt(
             f"behaviour '{self.name}' has begun, and programs of one robot run one at a time; "
@@ -65,7 +65,7 @@ class ProgramBehaviour(Behaviour):
         return STATUS[predicate]
 
     def terminate(self, new_status: Status) -> None:
-        """Interrupt the program, where something of a higher priority takes over."""
+        """Interrupt the program if a behaviour of a higher priority takes over."""
         if new_status is Status.INVALID:
             self._leave()
 

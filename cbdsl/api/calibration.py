@@ -1,4 +1,4 @@
-"""Calibrations that commands use, and the bodies that they are of."""
+"""Calibrations for commands, and the bodies that they were made with."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 
 def with_body(stage: StageDocument, body: int | None) -> StageDocument:
-    """A stage for the robot's body of a number, or as it is without one.
+    """Return the stage with a numbered body, or unchanged without a number.
 
     Raises:
-        UsageError: the stage has no camera errors, in which bodies differ.
+        UsageError: The stage has no camera errors, by which bodies differ.
     """
     from cbdsl.errors.errors import UsageError
 
@@ -35,17 +35,17 @@ def with_body(stage: StageDocument, body: int | None) -> StageDocument:
 def read_calibration(
     name: str | None, robot: RobotDocument, beside: Path, library: Library
 ) -> CalibrationDocument | None:
-    """Read the calibration that a user asks for, or else the robot's own, if it has one.
+    """Read the requested calibration, or else the robot's own, if it has one.
 
     Args:
-        name: a file or a name.
-        robot: whose cameras it is of.
-        beside: file of the robot.
-        library: where documents are found by name.
+        name: File or name of the calibration.
+        robot: Robot with the calibrated cameras.
+        beside: File of the robot.
+        library: Library that finds documents by name.
 
     Raises:
-        DiagnosticsError: it has errors.
-        UsageError: there is none, or it is another robot's.
+        DiagnosticsError: The calibration has errors.
+        UsageError: There is no such calibration, or it is another robot's.
     """
     from cbdsl.api.clean import require_clean
     from cbdsl.documents.calibration import CalibrationDocument
@@ -66,10 +66,10 @@ def read_calibration(
 
 
 def require_body(calibration: CalibrationDocument, stage: StageDocument) -> None:
-    """Refuse a calibration where the stage shows cameras that it is not of.
+    """Refuse a calibration if the stage shows other cameras.
 
     Raises:
-        UsageError: they differ from episode to episode, or are another body's.
+        UsageError: The cameras differ from episode to episode, or are another body's.
     """
     from cbdsl.errors.errors import UsageError
 

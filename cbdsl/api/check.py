@@ -1,4 +1,4 @@
-"""``cbdsl.check``: the findings in documents."""
+"""``cbdsl.check``: findings in documents."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ if TYPE_CHECKING:
 
 
 def check(*documents: str | Path, values: Mapping[str, str] | None = None) -> list[Diagnostic]:
-    """All findings in documents and in what they refer to; causes come first.
+    """Return all findings in documents and in the documents they refer to; causes come first.
 
     Args:
-        documents: files or names, as of ``cb validate``.
-        values: of programs' parameters, by name.
+        documents: Files or names, as for ``cb validate``.
+        values: Values of programs' parameters, by name.
 
     Returns:
-        Each finding once; empty where there is none. ``is_error`` tells errors from warnings.
+        Findings, each once; empty if there are none. ``is_error`` separates errors from warnings.
 
     Raises:
-        UsageError: no document has such a name.
+        UsageError: No document has such a name.
     """
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session

@@ -13,7 +13,7 @@ def require_clean(file: Path, library: Library) -> None:
     """Check a document on which a command relies.
 
     Raises:
-        DiagnosticsError: it has errors.
+        DiagnosticsError: The document has errors.
     """
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session

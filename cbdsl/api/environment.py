@@ -21,9 +21,9 @@ from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import EpisodeResult, Tick
 from cbdsl.types.policy import DeferredPolicy
 
-#: Predicates by the number that an observation has for them.
+#: Predicates, at the index that stands for them in an observation.
 LETTERS = "X-01"
-#: Name for ``gymnasium.make``, behind the name of this module.
+#: Name for ``gymnasium.make``, after the name of this module.
 ID = "cbdsl/Program-v0"
 _SEEDS = 2**31
 
@@ -31,27 +31,27 @@ States = NDArray[np.int64]
 
 
 class ProgramEnvironment(gymnasium.Env[States, np.int64]):
-    """Program as an environment: whoever acts chooses its next action at each change of state.
+    """Program as an environment: the agent chooses the next action at each change of state.
 
-    A step runs an action until the state changes, or until it ran out of time. Its reward is that
-    of the program (Eq 4.4), and at least 1 for a state of success. An episode terminates with the
-    reward, or with a state of success or failure. It is truncated when the program's limits end it.
+    A step runs an action until the state changes, or until it ran out of time. Its reward is the
+    reward of the program (Eq 4.4), and at least 1 for a state of success. An episode terminates
+    with the reward, or with a state of success or failure. The program's limits truncate it.
 
     ``gymnasium.make("cbdsl.api.environment:cbdsl/Program-v0", program="reach")`` makes one, too.
 
     Args:
-        program: what ``load`` gave, or a file or name for it.
-        backend, cameras: as of ``open_robot``.
-        context: one of the stage's contexts; drawn by their shares when ``None``.
+        program: Result of ``load``, or a file or name for it.
+        backend, cameras: Backend and cameras, as for ``open_robot``.
+        context: Context of the stage; drawn by share if ``None``.
 
     Attributes:
-        actions: names of the program's actions, by their numbers.
-        members: names of the controllers, and programs, by their places in an observation.
-        observation_space: predicates by their numbers in ``LETTERS``, shape (members,).
-        action_space: numbers of the actions.
+        actions: Names of the program's actions, in order of their numbers.
+        members: Names of the controllers and programs, in order of their places in an observation.
+        observation_space: Predicates by their numbers in ``LETTERS``, shape (members,).
+        action_space: Numbers of the actions.
 
     Raises:
-        DiagnosticsError, UsageError: as ``open_robot``.
+        DiagnosticsError, UsageError: Same conditions as for ``open_robot``.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 (as the base class has it)
@@ -85,8 +85,8 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         """Begin an episode; equal seeds give equal ones.
 
         Args:
-            seed: of this episode and those after it.
-            options: none is known.
+            seed: Seed of this episode and the following ones.
+            options: No options are known.
 
         Raises:
             gymnasium.error.ClosedEnvironmentError: The environment is closed.
@@ -106,8 +106,8 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         """Run an action until the state changes, or its time is over.
 
         Raises:
-            gymnasium.error.ResetNeeded: no episode runs.
-            gymnasium.error.InvalidAction: there is no action of this number.
+            gymnasium.error.ResetNeeded: No episode runs.
+            gymnasium.error.InvalidAction: There is no action of this number.
             gymnasium.error.ClosedEnvironmentError: The environment is closed.
         """
         self._require_open()
@@ -127,7 +127,7 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         return self._observed(), float(reward), terminated, ended and not terminated, self._info()
 
     def close(self) -> None:
-        """End the episode and close the robot; nothing can run afterwards."""
+        """End the episode and close the robot; no episode can run afterwards."""
         self._is_open = False
         self._leave()
         self._open.close()
@@ -137,7 +137,7 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
             raise gymnasium.error.ClosedEnvironmentError("this environment is closed; make another")
 
     def _advance(self) -> None:
-        """Run until a choice is to be made, or the episode is over."""
+        """Run until the agent has to choose, or the episode is over."""
         assert self._ticks is not None, "an episode runs"
         for tick in self._ticks:
             self._tick = tick

@@ -18,9 +18,9 @@ class LearningOutcome:
     """Knowledge from one trial.
 
     Attributes:
-        policy: file of the policy, for ``load(..., policy=...)``.
-        files: all documents that were written, the policy's and those of internal models.
-        episodes: what was experienced, one after another.
+        policy: File of the policy, for ``load(..., policy=...)``.
+        files: All written documents, of the policy and of internal models.
+        episodes: Experience of each episode, in order.
     """
 
     policy: Path
@@ -29,7 +29,7 @@ class LearningOutcome:
 
     @property
     def rewarded(self) -> tuple[bool, ...]:
-        """Whether each episode was rewarded."""
+        """True for each rewarded episode, in order."""
         return tuple(any(each.reward for each in one.transitions) for one in self.episodes)
 
 
@@ -46,26 +46,26 @@ def learn(
     resume: bool = False,
     on_episode: Callable[[Experience], None] | None = None,
 ) -> LearningOutcome:
-    """Learn what a program's actions are good for, from zero, in this process.
+    """Learn a policy for a program from scratch, in this process.
 
-    A file beside the policy's holds each episode as soon as it is over; with ``resume`` an
-    interrupted trial goes on and ends as if it had never been interrupted.
+    A file beside the policy's holds each episode as soon as it is over. With ``resume`` an
+    interrupted trial continues, with the same result as without an interruption.
 
     Args:
-        program: what ``load`` gave, or a file or name for it.
-        out: file for the policy, ``NAME.yaml``; internal models go beside it.
-        episodes: how many in all.
-        seed: of all chance.
-        backend, cameras: as of ``open_robot``.
-        learner: name of the algorithm.
-        constants: of the algorithm, by name, in SI or as text with units.
-        resume: whether a trial that was begun there goes on.
-        on_episode: is told each episode that was run, not those of before.
+        program: Result of ``load``, or a file or name for it.
+        out: File for the policy, ``NAME.yaml``; internal models are written beside it.
+        episodes: Total number of episodes.
+        seed: Seed of all random draws.
+        backend, cameras: Backend and cameras, as for ``open_robot``.
+        learner: Name of the algorithm.
+        constants: Constants of the algorithm, by name, in SI or as text with units.
+        resume: True to continue a trial that was begun there.
+        on_episode: Function called with each new episode, not with those of a resumed trial.
 
     Raises:
-        DiagnosticsError: a document has errors.
-        UsageError: something is not there, not installed, does not fit, or is in the way.
-        OSError: a document cannot be written.
+        DiagnosticsError: A document has errors.
+        UsageError: An item is missing, not installed or unsuitable, or a file is in the way.
+        OSError: A document cannot be written.
     """
     from cbdsl.api.load import load
     from cbdsl.api.open_robot import open_robot
@@ -90,11 +90,11 @@ class _Watcher:
         self._tell = on_episode
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``TrialObserver.begin``."""
+        """Begin with the finished episodes; see ``TrialObserver.begin``."""
         self.episodes.extend(finished)
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``TrialObserver.note``."""
+        """Note an episode; see ``TrialObserver.note``."""
         self.episodes.append(experience)
         if self._tell is not None:
             self._tell(experience)
@@ -110,7 +110,7 @@ def _task(
     learner: str,
     constants: Mapping[str, str | float],
 ) -> LearningTask:
-    """The trial, as ``cb learn`` would describe it."""
+    """Return the trial, as ``cb learn`` would describe it."""
     from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.errors.errors import UsageError
     from cbdsl.learning.constants import read_constants

@@ -20,20 +20,20 @@ def load(
     body: int | None = None,
     values: Mapping[str, str] | None = None,
 ) -> RunRequest:
-    """Read and check a program, and all that it needs to run.
+    """Read and check a program and all documents that it needs to run.
 
     Args:
-        program: its file, or its name.
-        stage: file or name of who is shown what, where; the program's own when ``None``.
-        policy: file or name of what chooses its actions; the program's own when ``None``.
-        schema: file or name of what chooses its resources, with a policy of its own.
-        calibration: file or name of where the cameras are; the robot's own when ``None``.
-        body: number of the simulated body, which keeps its cameras' errors.
-        values: of the program's parameters, by name, as they are written in documents.
+        program: File or name of the program.
+        stage: File or name of the stage to run on; the program's own if ``None``.
+        policy: File or name of the policy that chooses its actions; the program's own if ``None``.
+        schema: File or name of the schema that chooses its resources, with a policy of its own.
+        calibration: File or name of the cameras' calibration; the robot's own if ``None``.
+        body: Number of the simulated body, which keeps its cameras' errors.
+        values: Values of the program's parameters, by name, as written in documents.
 
     Raises:
-        DiagnosticsError: a document has errors; its ``diagnostics`` are the findings.
-        UsageError: there is no such document, or they do not fit each other.
+        DiagnosticsError: A document has errors; its ``diagnostics`` are the findings.
+        UsageError: There is no such document, or the documents do not fit each other.
     """
     from cbdsl.api.run_request import read_request
     from cbdsl.errors.errors import UsageError

@@ -19,15 +19,16 @@ if TYPE_CHECKING:
 
 
 class OpenRobot:
-    """A robot on a backend, on which its program runs.
+    """Robot on a backend that runs its program.
 
     Args:
-        request: the program, its robot and its stage.
-        backend: the backend, which belongs to the caller.
-        kinematics: of the robot.
+        request: Program with its robot and its stage.
+        backend: Backend, owned by the caller.
+        kinematics: Kinematics of the robot.
 
     Attributes:
-        request, kinematics: as given.
+        request: Program with its robot and its stage.
+        kinematics: Kinematics of the robot.
     """
 
     def __init__(self, request: RunRequest, backend: Backend, kinematics: Kinematics) -> None:
@@ -46,25 +47,25 @@ class OpenRobot:
         return self._body.backend
 
     def close(self) -> None:
-        """Interrupt the episode that runs; nothing can run on this body afterwards."""
+        """Interrupt the running episode; the body cannot run another one."""
         self._body.close()
 
     def interrupt(self, reason: str = "it was interrupted") -> None:
-        """Interrupt the episode that runs on this body, if any, and halt the robot.
+        """Interrupt the running episode of this body, if any, and halt the robot.
 
         Args:
-            reason: Cause, as a clause, for those who continue the episode.
+            reason: Cause, as a clause, for the error of the interrupted episode.
         """
         self._body.interrupt(reason)
 
     def with_program(self, program: str | Path | RunRequest) -> OpenRobot:
-        """The same body with another program, on the same stage.
+        """Return the same body with another program, on the same stage.
 
-        On a stage whose world is persistent it goes on where the other program left it.
+        On a stage with a persistent world it continues from the final state of the other program.
 
         Raises:
-            DiagnosticsError: a document has errors.
-            UsageError: the program is another robot's, or cannot be loaded, or the robot is
+            DiagnosticsError: A document has errors.
+            UsageError: The program is another robot's, or cannot be loaded, or the robot is
                 closed.
         """
         from dataclasses import replace
@@ -84,7 +85,7 @@ class OpenRobot:
         return shared
 
     def runner(self, policy: Policy | None = None) -> Runner:
-        """The runner of the program's episodes under a policy; without one, its own."""
+        """Return the runner of the program's episodes under a policy, by default its own."""
         from cbdsl.runtime.episode import Runner
 
         for chooser, runner in self._runners:
@@ -106,13 +107,13 @@ class OpenRobot:
         """Run one episode; equal seeds give equal episodes.
 
         Args:
-            seed: of all chance, from 0.
-            context: one of the stage's contexts; drawn by their shares when ``None``.
-            on_transition: is told each change of state.
-            on_tick: is told each control tick, with the observation and the signals.
+            seed: Seed of all random draws, from 0.
+            context: Context of the stage; drawn by share if ``None``.
+            on_transition: Function called with each change of state.
+            on_tick: Function called at each control tick, with the observation and the signals.
 
         Raises:
-            UsageError: the stage has no such context, the episode cannot go on, another one runs
+            UsageError: The stage has no such context, the episode cannot go on, another one runs
                 on this body, or the robot is closed.
         """
         from cbdsl.errors.errors import UsageError
@@ -163,12 +164,12 @@ class OpenRobot:
         return BodyEpisode(self._body, self.request.program.name, begin)
 
     def _is_taken_over(self) -> bool:
-        """Whether another program's episode goes on, which the experimenter leaves as it is."""
+        """Return whether another program's episode continues, undisturbed by the experimenter."""
         own = [runner for _, runner in self._runners]
         return self._body.last is not None and self._body.last not in own
 
     def _next(self, policy: Policy | None = None) -> Runner:
-        """The runner of the next episode, which goes on where the last one ended."""
+        """Return the runner of the next episode, which continues where the last one ended."""
         runner = self.runner(policy)
         last = self._body.last
         if last is not None and last is not runner:
@@ -189,16 +190,16 @@ def open_robot(
     """Open the robot of a program on a backend, and close it in the end.
 
     Args:
-        program: what ``load`` gave, or a file or name for it.
-        backend: ``bullet`` or ``mujoco`` (physics), ``kinematic``, or one of another package; the
-            first that is installed when ``None``.
-        cameras: ``rendered`` or ``ideal``; the backend's own choice when ``None``.
-        gui: whether to open the simulator's window.
-        persistent: whether the world goes on from one episode to the next, whatever the stage says.
+        program: Result of ``load``, or a file or name for it.
+        backend: ``bullet`` or ``mujoco`` (physics), ``kinematic``, or the name of another package's
+            backend; the first installed one if ``None``.
+        cameras: ``rendered`` or ``ideal``; the backend's own choice if ``None``.
+        gui: True to open the simulator's window.
+        persistent: True to keep the world between episodes, regardless of the stage.
 
     Raises:
-        DiagnosticsError: a document has errors.
-        UsageError: something is not there, not installed, or does not fit.
+        DiagnosticsError: A document has errors.
+        UsageError: An item is missing, not installed, or does not fit.
     """
     from cbdsl.api.load import load
     from cbdsl.api.run_request import RunRequest
@@ -219,7 +220,7 @@ def open_robot(
 
 
 def _persistent(request: RunRequest) -> RunRequest:
-    """The same on a stage whose world goes on."""
+    """Return the request with a persistent world on its stage."""
     from dataclasses import replace
 
     world = request.stage.world.model_copy(update={"persistent": True})
@@ -227,4 +228,4 @@ def _persistent(request: RunRequest) -> RunRequest:
 
 
 def _ignore(transition: Transition) -> None:
-    """Listen to nothing."""
+    """Ignore a transition."""

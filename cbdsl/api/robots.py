@@ -20,7 +20,7 @@ def read_robot(robot: str | Path) -> tuple[RobotDocument, Path]:
         The robot, and the file of its URDF.
 
     Raises:
-        DiagnosticsError: Its document has errors.
+        DiagnosticsError: The document has errors.
         UsageError: There is no such robot.
     """
     from cbdsl.api.clean import require_clean
@@ -42,7 +42,7 @@ def read_stage(stage: str | Path | None, robot: RobotDocument) -> StageDocument:
         robot: Robot that the stage has to be for.
 
     Raises:
-        DiagnosticsError: Its document has errors.
+        DiagnosticsError: The document has errors.
         UsageError: There is no such stage, or it is for another robot.
     """
     from cbdsl.api.clean import require_clean

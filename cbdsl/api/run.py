@@ -26,20 +26,20 @@ def run(
     """Run a program.
 
     Args:
-        program: what ``load`` gave, or a file or name for it.
-        seed: of the first episode; the others have the next ones.
-        episodes: how many.
-        context: one of the stage's contexts; drawn by their shares when ``None``.
-        backend, cameras: as of ``open_robot``.
-        on_transition: is told each change of state.
-        on_tick: is told each control tick, with the observation and the signals.
+        program: Result of ``load``, or a file or name for it.
+        seed: Seed of the first episode; the others have the following seeds.
+        episodes: Number of episodes.
+        context: Context of the stage; drawn by share if ``None``.
+        backend, cameras: Backend and cameras, as for ``open_robot``.
+        on_transition: Function called with each change of state.
+        on_tick: Function called at each control tick, with the observation and the signals.
 
     Returns:
-        An outcome for each episode.
+        Outcome of each episode.
 
     Raises:
-        DiagnosticsError: a document has errors.
-        UsageError: something is not there, not installed, or does not fit.
+        DiagnosticsError: A document has errors.
+        UsageError: An item is missing, not installed, or does not fit.
     """
     from cbdsl.api.open_robot import open_robot
 

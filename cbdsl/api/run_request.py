@@ -1,4 +1,4 @@
-"""The request of a command: a program on a stage, located, read and checked."""
+"""Request of a command: a program on a stage, located, read and checked."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunRequest:
-    """A program on a stage, read and checked.
+    """Program on a stage, read and checked.
 
     Attributes:
-        program: as it will run.
-        program_file: its document.
-        robot: what runs it.
-        urdf: the robot's model.
-        stage: who is shown what, where.
-        library: where all of them were found.
+        program: Program to run.
+        program_file: Document of the program.
+        robot: Robot that runs it.
+        urdf: URDF file of the robot.
+        stage: Stage to run on.
+        library: Library that found all documents.
     """
 
     program: CheckedProgram
@@ -49,21 +49,21 @@ def read_request(
     body: int | None = None,
     uncalibrated: bool = False,
 ) -> RunRequest:
-    """Read and check what a user asks for.
+    """Read and check the requested documents.
 
     Args:
-        program: a file or a name.
-        stage: a file or a name; without it the program's own.
-        policy: a file or a name; without it the program's own.
-        values: of the program's parameters.
-        schema: a file or a name, which brings its own policy; without it nothing is allocated.
-        calibration: of the robot's cameras, a file or a name; without it the robot's own.
-        body: number of the simulated body; without it the stage's.
-        uncalibrated: whether the robot takes its cameras to be where its model has them.
+        program: File or name of the program.
+        stage: File or name of the stage; the program's own if ``None``.
+        policy: File or name of the policy; the program's own if ``None``.
+        values: Values of the program's parameters.
+        schema: File or name of the schema, with a policy of its own; no allocation if ``None``.
+        calibration: File or name of the cameras' calibration; the robot's own if ``None``.
+        body: Number of the simulated body; the stage's if ``None``.
+        uncalibrated: True if the robot uses the camera poses of its model.
 
     Raises:
-        DiagnosticsError: a document has errors.
-        UsageError: there is no such document, or they do not fit each other.
+        DiagnosticsError: A document has errors.
+        UsageError: There is no such document, or the documents do not fit each other.
     """
     from cbdsl.api.calibration import read_calibration, require_body, with_body
     from cbdsl.checking.program import check_program
@@ -122,12 +122,12 @@ def _read_stage(
 
 
 def _locate(kind: type[Document], name: str, program_file: Path, library: Library) -> Path:
-    """The file that is meant by a path, or by a name beside the program or here."""
+    """Return the file of a path, or of a name beside the program or in the current folder."""
     return library.find(kind, name, program_file) or library.locate(kind, name)
 
 
 def _stages_for(robot: str, program_file: Path, library: Library) -> str:
-    """The names of the stages on which a robot is shown something."""
+    """Return the names of the stages for a robot."""
     from cbdsl.checking.lookup.documents import for_robot
     from cbdsl.documents.stage import StageDocument
 
@@ -149,14 +149,14 @@ def read_policy(
     """Read a policy that serves a program.
 
     Args:
-        program: the program.
-        name: a file, or a name beside the program or here.
-        program_file: the program's document.
-        library: where it is found by name.
+        program: Program that the policy serves.
+        name: File, or name beside the program or in the current folder.
+        program_file: Document of the program.
+        library: Library that finds documents by name.
 
     Raises:
-        DiagnosticsError: it has errors.
-        UsageError: there is no such policy, or it serves another program.
+        DiagnosticsError: The policy has errors.
+        UsageError: There is no such policy, or it serves another program.
     """
     from cbdsl.api.clean import require_clean
     from cbdsl.documents.policy import PolicyDocument
@@ -181,7 +181,7 @@ def _as_schema(
     library: Library,
     values: Mapping[str, str],
 ) -> CheckedProgram:
-    """A program that is allocated by a schema."""
+    """Return a program that is allocated by a schema."""
     from cbdsl.api.clean import require_clean
     from cbdsl.checking.causes import causes_first
     from cbdsl.checking.findings import Findings
@@ -210,7 +210,7 @@ def _as_schema(
 
 
 def _is_recording(file: Path) -> bool:
-    """Whether a file is one of the two that ``cb run --record`` writes for an episode."""
+    """Return whether a file is one of the two that ``cb run --record`` writes for an episode."""
     if not file.is_file():
         return False
     with file.open("rb") as stream:

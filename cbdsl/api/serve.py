@@ -40,12 +40,12 @@ def serve_robot(
         trace: NPZ file for the robot's motion.
         seconds: Time after which it ends; never if ``None``.
         interface: Network interface; loopback only if ``None``.
-        report: Takes lines for people.
-        stopped: Returns whether it should end.
+        report: Function called with each line of output.
+        stopped: Function that returns whether to end.
 
     Raises:
         DiagnosticsError: A document has errors.
-        UsageError: Something is not there, not installed, or does not fit.
+        UsageError: An item is missing, not installed, or does not fit.
     """
     from cbdsl.api.robots import read_robot, read_stage
     from cbdsl.backends.ros2.faults import Faults, read_fault
@@ -80,7 +80,7 @@ def _introduction(
 
 
 class _Moments:
-    """Motion of a served robot, for as long as it lasts."""
+    """Recorded motion of a served robot."""
 
     def __init__(self, seconds: float | None, stopped: Callable[[], bool], *, keeps: bool) -> None:
         self._until = None if seconds is None else time.monotonic() + seconds
@@ -88,7 +88,7 @@ class _Moments:
         self._moments: list[Moment] = []
 
     def note(self, moment: Moment) -> bool:
-        """Keep a moment; return whether the robot goes on."""
+        """Keep a moment, and return whether the robot goes on."""
         if self._keeps:
             self._moments.append(moment)
         is_over = self._until is not None and time.monotonic() >= self._until

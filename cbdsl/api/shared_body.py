@@ -24,7 +24,7 @@ class SharedBody:
 
     def __init__(self, backend: Backend) -> None:
         self._backend, self._is_open = backend, True
-        # An episode without references has ended.
+        # A weak reference: an abandoned episode counts as ended.
         self._running: ref[BodyEpisode] | None = None
         self.last: Runner | None = None
 
@@ -39,7 +39,7 @@ class SharedBody:
         return self._backend
 
     def require_open(self) -> None:
-        """Refuse what a closed robot cannot do.
+        """Require that the robot is open.
 
         Raises:
             UsageError: The robot is closed.
@@ -75,7 +75,7 @@ class SharedBody:
         """Interrupt the episode that runs, if any, and halt the robot.
 
         Args:
-            reason: Cause, as a clause, for those who continue the episode.
+            reason: Cause, as a clause, for the error of the interrupted episode.
         """
         running = self._episode
         if running is not None:
@@ -87,7 +87,7 @@ class SharedBody:
         return None if self._running is None else self._running()
 
     def close(self) -> None:
-        """Interrupt the episode that runs; nothing can run on the body afterwards."""
+        """Interrupt the running episode; the body cannot run another one."""
         self._is_open = False
         self.interrupt("its robot was closed")
 
