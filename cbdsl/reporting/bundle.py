@@ -1,4 +1,4 @@
-"""The data of a page: a JSON header and arrays behind it, compressed."""
+"""Data of a page: a JSON header followed by arrays, compressed."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ _NAMES = {"f4": "Float32Array", "f8": "Float64Array", "u1": "Uint8Array", "i2": 
 
 
 class Bundle:
-    """Collects arrays; ``add`` gives what the header refers to them by."""
+    """Collector of arrays; ``add`` returns the reference for the header."""
 
     def __init__(self) -> None:
         self._content = bytearray()
 
     def add(self, array: NDArray[Any]) -> Mapping[str, object]:
-        """Keep an array, as it is."""
+        """Keep an array unchanged, and return its reference: type, offset and shape."""
         kind = _NAMES[array.dtype.str[1:]]
         place = len(self._content)
         little = array.astype(array.dtype.newbyteorder("<"), copy=False)
@@ -34,7 +34,7 @@ class Bundle:
         return {"array": kind, "at": place, "shape": list(array.shape)}
 
     def text(self, header: Mapping[str, object]) -> str:
-        """The header's size, the header and the arrays: compressed, in letters and digits."""
+        """Return the header's size, the header and the arrays, compressed and encoded as Base64."""
         plain = json.dumps(header, ensure_ascii=False, separators=(",", ":")).encode()
         plain += b" " * (-(4 + len(plain)) % _ALIGNMENT)
         size = len(plain).to_bytes(4, "little")

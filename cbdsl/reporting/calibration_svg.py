@@ -23,10 +23,10 @@ class CalibrationPanel(NamedTuple):
     """Image points of one camera.
 
     Attributes:
-        camera: its name.
-        size: width and height of its image, px.
-        points: where it saw the ball, px, shape (n, 2).
-        before, after: where the ball was expected, px, shape (n, 2).
+        camera: Name of the camera.
+        size: Width and height of its image, px.
+        points: Observed image points of the ball, px, shape (n, 2).
+        before, after: Expected image points of the ball, px, shape (n, 2).
     """
 
     camera: str
@@ -37,13 +37,13 @@ class CalibrationPanel(NamedTuple):
 
 
 def calibration_svg(title: str, panels: Sequence[CalibrationPanel]) -> str:
-    """Picture with a panel for each camera; the same panels give the same text.
+    """Return a picture with a panel for each camera; the same panels give the same text.
 
-    Lines lead from where the ball was seen to where it was expected, lengthened alike.
+    Lines lead from the observed to the expected image points, all lengthened by the same factor.
 
     Args:
-        title: what was calibrated.
-        panels: at least one.
+        title: Title of the picture.
+        panels: Panels, at least one.
     """
     times = _magnification(panels)
     width = sum(panel.size[0] for panel in panels) + _PAD * (len(panels) + 1)
@@ -64,7 +64,7 @@ def calibration_svg(title: str, panels: Sequence[CalibrationPanel]) -> str:
 
 
 def _magnification(panels: Sequence[CalibrationPanel]) -> float:
-    """1, 2 or 5 times a power of ten that makes lines visible, and not longer than the images."""
+    """Return 1, 2 or 5 times a power of ten that makes lines visible within the images."""
     lengths = [np.linalg.norm(panel.before - panel.points, axis=1) for panel in panels]
     typical = max(float(np.median(np.concatenate(lengths))), 1e-3)
     rough = max(_LENGTH / typical, 1.0)
@@ -100,7 +100,7 @@ def _lines(points: Floats, expected: Floats, color: str, times: float) -> str:
 
 
 def _error(panel: CalibrationPanel, expected: Floats) -> float:
-    """Root mean square distance, px."""
+    """Return the root mean square distance, px."""
     return float(np.sqrt(np.mean(np.sum((panel.points - expected) ** 2, axis=1))))
 
 

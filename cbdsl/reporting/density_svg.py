@@ -1,4 +1,4 @@
-"""Pictures of internal models: a map where there are two joints, else a curve for each joint."""
+"""Pictures of internal models: a map for two joints, else a curve for each joint."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ _PLOT = 360.0
 _TALLEST, _LOWEST = 300.0, 120.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 54.0, 86.0, 10.0, 42.0
 _CURVE_WIDTH, _CURVE_HEIGHT = 300.0, 130.0
-# Between ticks: degrees, and densities.
+# Candidate distances between ticks, degrees, followed by those of densities.
 _STEPS = (5, 10, 15, 30, 45, 90)
 _HEIGHTS = [first * 10.0**power for power in range(-1, 9) for first in (1, 2, 5)]
 _TIMES = "\N{MULTIPLICATION SIGN}"
 
 
 class _Axis(NamedTuple):
-    """A joint's angles along one side of a plot, from ``start`` to ``end``, px."""
+    """Axis of a joint's angles along one side of a plot, from ``start`` to ``end``, px."""
 
     joint: Joint
     start: float
     end: float
 
     def __call__(self, angle: Any) -> Any:
-        """Where an angle (rad), or an array of them, is."""
+        """Return the position of an angle (rad), or of an array of angles, px."""
         lower, upper = self.joint.lower, self.joint.upper
         return self.start + (angle - lower) / (upper - lower) * (self.end - self.start)
 
     def ticks(self, room: float) -> Iterator[tuple[str, float]]:
-        """Round angles in degrees, and where they are, ``room`` px apart at least."""
+        """Yield round angles in degrees and their positions, px, at least ``room`` px apart."""
         lower, upper = math.degrees(self.joint.lower), math.degrees(self.joint.upper)
         most = abs(self.end - self.start) / room
         step = next((s for s in _STEPS if (upper - lower) / s <= most), _STEPS[-1])
@@ -48,7 +48,7 @@ class _Axis(NamedTuple):
 
 
 def density_svgs(model: InternalModel) -> list[str]:
-    """The pictures of an internal model, each as SVG with a text alternative."""
+    """Return the pictures of an internal model, each as SVG with a text alternative."""
     landscape = Landscape(model)
     if len(model.joints) == 2:
         return [_map(model, landscape)]
@@ -56,7 +56,7 @@ def density_svgs(model: InternalModel) -> list[str]:
 
 
 def _map(model: InternalModel, landscape: Landscape) -> str:
-    """Two joints: one across, the other upwards, equally many pixels a degree where it fits."""
+    """Draw two joints on two axes, with the same scale in px per degree if it fits."""
     first, second = model.joints
     ratio = (second.upper - second.lower) / (first.upper - first.lower)
     tall = min(_TALLEST, max(_LOWEST, _PLOT * ratio))
@@ -84,7 +84,7 @@ def _map(model: InternalModel, landscape: Landscape) -> str:
 
 
 def _curve(joint: Joint, place: int, landscape: Landscape) -> str:
-    """One joint: how likely its angle is, and a line where every angle was equally likely."""
+    """Draw the density of one joint's angle, and a line for the uniform density."""
     across = _Axis(joint, _LEFT, _LEFT + _CURVE_WIDTH)
     angles = landscape.angles(place)
     values = landscape.along(place, angles)
@@ -141,7 +141,7 @@ def _axis_up(axis: _Axis, x: float) -> Iterator[str]:
 
 
 def _scale(most: float, x: float, tall: float) -> Iterator[str]:
-    """The legend of a map's colours."""
+    """Yield the legend of a map's colours."""
     ramp = _image(np.linspace(1, 0, 64)[:, None])
     area = f'x="{x}" y="{_TOP}" width="12" height="{tall:.1f}"'
     yield f'<image {area} preserveAspectRatio="none" href="{ramp}"/>'
@@ -150,7 +150,7 @@ def _scale(most: float, x: float, tall: float) -> Iterator[str]:
 
 
 def _heights(most: float, bottom: float, across: _Axis) -> Iterator[str]:
-    """The axis of a curve's heights: densities relative to the uniform one."""
+    """Yield the axis of a curve's heights: densities relative to the uniform one."""
     step = next((step for step in _HEIGHTS if most / step <= 5), most)
     for number in range(int(most / step) + 1):
         y = bottom - number * step / most * _CURVE_HEIGHT
@@ -163,7 +163,7 @@ def _degrees(angle: float) -> str:
 
 
 def _image(values: Floats) -> str:
-    """Values from 0 to 1 as colours (viridis), row by row from the top, as a data URL."""
+    """Return values from 0 to 1 as colours (viridis), row by row from the top, as a data URL."""
     grey: NDArray[Any] = np.round(255 * values).astype(np.uint8)
     _, content = cv2.imencode(".png", cv2.applyColorMap(grey, cv2.COLORMAP_VIRIDIS))
     return "data:image/png;base64," + base64.b64encode(bytes(content)).decode()

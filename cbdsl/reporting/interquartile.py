@@ -20,11 +20,11 @@ _LEVEL = 0.95
 
 
 class Band(NamedTuple):
-    """A curve over trials.
+    """Curve over trials.
 
     Attributes:
-        middle: means, shape (n,).
-        lower, upper: bounds of their 95 % bootstrap intervals, shape (n,).
+        middle: Means, shape (n,).
+        lower, upper: Bounds of their 95 % bootstrap intervals, shape (n,).
     """
 
     middle: Floats
@@ -36,9 +36,9 @@ Center = Callable[[Floats], Floats]
 
 
 def interquartile_mean(values: Floats) -> Floats:
-    """The mean of the middle half of the trials; shape (..., trials, n) to (..., n).
+    """Return the mean of the middle half of the trials; shape (..., trials, n) to (..., n).
 
-    Where a quarter of the trials is no whole number, those at the rims count in part.
+    If a quarter of the trials is no whole number, the trials at the edges count in part.
     """
     count = values.shape[-2]
     edges = np.clip(np.arange(count + 1) / count, 0.25, 0.75)
@@ -48,24 +48,24 @@ def interquartile_mean(values: Floats) -> Floats:
 
 
 def mean(values: Floats) -> Floats:
-    """The mean of the trials; shape (..., trials, n) to (..., n)."""
+    """Return the mean of the trials; shape (..., trials, n) to (..., n)."""
     means: Floats = values.mean(axis=-2)
     return means
 
 
 def band(values: Floats, center: Center = interquartile_mean, seed: int = 0) -> Band:
-    """The middle of each column, with its percentile bootstrap interval.
+    """Return the middle of each column, with its percentile bootstrap interval.
 
-    Whole trials are resampled, as their episodes depend on each other.
+    Whole trials are resampled, because their episodes depend on each other.
 
     Args:
-        values: shape (trials, n).
-        center: which mean.
-        seed: of the resampling.
+        values: Values, shape (trials, n).
+        center: Function that computes the mean over trials.
+        seed: Seed of the resampling.
     """
     rng, count = np.random.default_rng(seed), len(values)
     draws = _DRAWS if count > 1 else 1
-    # In parts: all draws at once of a hundred long trials would take gigabytes.
+    # In parts, because all draws of a hundred long trials together would take gigabytes.
     parts = [
         center(values[rng.integers(count, size=(min(_PART, draws - done), count))])
         for done in range(0, draws, _PART)
@@ -76,7 +76,7 @@ def band(values: Floats, center: Center = interquartile_mean, seed: int = 0) -> 
 
 
 def running_mean(values: Floats, window: int) -> Floats:
-    """The mean of the last ``window`` values along the last axis, of fewer at its beginning."""
+    """Return the mean of up to ``window`` last values, at each place along the last axis."""
     count = values.shape[-1]
     sums = np.concatenate([np.zeros((*values.shape[:-1], 1)), values.cumsum(axis=-1)], axis=-1)
     ends = np.arange(1, count + 1)

@@ -1,4 +1,4 @@
-"""Internal models as functions: how likely an angle is, beside the uniform density at the start."""
+"""Internal models as functions: density of an angle relative to the initial uniform density."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from cbdsl.reporting.learned import InternalModel
 
 Floats = NDArray[np.float64]
 
-#: How many angles of a joint are looked at.
+#: Number of evaluated angles of a joint.
 POINTS = 181
 
 _erf = np.vectorize(math.erf, otypes=[float])
 
 
 class Landscape:
-    """A density within joint limits, as draws have it: what lies beyond them is drawn again.
+    """Density within joint limits, as sampled: samples beyond the limits are drawn again.
 
     Values are relative to the uniform density over all joints: 1 is as likely as before learning.
 
     Args:
-        model: the density, and the limits of its joints.
+        model: Density with the limits of its joints.
     """
 
     def __init__(self, model: InternalModel) -> None:
@@ -41,7 +41,7 @@ class Landscape:
         self.uniform = density.uniform
         # The part of each kernel within the limits of each joint, shape (kernels, joints).
         self._inside = self._below(self.upper) - self._below(self.lower)
-        # Where next to nothing is within the limits, this keeps what is drawn finite.
+        # Keeps the density finite if its mass within the limits is close to zero.
         self._total = max(float(self._inside.prod(axis=1).sum()), np.finfo(float).tiny)
 
     def _below(self, angle: Floats) -> Floats:
@@ -49,7 +49,7 @@ class Landscape:
         return part
 
     def _kernels(self, joint: int, angles: Floats) -> Floats:
-        """Each kernel along one joint, shape (kernels, angles), times the joint's range."""
+        """Return each kernel along one joint, shape (kernels, angles), times the joint's range."""
         spread, span = self.spread[joint], self.upper[joint] - self.lower[joint]
         z = (angles - self.centers[:, joint, None]) / spread
         height: Floats = span * np.exp(-0.5 * z**2) / (spread * math.sqrt(2 * math.pi))
@@ -60,29 +60,29 @@ class Landscape:
         return mixed + self.uniform
 
     def along(self, joint: int, angles: Floats) -> Floats:
-        """The density of one joint's angle, whatever the others are, shape (angles,)."""
+        """Return the marginal density of one joint's angle, shape (angles,)."""
         others = np.delete(self._inside, joint, axis=1).prod(axis=1)
         return self._mixed(others @ self._kernels(joint, angles))
 
     def over(self, first: Floats, second: Floats) -> Floats:
-        """The density of the angles of two joints, of a model that has no more.
+        """Return the joint density of the angles of a model with two joints.
 
         Returns:
-            Shape (second, first).
+            Density, shape (second, first).
         """
         return self._mixed(self._kernels(1, second).T @ self._kernels(0, first))
 
     def angles(self, joint: int) -> Floats:
-        """Angles of a joint from limit to limit, rad, shape (POINTS,)."""
+        """Return angles of a joint from limit to limit, rad, shape (POINTS,)."""
         angles: Floats = np.linspace(self.lower[joint], self.upper[joint], POINTS)
         return angles
 
     def peak(self) -> tuple[tuple[float, ...], float]:
-        """The likeliest angles, rad, and how likely they are; of more than two joints, of each.
+        """Return the most likely angles, rad, and their density.
 
         Returns:
-            The angles, and the density there: of all joints where there are two, else of the
-            likeliest angle of any.
+            Angles and density at the joint maximum of two joints. For other numbers of joints, the
+            maximum of each marginal density, and the largest of these densities.
         """
         joints = range(len(self.lower))
         if len(joints) == 2:

@@ -26,17 +26,17 @@ _JOURNAL = ".episodes.jsonl"
 
 
 class Episode(NamedTuple):
-    """One episode that was learned from.
+    """Episode of a learning trial.
 
     Attributes:
-        context: of its stage.
-        seed: with which ``cb run`` meets the same world, or ``None`` where no journal tells it.
-        reward: that it earned.
-        transitions: that it took.
-        ticks: control ticks that it took.
-        sim_seconds: how long it took, simulated, s, or ``None``.
-        rewarding: what earned the reward, or ``None``.
-        end: the state that it ended in, or ``None``.
+        context: Context of its stage.
+        seed: Seed with which ``cb run`` meets the same world, or ``None`` without a journal.
+        reward: Reward that it earned.
+        transitions: Number of transitions.
+        ticks: Number of control ticks.
+        sim_seconds: Simulated duration, s, or ``None``.
+        rewarding: Members that earned the reward, or ``None``.
+        end: State that it ended in, or ``None``.
     """
 
     context: str
@@ -50,11 +50,11 @@ class Episode(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """A joint of an internal model.
+    """Joint of an internal model.
 
     Attributes:
-        name: of the joint.
-        lower, upper: its limits, rad.
+        name: Name of the joint.
+        lower, upper: Limits of the joint, rad.
     """
 
     name: str
@@ -63,12 +63,12 @@ class Joint(NamedTuple):
 
 
 class InternalModel(NamedTuple):
-    """An internal model.
+    """Internal model of a learned policy.
 
     Attributes:
-        name: by which the program draws from it, or ``None`` where it draws nothing from it.
-        document: the density.
-        joints: those that it has angles for, in their order.
+        name: Name in the program, or ``None`` if the program draws nothing from it.
+        document: Document with the density.
+        joints: Joints of its angles, in order.
     """
 
     name: str | None
@@ -78,16 +78,16 @@ class InternalModel(NamedTuple):
 
 @dataclass(frozen=True)
 class Learned:
-    """A learned policy, with what belongs to it.
+    """Learned policy, with its models and episodes.
 
     Attributes:
-        file: its file.
-        sha256: of the file's content.
-        policy: the policy.
-        programs: names of the programs among its members.
-        models: its internal models.
-        episodes: those that it was learned from.
-        notes: what could not be found, in sentences.
+        file: File of the policy.
+        sha256: SHA-256 of the file's content.
+        policy: Document of the policy.
+        programs: Names of the programs among its members.
+        models: Internal models of the policy.
+        episodes: Episodes that it was learned from.
+        notes: Sentences about missing parts.
     """
 
     file: Path
@@ -100,10 +100,10 @@ class Learned:
 
 
 def find_learned(path: Path) -> list[Path]:
-    """The files of a policy, or of all that are in a folder.
+    """Return the file of a policy, or the files of all policies in a folder.
 
     Raises:
-        UsageError: there is none.
+        UsageError: There is none.
     """
     if not path.exists():
         raise UsageError(f"{path}: there is no such file or folder")
@@ -121,7 +121,7 @@ def find_learned(path: Path) -> list[Path]:
 
 
 def _numbered(file: Path) -> list[tuple[str, int]]:
-    """By name, and numbers in names by their size."""
+    """Return a sort key by name, with numbers in names by their value."""
     return [(word, int(number or 0)) for word, number in re.findall(r"(\D*)(\d*)", file.name)]
 
 
@@ -129,8 +129,8 @@ def read_learned(file: Path) -> Learned:
     """Read a learned policy, the models that it names, and its journal.
 
     Raises:
-        DiagnosticsError: a document has errors, or the file is of another kind.
-        UsageError: the policy was written by hand, or its journal is damaged.
+        DiagnosticsError: A document has errors, or the file is of another kind.
+        UsageError: The policy was written by hand, or its journal is damaged.
     """
     library, notes = Library(), list[str]()
     policy = library.read(file, PolicyDocument).document
@@ -156,7 +156,7 @@ def _reason(error: Exception) -> str:
 
 
 def _programs(library: Library, file: Path, policy: PolicyDocument) -> Iterator[str]:
-    """Names of programs that the policy's own program uses, as far as that is to be found."""
+    """Yield names of programs that the policy's own program uses, as far as they can be found."""
     path = library.find(ProgramDocument, policy.program, file)
     try:
         if path is not None:
@@ -166,7 +166,7 @@ def _programs(library: Library, file: Path, policy: PolicyDocument) -> Iterator[
 
 
 def _models(file: Path, policy: PolicyDocument) -> Iterator[tuple[str | None, str]]:
-    """Names in the program, and of documents: those of the policy, and others learned with it."""
+    """Yield names in the program and of documents, of the policy and others learned with it."""
     yield from policy.models.items()
     for path in sorted(file.parent.glob(f"{file.stem}_*.yaml")):
         if path.stem not in policy.models.values() and is_of(ModelDocument, path):
@@ -213,10 +213,10 @@ def _from_curve(policy: PolicyDocument) -> Iterator[Episode]:
 
 
 def _from_journal(file: Path, wanted: int) -> list[Episode]:
-    """The first ``wanted`` episodes of the journal beside a policy; none where there is no journal.
+    """Return the first ``wanted`` episodes of the journal beside a policy, if there is one.
 
     Raises:
-        UsageError: it is no journal, or holds fewer.
+        UsageError: The file is no journal, or holds fewer episodes.
     """
     path = file.with_suffix(_JOURNAL)
     if not path.exists():

@@ -1,4 +1,4 @@
-"""The page of what was learned: curves over trials, and each trial's policy and densities."""
+"""Page of learned policies: curves over trials, and each trial's policy and densities."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ from cbdsl.reporting.trial_groups import Measured, TrialGroup, measured, trial_g
 
 _STYLES = ("vendor/uPlot.min.css", "page.css", "learned.css")
 _SCRIPTS = ("vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js", "learned.js")
-#: How many episodes at the beginning and the end are compared.
+#: Number of episodes at the beginning and the end that are compared.
 _SOME = 10
 
 
 def learned_page(learned: Sequence[Learned], above: float) -> str:
-    """The page of one or more policies; the same files give the same text.
+    """Return the page of one or more policies; the same files give the same text.
 
     Args:
-        learned: at least one.
-        above: arcs of a larger share are drawn, in [0, 1].
+        learned: Learned policies, at least one.
+        above: Threshold for drawn arcs: only larger shares are drawn, in [0, 1].
     """
     groups = trial_groups(learned)
     results = [measured(group) for group in groups]
@@ -78,7 +78,7 @@ def _verdict(learned: Sequence[Learned]) -> str:
 
 
 def _summary(results: Sequence[Measured]) -> str:
-    """A table with the results of each group."""
+    """Return a table with the results of each group."""
     rows = [
         (
             each.group.name,
@@ -120,7 +120,7 @@ def _contexts(groups: Sequence[TrialGroup]) -> str:
 
 
 def _choice(learned: Sequence[Learned]) -> str:
-    """The menu of trials, where there are several."""
+    """Return the menu of trials, if there are several."""
     if len(learned) == 1:
         return ""
     options = "".join(
@@ -131,7 +131,7 @@ def _choice(learned: Sequence[Learned]) -> str:
 
 
 def _trial(learned: Learned, place: int, above: float) -> str:
-    """All of one trial."""
+    """Return the section of one trial."""
     policy = learned.policy
     diagram = svg(policy_graph(_transitions(learned, above)))
     densities = "".join(map(_density, learned.models))
@@ -149,7 +149,7 @@ def _trial(learned: Learned, place: int, above: float) -> str:
 
 
 def _transitions(learned: Learned, above: float) -> PolicyTransitions:
-    """The policy's graph; what was rewarded is taken from the journal, where there is one."""
+    """Return the policy's graph, with rewarded states from the journal, if there is one."""
     ends = [(episode.end, episode.reward > 0) for episode in learned.episodes]
     unrewarded = {end for end, rewarded in ends if not rewarded}
     known = {end for end, _ in ends if end is not None}
@@ -159,7 +159,7 @@ def _transitions(learned: Learned, above: float) -> PolicyTransitions:
 
 
 def _policy(learned: Learned) -> str:
-    """The policy as a table."""
+    """Return the policy as a table."""
     rows = [_row(learned, decision) for decision in decisions(learned.policy)]
     headings = ("state", "action", "Q", "next best", "tried", "met", "ended", "what follows")
     caption = f"Policy; a state has a letter for {', '.join(learned.policy.predicates)}"
@@ -189,7 +189,7 @@ def _row(learned: Learned, decision: Decision) -> tuple[object, ...]:
 
 
 def _density(model: InternalModel) -> str:
-    """An internal model: pictures, and what they show in numbers."""
+    """Return an internal model as pictures and numbers."""
     density = model.document.density
     samples = np.array([density.mean] if density.form == "gaussian" else density.samples)
     spread = density.deviation if density.form == "gaussian" else samples.std(axis=0)
@@ -221,7 +221,7 @@ def _density(model: InternalModel) -> str:
 
 
 def _provenance(learned: Learned) -> str:
-    """Where the policy comes from, to learn it again."""
+    """Return the provenance of the policy, which allows it to be learned again."""
     provenance = learned.policy.provenance
     fields: dict[str, object] = {"file": learned.file.name, "sha256": _digest(learned.sha256)}
     if provenance is not None:
@@ -266,7 +266,7 @@ def _data(results: Sequence[Measured], learned: Sequence[Learned]) -> str:
 
 
 def _again(learned: Learned) -> str:
-    """The command that runs the program where an episode was."""
+    """Return the command that runs the program in the world of an episode."""
     words = ["cb", "run", learned.policy.program]
     provenance = learned.policy.provenance
     if provenance is not None:

@@ -1,4 +1,4 @@
-"""A visible part of a link."""
+"""Visible part of a link."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ Numbers = tuple[float, ...]
 
 
 class LinkShape(NamedTuple):
-    """A visible part of a link.
+    """Visible part of a link.
 
     Attributes:
         shape: ``ball``, ``box``, ``cylinder`` or ``mesh``.
-        size: radius; edge lengths; radius and height along z; for a mesh nothing; m.
-        position: in the link's frame, m.
-        quaternion: in the link's frame, as (x, y, z, w).
-        color: red, green and blue, each from 0 to 1.
-        mesh: the triangles of a mesh.
+        size: Radius of a ball, edge lengths of a box, radius and height along z of a cylinder, m;
+            empty for a mesh.
+        position: Position in the link's frame, m.
+        quaternion: Orientation in the link's frame, as (x, y, z, w).
+        color: Red, green and blue, each from 0 to 1.
+        mesh: Triangles of a mesh.
     """
 
     shape: str

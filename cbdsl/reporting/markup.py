@@ -11,7 +11,7 @@ class Markup(str):
 
 
 def html(value: object) -> str:
-    """A value as HTML: text is escaped, markup stays what it is, nothing is an empty cell."""
+    """Return a value as HTML: text is escaped, markup is kept, ``None`` is an empty cell."""
     if value is None:
         return ""
     return value if isinstance(value, Markup) else escape(str(value))
@@ -23,13 +23,13 @@ def table(
     rows: Iterable[Sequence[object]],
     words: Collection[int] = (0,),
 ) -> Markup:
-    """A table in a box that scrolls where it is too wide; keys scroll it, too.
+    """Return a table in a box that scrolls if it is too wide; keys scroll it, too.
 
     Args:
-        caption: what it shows.
-        headings: of the columns.
-        rows: their cells; the first of each is the row's own heading.
-        words: the columns that hold words; the others hold numbers.
+        caption: Caption of the table.
+        headings: Headings of the columns.
+        rows: Cells of the rows; the first of each is the row's own heading.
+        words: Indices of the columns that hold words; the others hold numbers.
     """
 
     def kind(place: int) -> str:
@@ -48,13 +48,13 @@ def table(
 
 
 def terms(fields: Mapping[str, object]) -> Markup:
-    """Terms and what is told of each."""
+    """Return terms and their values as a list."""
     pairs = (f"<dt>{escape(term)}</dt><dd>{html(value)}</dd>" for term, value in fields.items())
     return Markup(f"<dl>{''.join(pairs)}</dl>")
 
 
 def letters(state: str, meanings: Sequence[str]) -> Markup:
-    """A state as a row of coloured letters, each with its meaning."""
+    """Return a state as a row of coloured letters, each with its meaning."""
     spans = (
         f'<span class="letter p-{escape(letter)}" title="{escape(meaning)}">{escape(letter)}</span>'
         for letter, meaning in zip(state, meanings, strict=True)

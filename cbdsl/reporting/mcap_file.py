@@ -1,9 +1,10 @@
-"""MCAP files of recorded episodes, with the schemas of Foxglove where there are such.
+"""MCAP files of recorded episodes, with the schemas of Foxglove if they exist.
 
-Topics, all by simulated time and in SI: ``/tf`` (foxglove.FrameTransforms) of all links and things,
-``/robot`` and ``/things`` (foxglove.SceneUpdate), ``/camera/NAME`` (foxglove.CompressedImage),
-``/joint_states``, ``/potentials``, ``/predicates`` and ``/signals``, ``/transitions``
-(foxglove.Log). The robot's URDF is an attachment.
+All topics use simulated time and SI units. ``/tf`` (foxglove.FrameTransforms) has the frames of
+all links and objects. ``/robot`` and ``/things`` (foxglove.SceneUpdate) have their shapes, and
+``/camera/NAME`` (foxglove.CompressedImage) has the images. Further topics are ``/joint_states``,
+``/potentials``, ``/predicates``, ``/signals`` and ``/transitions`` (foxglove.Log). The robot's URDF
+is an attachment.
 
 Needs the extra ``mcap``.
 """
@@ -32,7 +33,7 @@ from cbdsl.runtime.recording_folder import replace_file
 
 Json = dict[str, Any]
 
-#: Frame that all others hang on.
+#: Root of all frames.
 WORLD = "world"
 _NANO = 1_000_000_000
 _INFO = 2
@@ -40,10 +41,10 @@ _DOUBLES = NDArray[np.float64]
 
 
 def write_mcap(recorded: Recorded, target: Path) -> int:
-    """Write a recording; returns the number of messages.
+    """Write a recording, and return the number of messages.
 
     Raises:
-        OSError: the file cannot be written.
+        OSError: The file cannot be written.
     """
     stream = io.BytesIO()
     messages = _Messages(Writer(stream), recorded)
@@ -63,7 +64,7 @@ class _Messages:
         self._count = 0
 
     def write(self) -> int:
-        """Write all; returns how many."""
+        """Write all messages, and return their number."""
         result = self._summary["result"]
         self._writer.start(profile="", library="cbdsl")
         self._writer.add_metadata("result", {key: str(value) for key, value in result.items()})
@@ -92,7 +93,7 @@ class _Messages:
         self._count += 1
 
     def _put_bodies(self, links: Sequence[DrawnLink]) -> None:
-        """The shapes of the robot and of the things, once, each in its own frame."""
+        """Write the shapes of the robot and of the objects, once, each in its own frame."""
         robot = [_entity(link.name, [shape._asdict() for shape in link.shapes]) for link in links]
         things = [_entity(f"thing/{n}", parts) for n, parts in self._summary["scene"].items()]
         for topic, entities in (("/robot", robot), ("/things", things)):
@@ -162,7 +163,7 @@ def _stamp(time: float) -> Json:
 
 
 def _numbers(values: _DOUBLES) -> list[float | None]:
-    """Values, with nothing where they are undefined: JSON has no NaN."""
+    """Return values, with ``None`` for undefined ones, because JSON has no NaN."""
     return [None if math.isnan(value) else float(value) for value in values]
 
 
@@ -183,7 +184,7 @@ def _named(values: Iterable[float], names: str) -> Json:
 
 
 def _entity(frame: str, parts: Iterable[Mapping[str, Any]]) -> Json:
-    """The shapes that hang on a frame, as an entity of a scene."""
+    """Return the shapes that are attached to a frame, as an entity of a scene."""
     shapes: dict[str, list[Json]] = {
         key: [] for key in ("arrows", "cubes", "spheres", "cylinders", "lines", "triangles",
                             "texts", "models")
@@ -203,10 +204,10 @@ def _entity(frame: str, parts: Iterable[Mapping[str, Any]]) -> Json:
 
 
 def _primitive(part: Mapping[str, Any], pose: Json, color: Json) -> tuple[str, Json]:
-    """A part as a primitive of a scene, and the list that it belongs to."""
+    """Return a part as a primitive of a scene, and the list that it belongs to."""
     if part["shape"] == "mesh":
         mesh = part["mesh"]
-        # Of the robot it was read from its file, of a thing it is in the recording.
+        # A mesh of the robot was read from its file; a mesh of an object is in the recording.
         points, faces = mesh.values() if isinstance(mesh, Mapping) else mesh
         return "triangles", {
             "pose": pose,

@@ -10,7 +10,7 @@ from cbdsl.robot.simplified_mesh import simplified
 
 
 def read_mesh(file: Path, scale: Sequence[float]) -> Mesh | None:
-    """The mesh in a file with its corners times ``scale``, simplified; ``None`` if unreadable."""
+    """Return a simplified mesh from a file, scaled by ``scale``, or ``None`` if unreadable."""
     try:
         return simplified(read_mesh_file(file, scale))
     except MeshError:

@@ -1,4 +1,4 @@
-"""The page of a meta-catalog: its graph, its pairs, and stacks of the things that are there."""
+"""Page of a meta-catalog: its graph, its pairs, and stacks of the available objects."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from cbdsl.reporting.template import filled
 
 _STYLES = ("page.css", "learned.css", "meta_catalog.css")
 _SCRIPTS = ("page.js", "data.js", "meta_catalog.js")
-# Highest stacks that are listed: of many things there are very many.
+# Maximum height of listed stacks, because their number grows fast with the number of objects.
 _HIGHEST = 4
 
 
 def meta_catalog_page(catalog: MetaCatalogDocument) -> str:
-    """The page of a meta-catalog; the same document gives the same text."""
+    """Return the page of a meta-catalog; the same document gives the same text."""
     stood = sum(pair.rewarded > 0 for pair in catalog.pairs.values())
     slots = {
         "heading": escape(catalog.name),
@@ -67,7 +67,7 @@ def _counts(pair: AffordanceSection) -> tuple[str, str]:
 
 
 def _seen(pair: AffordanceSection) -> str:
-    """Mean of the offset in its model, cm; empty where it has none."""
+    """Return the mean of the offset in its model, cm; empty if it has none."""
     place = 0
     for name, feature in pair.features.items():
         if name == "offset" and pair.with_reward is not None:
@@ -93,7 +93,7 @@ def _provenance(origin: CatalogProvenance) -> Markup:
 
 
 def _plans(catalog: MetaCatalogDocument) -> Iterator[dict[str, object]]:
-    """All stacks that follow, the surest of each height first."""
+    """Yield all stacks that follow from the pairs, the surest of each height first."""
     support = support_graph(catalog)
     for height in range(2, min(_HIGHEST, len(catalog.things)) + 1):
         for plan in plan_stacks(support, height):

@@ -1,4 +1,4 @@
-"""The visible robot: links of its URDF, their parents and their shapes."""
+"""Visible robot: links of its URDF, their parents and their shapes."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ _KINDS = {"revolute": "turn", "continuous": "turn", "prismatic": "slide"}
 
 
 class DrawnLink(NamedTuple):
-    """A link, and the joint that it hangs on.
+    """Link, with the joint that connects it to its parent.
 
     Attributes:
-        name: of the link.
-        parent: index of the link above, -1 for the root, which is at the world's origin.
-        position, quaternion: of the joint in the frame of the link above, m and (x, y, z, w).
+        name: Name of the link.
+        parent: Index of the parent link, -1 for the root, which is at the world's origin.
+        position, quaternion: Pose of the joint in the parent link's frame, m and (x, y, z, w).
         motion: ``turn``, ``slide`` or ``fixed``.
-        axis: of the joint, in its own frame.
-        column: the recorded joint that moves it, -1 for none.
-        ratio: angle of this joint per angle of the recorded one.
-        offset: angle of this joint where that of the recorded one is 0.
-        shapes: what can be seen of the link.
+        axis: Axis of the joint, in its own frame.
+        column: Index of the recorded joint that moves it, -1 for none.
+        ratio: Angle of this joint per angle of the recorded one.
+        offset: Angle of this joint when the angle of the recorded one is 0.
+        shapes: Visible shapes of the link.
     """
 
     name: str
@@ -51,16 +51,16 @@ class DrawnLink(NamedTuple):
 def read_links(
     robot: Mapping[str, Any], joints: Sequence[str], *, is_recorded: bool = True
 ) -> list[DrawnLink]:
-    """The links of a recorded robot, each behind the one that it hangs on.
+    """Return the links of a recorded robot, each after its parent.
 
-    Where nothing of the robot can be shown, it is a skeleton.
+    If no shape of the robot can be shown, the links are a skeleton.
 
     Args:
-        robot: as the recording has it: ``urdf`` (text), ``folder`` (where meshes are looked for)
-            and ``couplings``.
-        joints: names of the recorded joints.
-        is_recorded: Whether a recording says where meshes are; it may come from elsewhere, and
-            shows meshes from nearby folders alone.
+        robot: Robot as recorded: ``urdf`` (text), ``folder`` (search path of meshes) and
+            ``couplings``.
+        joints: Names of the recorded joints.
+        is_recorded: True if a recording states the location of meshes. It may come from elsewhere,
+            so that only meshes from nearby folders are shown.
     """
     folder = Path(robot["folder"])
     model = parse_urdf(robot["urdf"], folder / "model.urdf")
@@ -97,7 +97,7 @@ def read_links(
 
 
 def _outwards(model: UrdfModel, above: Mapping[str, UrdfJoint]) -> Iterator[str]:
-    """The links' names, from the root outwards."""
+    """Yield the links' names, from the root outwards."""
     below: dict[str, list[str]] = {}
     for name, joint in above.items():
         below.setdefault(joint.parent, []).append(name)
@@ -121,9 +121,9 @@ def _driven(
 
 
 def _is_nearby(file: Path) -> bool:
-    """Return whether a recording may name a file: below the current folder or what is installed.
+    """Return whether a recording may name a file: below the current or an installed folder.
 
-    A page that is sent on would else hold what a hostile recording names elsewhere.
+    Otherwise a page that is shared could contain files that a hostile recording names elsewhere.
     """
     packages = os.environ.get("ROS_PACKAGE_PATH", "").split(":")
     roots = (Path.cwd(), shipped(), Path(sys.prefix), *(Path(each) for each in packages if each))
@@ -131,7 +131,7 @@ def _is_nearby(file: Path) -> bool:
 
 
 def _shapes(visuals: Sequence[UrdfShape], folder: Path, is_recorded: bool) -> Iterator[LinkShape]:
-    """The shapes of a link that can be shown; a mesh that is not there cannot."""
+    """Yield the shapes of a link that can be shown, without missing meshes."""
     for visual in visuals:
         kind, size, mesh = visual.kind, visual.size, None
         if kind == "mesh":

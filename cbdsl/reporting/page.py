@@ -1,4 +1,4 @@
-"""The page of a recorded episode."""
+"""Page of a recorded episode."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _STYLES = ("vendor/uPlot.min.css", "page.css", "replay.css")
 
 
 def page(recorded: Recorded) -> str:
-    """The page of a recording; the same recording gives the same text."""
+    """Return the page of a recording; the same recording gives the same text."""
     result = recorded.summary["result"]
     title = f"{result['program']}, seed {result['seed']}"
     return filled("replay.html", title, _STYLES, _SCRIPTS, _data(recorded), {})
@@ -54,12 +54,12 @@ def _data(recorded: Recorded) -> str:
     return bundle.text(header)
 
 
-#: What a page tells of the result: nothing that depends on the machine.
+#: Results shown on a page; none of them depends on the machine.
 _RESULT = ("program", "stage", "context", "seed", "rewarded", "sim_seconds", "ending")
 
 
 def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
-    """Values per tick, as exact as a page needs them."""
+    """Return values per tick, with the precision of a page."""
     arrays = recorded.arrays
     series: dict[str, NDArray[Any]] = {
         key: arrays[key].astype(np.float32)
@@ -81,7 +81,7 @@ def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
 
 
 def _cameras(recorded: Recorded, bundle: Bundle) -> dict[str, Any]:
-    """When images were taken, and by camera where each image's file begins and ends."""
+    """Return the times of images, and the encoded images by camera."""
     kept = chosen(len(recorded.arrays["image_time"]))
     tracks: dict[str, Any] = {"time": bundle.add(recorded.arrays["image_time"][kept]), "images": {}}
     for key, images in recorded.arrays.items():
@@ -94,12 +94,12 @@ def _cameras(recorded: Recorded, bundle: Bundle) -> dict[str, Any]:
 
 
 def drawn_link(link: DrawnLink, bundle: Bundle) -> dict[str, object]:
-    """A link as the header of a page has it."""
+    """Return a link in the form of a page's header."""
     return {**link._asdict(), "shapes": [_shape(shape, bundle) for shape in link.shapes]}
 
 
 def _part(part: Mapping[str, Any], bundle: Bundle) -> Mapping[str, object]:
-    """A visible part of a thing."""
+    """Return a visible part of an object, with its mesh in the bundle."""
     if "mesh" not in part:
         return part
     corners, triangles = (np.array(part["mesh"][key]) for key in ("corners", "triangles"))

@@ -1,4 +1,4 @@
-"""Why an episode stopped: what was missing, who held whom back, which joints were at limits."""
+"""Reasons why an episode stopped: missing signals, blocked levels, guards and joint limits."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from numpy.typing import NDArray
 
 from cbdsl.reporting.recorded import Recorded
 
-#: How long before its end an episode is looked at, s.
+#: Duration of the examined end of an episode, s.
 _LOOKED_AT = 0.5
-# A level that achieves less of what it wants is told of.
+# A level that achieves a smaller share of its task velocity is reported.
 _SMALL_SHARE = 0.5
-# A level at rest that wants no more than this share of its largest potential is not worth telling.
+# A level at rest is not reported if its potential is at most this share of its maximum.
 _SMALL_PHI = 1e-4
 
 
 def reasons(recorded: Recorded) -> list[str]:
-    """Sentences, the most telling first; none where nothing stood in the way."""
+    """Return sentences, the most informative first; none if nothing blocked the episode."""
     end = _last_ticks(recorded)
     stopped = (*_guards(recorded, end), *_limits(recorded, end))
     return [*_missing(recorded), *_held(recorded, end), *stopped]
 
 
 def _last_ticks(recorded: Recorded) -> NDArray[np.intp]:
-    """Indices of the last ticks in which anything acted."""
+    """Return indices of the last ticks in which any controller acted."""
     time = recorded.arrays["time"]
     acted = np.flatnonzero((recorded.arrays["level_priority"] >= 0).any(axis=1))
     late = time[acted] > time[acted[-1:]] - _LOOKED_AT
@@ -34,7 +34,7 @@ def _last_ticks(recorded: Recorded) -> NDArray[np.intp]:
 
 
 def _missing(recorded: Recorded) -> Iterator[str]:
-    """The signals that controllers lacked in the last tick."""
+    """Yield sentences about the signals that controllers lacked in the last tick."""
     triples, signals = recorded.summary["triples"], recorded.signals
     last = recorded.summary["predicates"][-1]
     for name, predicate in zip(recorded.controllers, last, strict=True):
@@ -58,7 +58,7 @@ def _last_seen(recorded: Recorded, signal: str) -> str:
 
 
 def _held(recorded: Recorded, end: NDArray[np.intp]) -> Iterator[str]:
-    """Levels that achieved little of what they wanted, highest priority first."""
+    """Yield sentences about levels with a small share of their task, highest priority first."""
     arrays, names = recorded.arrays, recorded.controllers
     if not len(end):
         return
@@ -87,7 +87,7 @@ def _achieved(share: float) -> str:
 
 
 def _cause(recorded: Recorded, tick: int, column: int) -> str:
-    """Who or what kept a level from moving."""
+    """Return the cause that kept a level from moving, as a clause."""
     arrays, names = recorded.arrays, recorded.controllers
     holder = int(arrays["level_held_by"][tick, column])
     if holder == len(names):
@@ -105,7 +105,7 @@ def _cause(recorded: Recorded, tick: int, column: int) -> str:
 
 
 def _guards(recorded: Recorded, end: NDArray[np.intp]) -> Iterator[str]:
-    """Guards that the motion gave way to in the last ticks."""
+    """Yield a sentence about guards that the motion gave way to in the last ticks."""
     if "guard_held" not in recorded.arrays or not recorded.summary.get("guards"):
         return
     held = np.flatnonzero(recorded.arrays["guard_held"][end].any(axis=0))
@@ -115,7 +115,7 @@ def _guards(recorded: Recorded, end: NDArray[np.intp]) -> Iterator[str]:
 
 
 def _limits(recorded: Recorded, end: NDArray[np.intp]) -> Iterator[str]:
-    """Joints that their limits held back in the last ticks."""
+    """Yield a sentence about joints at their limits in the last ticks."""
     held = np.flatnonzero(recorded.arrays["at_limits"][end].any(axis=0))
     names = [recorded.summary["joints"][index] for index in held]
     if names:

@@ -1,4 +1,4 @@
-"""Recordings as they are read again, with clear words for what is none."""
+"""Recordings read from files, with clear messages for invalid ones."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ _TOLD = (
     "triples", "signals", "scene", "robot",
 )  # fmt: skip
 
-# Archives whose sizes, compression or encryption are damaged, too.
+# Includes archives with damaged sizes, compression or encryption.
 _UNREADABLE = (
     OSError, ValueError, EOFError, RuntimeError, MemoryError, OverflowError, zipfile.BadZipFile,
     zlib.error,
 )  # fmt: skip
 
-# An hour's states; five minutes with the images of two cameras.
+# Enough for an hour of states, or for five minutes with the images of two cameras.
 _MOST_SUMMARY_BYTES = 50_000_000
 _MOST_ARRAY_BYTES = 1_000_000_000
 
@@ -45,12 +45,12 @@ _MAKING = "cb run PROGRAM --record FOLDER writes one when an episode ends"
 
 @dataclass(frozen=True)
 class Recorded:
-    """A recorded episode.
+    """Recorded episode.
 
     Attributes:
-        file: its JSON file.
-        summary: what that holds.
-        arrays: what the NPZ file holds, by name.
+        file: JSON file of the recording.
+        summary: Content of the JSON file.
+        arrays: Arrays of the NPZ file, by name.
     """
 
     file: Path
@@ -59,7 +59,7 @@ class Recorded:
 
     @property
     def controllers(self) -> list[str]:
-        """Names of the columns of what is kept by controller."""
+        """Names of the columns of values per controller."""
         return list(self.summary["controllers"])
 
     @property
@@ -78,13 +78,13 @@ class Recorded:
 
 
 def find_recordings(path: Path) -> list[Path]:
-    """The JSON files of a recording, or of all in a folder, by seed.
+    """Return the JSON files of a recording, or of all recordings in a folder, by seed.
 
     Args:
-        path: a folder, or either file of a recording.
+        path: Folder, or either file of a recording.
 
     Raises:
-        UsageError: there is none.
+        UsageError: There is none.
     """
     if not path.exists():
         raise UsageError(f"{path}: there is no such file or folder")
@@ -103,7 +103,7 @@ def read_recording(file: Path) -> Recorded:
     """Read a recording by its JSON file; the arrays are beside it.
 
     Raises:
-        UsageError: it is no recording, an old one, or one of which something is missing.
+        UsageError: The file is no recording, an old one, or an incomplete one.
     """
     summary = _summary(file)
     absent = [key for key in _TOLD if key not in summary]

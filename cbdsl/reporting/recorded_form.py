@@ -1,4 +1,4 @@
-"""The form of a recording: what its two files hold, as ``Recording`` writes them."""
+"""Form of a recording: content of its two files, as ``Recording`` writes them."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class _Summary(BaseModel, strict=True):
 
 
 def summary_faults(summary: Mapping[str, Any]) -> Iterator[str]:
-    """Faults in what the JSON file of a recording holds, as clauses; the first is the cause."""
+    """Yield faults in a recording's JSON file, as clauses; the first is the cause."""
     try:
         _Summary.model_validate(summary)
     except ValidationError as error:
@@ -125,7 +125,7 @@ def _mesh_faults(part: Mapping[str, Any]) -> Iterator[str]:
 
 
 def array_faults(summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Iterator[str]:
-    """Faults in the arrays of a recording whose summary is sound, as clauses."""
+    """Yield faults in the arrays of a recording whose summary is sound, as clauses."""
     for name, array in arrays.items():
         wanted = _shape(name, summary, arrays)
         if wanted is None:
@@ -140,7 +140,7 @@ def array_faults(summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]])
         ):
             yield f"{name}: is of {array.dtype}"
     count = len(summary["controllers"])
-    # Behind the controllers come joint limits and reach.
+    # The indices after the controllers stand for joint limits and reach.
     if arrays["level_held_by"].max(initial=-1) > count + 1:
         yield "level_held_by: names a controller that is not there"
 
@@ -148,7 +148,7 @@ def array_faults(summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]])
 def _shape(
     name: str, summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
 ) -> tuple[int, ...] | None:
-    """Shape of an array, -1 for any length; ``None`` where nothing is known of it."""
+    """Return the shape of an array, -1 for any length, or ``None`` for an unknown array."""
     joints, controllers = len(summary["joints"]), len(summary["controllers"])
     if name == "image_time":
         return (-1,)

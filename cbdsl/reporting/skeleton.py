@@ -1,4 +1,4 @@
-"""Skeleton of a robot whose model shows nothing: its joints as balls, joined by rods."""
+"""Skeleton of a robot without visible shapes: its joints as balls, joined by rods."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from cbdsl.reporting.link_shape import LinkShape, Numbers
 from cbdsl.robot.urdf import UrdfJoint
 
 _COLOR = (0.35, 0.5, 0.65)
-# Thickness of the rods by the length of the longest, so that a hand and a crane both look like one.
+# Thickness of the rods relative to the longest, so that the skeleton suits any size of robot.
 _SLENDERNESS = 0.06
 
 
 def skeleton(joints: Iterable[UrdfJoint]) -> Mapping[str, tuple[LinkShape, ...]]:
-    """Shapes of each link by name: a rod to every joint that hangs on it, and a ball there.
+    """Return shapes of each link by name: a rod to every joint of a child, and a ball there.
 
     Args:
-        joints: all of a model.
+        joints: All joints of a model.
     """
     below: dict[str, list[UrdfJoint]] = {}
     for joint in joints:
@@ -40,7 +40,7 @@ def _shapes(joints: Iterable[UrdfJoint], radius: float) -> Iterator[LinkShape]:
 
 
 def _along(direction: Numbers) -> Numbers:
-    """Quaternion (x, y, z, w) of the shortest turn from the z axis to a direction."""
+    """Return the quaternion (x, y, z, w) of the shortest turn from the z axis to a direction."""
     x, y, z = (value / math.hypot(*direction) for value in direction)
     if z < -1 + 1e-9:
         return (1.0, 0.0, 0.0, 0.0)

@@ -1,10 +1,10 @@
-"""The command that builds a planned stack."""
+"""Command that builds a planned stack."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-# Programs by how many things they stack, and their parameters for the channels, from below.
+# Programs by number of stacked objects, and their parameters for the channels, from below.
 _PROGRAMS = {
     2: ("stand", ("goal", "feature")),
     3: ("stack_three", ("goal", "middle", "feature")),
@@ -12,10 +12,10 @@ _PROGRAMS = {
 
 
 def stack_command(channels: Sequence[str]) -> str | None:
-    """The command for things that are known by these channels, from below.
+    """Return the command that stacks the objects of these channels, from below.
 
     Returns:
-        ``None`` where no shipped program stacks so many.
+        Command, or ``None`` if no shipped program stacks so many.
     """
     if len(channels) not in _PROGRAMS:
         return None

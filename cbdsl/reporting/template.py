@@ -1,4 +1,4 @@
-"""Pages: one HTML file with everything in it, which loads nothing."""
+"""Pages: single HTML files that contain all their assets and load no others."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from html import escape
 from importlib.resources import files
 
 _SLOT = re.compile(r"\{\{(\w+)\}\}")
-# Would end a script that it is a part of, whatever it means there.
+# Would end a script that contains it, regardless of its meaning there.
 _END_OF_SCRIPT = re.compile(r"</(?=script)", re.IGNORECASE)
 
 
@@ -22,15 +22,17 @@ def filled(
     *,
     connects: bool = False,
 ) -> str:
-    """A page from its template in the frame of all pages; what is put in is not searched for slots.
+    """Return a page from its template in the frame of all pages.
+
+    Inserted texts are not searched for slots.
 
     Args:
-        name: the template of its body, among the assets.
-        title: of the page, as text.
-        styles, scripts: assets, in their order.
-        data: what the scripts show.
-        slots: what goes into the body, by name, as HTML.
-        connects: whether the page may talk to the server that it comes from, and to no other.
+        name: Template of its body, among the assets.
+        title: Title of the page, as text.
+        styles, scripts: Assets, in order.
+        data: Data that the scripts show.
+        slots: Content of the body's slots, by name, as HTML.
+        connects: True if the page may connect to its own server, and to no other.
     """
     frame = {
         "title": escape(title),

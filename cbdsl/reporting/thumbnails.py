@@ -8,20 +8,20 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-#: How many images of one camera a page holds at most.
+#: Maximum number of images of one camera on a page.
 _MOST = 360
 _QUALITY = 60
 
 
 def chosen(count: int) -> NDArray[np.intp]:
-    """Indices of the images that are kept of ``count``, evenly, the last among them."""
+    """Return indices of the images to keep of ``count``, evenly spaced, including the last."""
     if count <= _MOST:
         return np.arange(count)
     return np.linspace(0, count - 1, _MOST).round().astype(np.intp)
 
 
 def encoded(images: NDArray[np.uint8]) -> list[bytes]:
-    """Images, RGB, shape (images, height, width, 3), each as a WebP file."""
+    """Return images, RGB, shape (images, height, width, 3), each as a WebP file."""
     return [_webp(image) for image in images]
 
 

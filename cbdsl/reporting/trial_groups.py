@@ -21,7 +21,7 @@ from cbdsl.reporting.learned import Learned
 
 Floats = NDArray[np.float64]
 
-#: Over how many episodes curves can be smoothed.
+#: Numbers of episodes in the smoothing window.
 WINDOWS = (1, 5, 10)
 
 
@@ -29,8 +29,8 @@ class TrialGroup(NamedTuple):
     """Trials that differ in their seeds alone.
 
     Attributes:
-        name: of all of them.
-        trials: at least one.
+        name: Name of the group.
+        trials: Trials, at least one.
     """
 
     name: str
@@ -38,15 +38,15 @@ class TrialGroup(NamedTuple):
 
     @property
     def episodes(self) -> int:
-        """The number of episodes that all trials have."""
+        """Number of episodes that all trials have."""
         return min(len(trial.episodes) for trial in self.trials)
 
     def rates(self) -> Floats:
-        """Reward per transition, by trial and episode, shape (trials, episodes)."""
+        """Return reward per transition, by trial and episode, shape (trials, episodes)."""
         return self._table([[e.reward / e.transitions for e in t.episodes] for t in self.trials])
 
     def hits(self) -> Floats:
-        """1 where an episode was rewarded, else 0, shape (trials, episodes)."""
+        """Return 1 for rewarded episodes, else 0, shape (trials, episodes)."""
         return self._table([[float(e.reward > 0) for e in t.episodes] for t in self.trials])
 
     def _table(self, rows: Sequence[Sequence[float]]) -> Floats:
@@ -54,12 +54,12 @@ class TrialGroup(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """The curves of a group, by the number of episodes that they are smoothed over.
+    """Curves of a group, by the number of episodes in the smoothing window.
 
     Attributes:
-        group: the group.
-        rate: reward per transition, the interquartile mean over trials.
-        hits: share of rewarded episodes, the mean over trials.
+        group: Measured group.
+        rate: Reward per transition, interquartile mean over trials.
+        hits: Share of rewarded episodes, mean over trials.
     """
 
     group: TrialGroup
@@ -68,13 +68,13 @@ class Measured(NamedTuple):
 
 
 def measured(group: TrialGroup) -> Measured:
-    """The curves of a group."""
+    """Return the curves of a group."""
     rate, hits = _curves(group.rates(), interquartile_mean), _curves(group.hits(), mean)
     return Measured(group, rate, hits)
 
 
 def trial_groups(learned: Sequence[Learned]) -> list[TrialGroup]:
-    """Trials by what was learned where and how, in the order of the first of each."""
+    """Return trials grouped by learning task and method, in the order of their first trial."""
     by_identity: dict[object, list[Learned]] = {}
     for each in learned:
         by_identity.setdefault(_identity(each), []).append(each)
@@ -82,7 +82,7 @@ def trial_groups(learned: Sequence[Learned]) -> list[TrialGroup]:
 
 
 def _identity(learned: Learned) -> object:
-    """The properties that distinguish groups; policies without provenance are alone."""
+    """Return the properties that distinguish groups; policies without provenance are alone."""
     provenance = learned.policy.provenance
     if provenance is None:
         return learned.file
@@ -90,7 +90,7 @@ def _identity(learned: Learned) -> object:
 
 
 def _name(trials: Sequence[Learned]) -> str:
-    """The common part of the trials' names, without their numbers."""
+    """Return the common part of the trials' names, without their numbers."""
     if len(trials) == 1:
         return trials[0].policy.name
     plain = {re.sub(r"_?\d+$", "", each.policy.name) for each in trials}
@@ -98,8 +98,9 @@ def _name(trials: Sequence[Learned]) -> str:
 
 
 def _curves(values: Floats, center: Center) -> Mapping[int, Band]:
-    """By width of the window, a curve over trials; ``values`` have shape (trials, episodes).
+    """Return, by width of the window, a curve over trials; ``values`` are (trials, episodes).
 
-    Each trial is smoothed before trials are compared, so that intervals are those of what is drawn.
+    Each trial is smoothed before the trials are compared, so that the intervals are those of the
+    drawn curves.
     """
     return {window: band(running_mean(values, window), center) for window in WINDOWS}

@@ -1,4 +1,4 @@
-"""Hierarchy of catalogs: icons of things, and above them of what they make (Fig 7.10, 7.17)."""
+"""Hierarchy of catalogs: icons of objects, below icons of their combinations (Fig 7.10, 7.17)."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ class CatalogNode(NamedTuple):
     """One catalog of a hierarchy.
 
     Attributes:
-        words: what it is of.
-        layers: its affordances; those that were never rewarded are not drawn.
-        below: catalogs that it joins, by name.
-        action: the one that joins them.
+        words: Label of the object.
+        layers: Affordances of the object; unrewarded ones are not drawn.
+        below: Names of the catalogs that it joins.
+        action: Action that joins them.
     """
 
     words: str
@@ -28,10 +28,10 @@ class CatalogNode(NamedTuple):
 
 
 def catalog_hierarchy(nodes: Mapping[str, CatalogNode]) -> str:
-    """SVG of catalogs, each above those that it joins.
+    """Return an SVG of catalogs, each above the catalogs that it joins.
 
     Args:
-        nodes: by name, each after those that it joins.
+        nodes: Catalogs by name, each after the catalogs that it joins.
     """
     levels: dict[str, int] = {}
     for name, node in nodes.items():
@@ -63,7 +63,7 @@ def catalog_hierarchy(nodes: Mapping[str, CatalogNode]) -> str:
 def _places(
     levels: Mapping[str, int], heights: Mapping[str, int]
 ) -> tuple[dict[str, tuple[float, float]], float, float]:
-    """Upper left corner of each icon, and the size of the drawing, px."""
+    """Return the upper left corner of each icon, and the size of the drawing, px."""
     rows = [[name for name in levels if levels[name] == n] for n in range(1 + max(levels.values()))]
     widths = [len(row) * (WIDTH + _GAP) - _GAP for row in rows]
     width, top = 2 * _MARGIN + max(widths), float(_MARGIN)
@@ -72,7 +72,7 @@ def _places(
         tallest = max(heights[name] for name in row)
         left = (width - wide) / 2
         for column, name in enumerate(row):
-            # What stands in a row stands on one line.
+            # All icons of a row share one base line.
             places[name] = (left + column * (WIDTH + _GAP), top + tallest - heights[name])
         top += tallest + _RISE
     return places, width, top - _RISE + _MARGIN

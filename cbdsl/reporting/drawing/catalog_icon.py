@@ -1,4 +1,4 @@
-"""Catalog icon: affordances stacked upon the object that has them (Figure 6.5)."""
+"""Catalog icon: affordances stacked on their object (Figure 6.5)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import NamedTuple
 
-#: Of an icon, px.
+#: Dimensions of an icon, px.
 WIDTH = 300
 _HEIGHT, _GAP, _MARGIN = 34, 4, 12
 _ORANGE, _EMPTY, _INK, _OBJECT = "#e69f00", "#fbeed2", "#222222", "#dddddd"
@@ -16,9 +16,9 @@ class Layer(NamedTuple):
     """One affordance of an icon.
 
     Attributes:
-        name: of the action.
-        tried: how often it was taken.
-        rewarded: how often it was rewarded.
+        name: Name of the action.
+        tried: Number of trials.
+        rewarded: Number of rewarded trials.
     """
 
     name: str
@@ -27,9 +27,9 @@ class Layer(NamedTuple):
 
 
 def catalog_icon(name: str, feature: str, layers: Sequence[Layer]) -> str:
-    """SVG of a catalog: one layer per affordance that was ever rewarded, the surest at the bottom.
+    """Return an SVG of a catalog with one layer per rewarded affordance, the surest at the bottom.
 
-    How much of a layer is filled says how often its action was rewarded.
+    The filled share of a layer is the share of rewarded trials of its action.
     """
     height, parts = icon_parts(f"{name} ({feature})", layers)
     return "\n".join(
@@ -45,11 +45,11 @@ def catalog_icon(name: str, feature: str, layers: Sequence[Layer]) -> str:
 
 
 def icon_parts(words: str, layers: Sequence[Layer]) -> tuple[int, list[str]]:
-    """Height of an icon, px, and its elements, for a drawing that has several.
+    """Return the height of an icon, px, and its elements, for a drawing with several icons.
 
     Args:
-        words: on the object.
-        layers: as ``catalog_icon`` has them.
+        words: Label on the object.
+        layers: Affordances, as for ``catalog_icon``.
     """
     afforded = [layer for layer in layers if layer.rewarded]
     ordered = sorted(afforded, key=lambda layer: layer.rewarded / layer.tried)

@@ -16,14 +16,14 @@ _SHAPES = {
 
 
 def dot(graph: Graph) -> str:
-    """A graph as DOT, graphs within it as clusters."""
+    """Return a graph as DOT, with graphs within it as clusters."""
     style = (*_STYLE, *(["rankdir=LR"] if graph.across else []))
     body = "\n".join(f"  {line}" for line in (*style, *_cluster(graph, "p")))
     return f"digraph {_quoted(graph.name)} {{\n{body}\n}}\n"
 
 
 def _cluster(graph: Graph, key: str) -> Iterator[str]:
-    """One graph; ``key`` makes its nodes distinct from those of others."""
+    """Yield one graph; ``key`` makes its nodes distinct from the nodes of other graphs."""
     yield f"subgraph cluster_{key} {{"
     yield f"  label={_quoted(graph.title, *graph.notes)} labeljust=l"
     keys = {node.key: f"{key}_{place}" for place, node in enumerate(graph.nodes)}
@@ -51,7 +51,7 @@ def _look(graph: Graph, node: Vertex) -> str:
 
 
 def _table(graph: Graph, node: Vertex) -> str:
-    """A table, as Graphviz takes it for HTML: letters, then the lines."""
+    """Return a table in Graphviz's HTML: letters, then the lines."""
     cells = "".join(_cell(letter, member in graph.programs) for letter, member in
                     zip(node.letters, graph.members, strict=False))  # fmt: skip
     rows = "".join(f"<TR><TD>{_line(line)}</TD></TR>" for line in node.lines)

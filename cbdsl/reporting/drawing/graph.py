@@ -1,4 +1,4 @@
-"""A directed graph for people: states, actions, and labelled edges, in whatever format."""
+"""Directed graph for display: states, actions and labelled edges, independent of the format."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Outline(StrEnum):
-    """The look of a node."""
+    """Outline of a node."""
 
     STATE = "state"
     SELECTOR = "selector"
@@ -18,24 +18,24 @@ class Outline(StrEnum):
 
 
 class TextLine(NamedTuple):
-    """A line of a label; ``kind`` is a class of the style sheet: name, action, fact or reward."""
+    """Line of a label; ``kind`` is a class of the style sheet: name, action, fact or reward."""
 
     text: str
     kind: str = ""
 
 
 class Vertex(NamedTuple):
-    """A node.
+    """Node of a graph.
 
     Attributes:
-        key: distinct within the graph.
-        shape: its look.
-        lines: its label.
-        letters: the state that stands above the label as pictograms, one letter per member.
-        tooltip: a sentence about it.
-        started: whether an arrow without a source leads to it.
-        frame: the second frame, ``ending`` or ``ending rewarded``, or empty for none.
-        inner: the graph that it runs.
+        key: Key of the node, distinct within the graph.
+        shape: Outline of the node.
+        lines: Lines of the label.
+        letters: State shown above the label as pictograms, one letter per member.
+        tooltip: Sentence about the node.
+        started: True if an arrow without a source leads to it.
+        frame: Second frame, ``ending`` or ``ending rewarded``, or empty for none.
+        inner: Graph that the node runs.
     """
 
     key: str
@@ -49,13 +49,13 @@ class Vertex(NamedTuple):
 
 
 class Edge(NamedTuple):
-    """An edge.
+    """Edge of a graph.
 
     Attributes:
-        source, target: keys of nodes.
-        label: beside it.
-        weight: its thickness, in [0, 1].
-        back: whether it leads back to where all began, and has no say in the layout.
+        source, target: Keys of nodes.
+        label: Text beside the edge.
+        weight: Thickness, in [0, 1].
+        back: True if it leads back to the initial state; such edges do not affect the layout.
     """
 
     source: str
@@ -66,17 +66,17 @@ class Edge(NamedTuple):
 
 
 class Graph(NamedTuple):
-    """A graph.
+    """Directed graph.
 
     Attributes:
-        name: of the program or policy.
-        title: above it.
-        nodes: in order.
-        edges: the likeliest of a node first.
-        members: the letters of a state stand for these.
-        programs: those of the members that are programs.
-        notes: how to read it.
-        across: whether it is laid out from left to right instead of downwards.
+        name: Name of the program or policy.
+        title: Text above the graph.
+        nodes: Nodes in order.
+        edges: Edges, the most likely one of a node first.
+        members: Members behind the letters of a state.
+        programs: Members that are programs.
+        notes: Notes for reading the graph.
+        across: True for a layout from left to right instead of downwards.
     """
 
     name: str

@@ -13,26 +13,26 @@ Key = str
 Point = tuple[float, float]
 
 _SWEEPS = 12
-# How much an arc between two nodes, a node and a passage, two passages wants to be straight.
+# Weights for straight arcs between two nodes, a node and a passage, or two passages.
 _STRAIGHT = (2, 1, 8)
-#: How many nodes without any arc share a row.
+#: Number of nodes without any arc that share a row.
 _LOOSE = 4
 
 
 class Size(NamedTuple):
-    """How large a node is, px."""
+    """Size of a node, px."""
 
     width: float
     height: float
 
 
 class Spacing(NamedTuple):
-    """Room between things, px.
+    """Space between elements, px.
 
     Attributes:
-        across: between nodes of a row.
-        down: between rows.
-        lane: width of an arc that passes a row.
+        across: Distance between nodes of a row.
+        down: Distance between rows.
+        lane: Width of an arc that passes a row.
     """
 
     across: float
@@ -41,12 +41,12 @@ class Spacing(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """A drawing.
+    """Layout of a drawing.
 
     Attributes:
-        centers: of the nodes, from the upper left corner of the drawing.
-        routes: by arc, points that it passes, from the rim of one node to that of the other.
-        size: of all.
+        centers: Centres of the nodes, from the upper left corner of the drawing, px.
+        routes: Points of each arc, from the border of one node to the border of the other, px.
+        size: Size of the drawing, px.
     """
 
     centers: Mapping[Key, Point]
@@ -55,7 +55,7 @@ class Layout(NamedTuple):
 
 
 class _Cell(NamedTuple):
-    """A node in its row, or the place where an arc passes a row."""
+    """Node in its row, or the place of an arc that passes a row."""
 
     row: int
     arc: tuple[Key, Key] | None
@@ -69,14 +69,14 @@ def lay_out(
     spacing: Spacing,
     across: bool = False,
 ) -> Layout:
-    """Place nodes.
+    """Place nodes in rows, and route the arcs between them.
 
     Args:
-        sizes: of the nodes.
-        arcs: between different nodes.
-        roots: those in the first row.
-        spacing: room between things.
-        across: rows become columns, from left to right.
+        sizes: Sizes of the nodes, px.
+        arcs: Arcs between different nodes.
+        roots: Nodes in the first row.
+        spacing: Space between elements.
+        across: True for columns from left to right instead of rows.
     """
     if across:
         flipped = {node: Size(height, width) for node, (width, height) in sizes.items()}
@@ -101,7 +101,7 @@ def lay_out(
 
 
 def _flipped(layout: Layout) -> Layout:
-    """A layout with its axes exchanged."""
+    """Return a layout with its axes exchanged."""
     return Layout(
         {node: (y, x) for node, (x, y) in layout.centers.items()},
         {arc: tuple((y, x) for x, y in route) for arc, route in layout.routes.items()},
@@ -112,7 +112,7 @@ def _flipped(layout: Layout) -> Layout:
 def _rows(
     nodes: Sequence[Key], arcs: Sequence[tuple[Key, Key]], roots: list[Key]
 ) -> dict[Key, int]:
-    """In which row each node goes: as many below a root as arcs lead there."""
+    """Return the row of each node: its distance in arcs from a root."""
     after: dict[Key, list[Key]] = {node: [] for node in nodes}
     for source, target in arcs:
         after[source].append(target)
@@ -133,7 +133,7 @@ def _rows(
 
 
 def _chain(arc: tuple[Key, Key], rows: Mapping[Key, int]) -> tuple[_Cell, ...]:
-    """An arc's source, what it passes, and its target."""
+    """Return the cells of an arc: its source, the cells in passed rows, and its target."""
     (source, target), (first, last) = arc, (rows[arc[0]], rows[arc[1]])
     step = 1 if last > first else -1
     passed = range(first + step, last, step) if first != last else range(0)
@@ -167,7 +167,7 @@ def _neighbours(chains: Sequence[tuple[_Cell, ...]]) -> dict[_Cell, list[_Cell]]
 
 
 def _order(rows: list[list[_Cell]], chains: Sequence[tuple[_Cell, ...]]) -> list[list[_Cell]]:
-    """The rows with the fewest crossings that sweeps by barycentres come upon."""
+    """Return the rows with the fewest crossings found by barycentre sweeps."""
     near = _neighbours(chains)
     best, fewest = rows, _crossings(rows, near)
     for sweep in range(_SWEEPS):
@@ -213,7 +213,7 @@ def _places(
     widths: Mapping[_Cell, float],
     across: float,
 ) -> dict[_Cell, float]:
-    """Horizontal centres: each close to its neighbours' mean, none closer than there is room."""
+    """Return horizontal centres, each close to its neighbours' mean, with enough space between."""
     near = _neighbours(chains)
     places: dict[_Cell, float] = {}
     for row in rows:
@@ -227,7 +227,7 @@ def _places(
 
 
 def _wanted(cell: _Cell, near: Sequence[_Cell], places: Mapping[_Cell, float]) -> float:
-    """The mean place of a cell's neighbours; long arcs should be straight above all."""
+    """Return the mean place of a cell's neighbours, weighted so that long arcs are straight."""
     weights = [_STRAIGHT[(cell.node is None) + (other.node is None)] for other in near]
     if not near:
         return places[cell]
@@ -241,9 +241,9 @@ def _apart(
     widths: Mapping[_Cell, float],
     across: float,
 ) -> dict[_Cell, float]:
-    """The places with the least squared distance from where a row's cells want to be.
+    """Return the places with the least squared distance from the desired places of a row's cells.
 
-    Less the room that each needs beside those before it, places may not decrease: isotonic
+    After subtraction of the space for preceding cells, places may not decrease: isotonic
     regression, by pooling adjacent violators.
     """
     offsets, offset = [], 0.0
@@ -272,7 +272,7 @@ def _routes(
     heights: _Heights,
     spacing: Spacing,
 ) -> dict[tuple[Key, Key], tuple[Point, ...]]:
-    """The points that arcs pass: ports share the sides of their nodes in the order of the arcs."""
+    """Return the points of all arcs; ports share a node's side in the order of the arcs."""
     ports = _ports(chains, across, sizes)
     tops, tall, middles = heights
     routes = {}
@@ -296,7 +296,7 @@ def _routes(
 
 
 def _below(chain: Sequence[_Cell], end: int, across: Mapping[_Cell, float]) -> bool:
-    """Whether an arc meets the lower side of its source (``end`` 0) or target (-1).
+    """Return whether an arc meets the lower side of its source (``end`` 0) or target (-1).
 
     Within a row, arcs to the right go below both, and arcs to the left above.
     """
@@ -311,7 +311,7 @@ def _ports(
     across: Mapping[_Cell, float],
     sizes: Mapping[Key, Size],
 ) -> dict[tuple[tuple[Key, Key], int], float]:
-    """Where each end of each arc meets its node, horizontally."""
+    """Return the horizontal position at which each end of each arc meets its node, px."""
     sides: dict[tuple[_Cell, bool], list[tuple[float, tuple[Key, Key], int]]] = {}
     for arc, chain in chains.items():
         for end, other in ((0, 1), (-1, -2)):

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, Vertex
 from cbdsl.reporting.drawing.pictogram import symbols
 
-# Labels are taken for HTML and Markdown; these would mean something there.
+# Mermaid parses labels as HTML and Markdown; these characters have a meaning there.
 _SPECIAL = '"#&<>*_`-'
 _BRACKETS = {Outline.SELECTOR: "{}", Outline.PATTERN: ("([", "])"), Outline.END: ("((", "))")}
 
 
 def mermaid(graph: Graph) -> str:
-    """A graph as a Mermaid flowchart, graphs within it as subgraphs.
+    """Return a graph as a Mermaid flowchart, with graphs within it as subgraphs.
 
     A state in which episodes end is framed twice.
     """
@@ -22,7 +22,7 @@ def mermaid(graph: Graph) -> str:
 
 
 def _subgraph(graph: Graph, key: str) -> Iterator[str]:
-    """One graph; ``key`` makes its nodes distinct from those of others."""
+    """Yield one graph; ``key`` makes its nodes distinct from the nodes of other graphs."""
     yield f"subgraph {key}_box[{_quoted(graph.title)}]"
     keys = {node.key: f"{key}_{place}" for place, node in enumerate(graph.nodes)}
     for node in graph.nodes:
@@ -53,7 +53,7 @@ def _arrow(edge: Edge) -> str:
 
 
 def _quoted(*lines: str) -> str:
-    """Lines of a label in quotes, with what has a meaning in them as character codes."""
+    """Return the lines of a label in quotes, with special characters as character codes."""
     escaped = (
         "".join(f"#{ord(letter)};" if letter in _SPECIAL else letter for letter in line)
         for line in lines

@@ -1,4 +1,4 @@
-"""Graph of a meta-catalog: things, pairs that stayed, stacks that follow (Figures 7.10, 7.17)."""
+"""Graph of a meta-catalog: objects, stable pairs, and derived stacks (Figures 7.10, 7.17)."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from cbdsl.learning.thing_graph import support_graph
 
 _WIDTH, _HEIGHT, _GAP, _RISE, _MARGIN = 190, 44, 16, 76, 14
 _ORANGE, _EMPTY, _INK, _THING, _LINE = "#e69f00", "#fbeed2", "#222222", "#dddddd", "#888888"
-# Stacks of three that are drawn at most, the surest ones.
+# Maximum number of drawn stacks of three, the surest first.
 _STACKS = 6
 
 
 class _Box(NamedTuple):
-    """A box of the drawing.
+    """Box of the drawing.
 
     Attributes:
-        words: two lines.
-        share: that is filled; ``None`` for a thing.
-        below: keys of the boxes that it stands on.
-        dashed: whether it was never tried.
+        words: Two lines of text.
+        share: Filled share; ``None`` for an object.
+        below: Keys of the boxes that it stands on.
+        dashed: True if it was never tried.
     """
 
     words: tuple[str, str]
@@ -33,10 +33,10 @@ class _Box(NamedTuple):
 
 
 def meta_catalog_graph(catalog: MetaCatalogDocument) -> str:
-    """SVG of a meta-catalog in three rows.
+    """Return an SVG of a meta-catalog in three rows.
 
-    At the bottom stand the things, above them the pairs that ever stayed, filled by how often, and
-    dashed above these the stacks of three that follow from them.
+    The objects are at the bottom. Above them are the pairs that ever stayed, filled by their share
+    of success. Above these, dashed, are the stacks of three that follow from the pairs.
     """
     rows = [_stacks(catalog), _pairs(catalog), _things(catalog)]
     rows = [row for row in rows if row]
@@ -64,12 +64,12 @@ def meta_catalog_graph(catalog: MetaCatalogDocument) -> str:
 
 
 def pair_key(name: str) -> str:
-    """The key of a pair's box in the drawing; that of a thing is its name."""
+    """Return the key of a pair's box in the drawing; the key of an object is its name."""
     return f"pair {name}"
 
 
 def stack_key(order: Sequence[str]) -> str:
-    """The key of a stack's box in the drawing, of things from below."""
+    """Return the key of a stack's box in the drawing, with objects ordered from below."""
     return "stack " + " ".join(order)
 
 
@@ -93,7 +93,7 @@ def _pairs(catalog: MetaCatalogDocument) -> dict[str, _Box]:
 
 
 def _stacks(catalog: MetaCatalogDocument) -> dict[str, _Box]:
-    """Stacks of three, each on the pairs that it is made of."""
+    """Return the stacks of three, each on its pairs."""
     boxes, support = {}, support_graph(catalog)
     for plan in plan_stacks(support, 3)[:_STACKS]:
         low, middle, top = plan.order

@@ -1,4 +1,4 @@
-"""States as rows of small pictograms, one per member: what Figure 4.2 has icons for."""
+"""States as rows of small pictograms, one per member, like the icons of Figure 4.2."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ PITCH = 29
 
 
 class Letter(NamedTuple):
-    """A predicate (Eq 4.1), or ``*`` for any.
+    """Predicate (Eq 4.1), or ``*`` for any.
 
     Attributes:
-        meaning: in words.
-        symbol: one character, for where there are no pictures.
-        paper: colour of its ground.
-        ink: colour of its sign.
+        meaning: Meaning in words.
+        symbol: One character, for use without pictures.
+        paper: Background colour.
+        ink: Colour of the sign.
     """
 
     meaning: str
@@ -26,7 +26,7 @@ class Letter(NamedTuple):
     ink: str
 
 
-#: The colours are those of replays; the signs differ, too, for whoever cannot tell colours.
+#: The colours are those of replays; the signs differ, too, for colour-blind readers.
 LETTERS = {
     "X": Letter("not active", "✕", "#e3e6ea", "#4d555e"),
     "-": Letter("undefined", "−", "#f3c98b", "#4a2c00"),  # noqa: RUF001
@@ -46,7 +46,7 @@ _SIGNS = {
 
 
 def in_words(state: str, members: Sequence[str]) -> str:
-    """A state for people: what each member is at."""
+    """Return a state in words, with the meaning of each member's predicate."""
     parts = (
         f"{member} {LETTERS[letter].meaning}"
         for member, letter in zip(members, state, strict=False)
@@ -55,32 +55,32 @@ def in_words(state: str, members: Sequence[str]) -> str:
 
 
 def symbols(state: str) -> str:
-    """A state in characters that look like its pictograms."""
+    """Return a state in characters that resemble its pictograms."""
     return " ".join(LETTERS[letter].symbol for letter in state)
 
 
 def width(state: str) -> float:
-    """How wide the pictograms of a state are, px."""
+    """Return the width of a state's pictograms, px."""
     return len(state) * PITCH - (PITCH - EDGE)
 
 
 def pictograms(
     state: str, members: Sequence[str], programs: Collection[str], left: float, top: float
 ) -> Iterator[str]:
-    """A state as SVG; programs have a second frame.
+    """Yield a state as SVG; programs have a second frame.
 
     Args:
-        state: one letter per member.
-        members: their names.
-        programs: those of them that are programs.
-        left, top: the upper left corner, px.
+        state: State, one letter per member.
+        members: Names of the members.
+        programs: Names of the members that are programs.
+        left, top: Upper left corner, px.
     """
     for place, (letter, member) in enumerate(zip(state, members, strict=False)):
         yield pictogram(letter, member in programs, left + place * PITCH, top)
 
 
 def pictogram(letter: str, program: bool, left: float, top: float) -> str:
-    """One letter as SVG; ``left`` and ``top`` are its upper left corner, px."""
+    """Return one letter as SVG; ``left`` and ``top`` are its upper left corner, px."""
     look, half = LETTERS[letter], EDGE / 2
     frames = [_frame(0.5, look), *([_frame(3, look)] if program else [])]
     return (

@@ -1,4 +1,4 @@
-"""The graph of a policy: states, their actions, and the likely transitions between them."""
+"""Graph of a policy: states, their actions, and the likely transitions between them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cbdsl.reporting.drawing.policy_transitions import Decision, PolicyTransitio
 
 
 def policy_graph(policy: PolicyTransitions) -> Graph:
-    """The transition diagram of a policy, as in Figures 4.5, 4.7 and 4.10."""
+    """Return the transition diagram of a policy, as in Figures 4.5, 4.7 and 4.10."""
     return Graph(
         name=policy.name,
         title=title(policy),
@@ -43,12 +43,12 @@ def _node(policy: PolicyTransitions, decision: Decision) -> Vertex:
 
 
 def percent(share: float) -> str:
-    """A share as people read it."""
+    """Return a share as a percentage."""
     return f"{100 * share:.0f} %"
 
 
 def title(policy: PolicyTransitions) -> str:
-    """The policy's name and its program's."""
+    """Return a title with the policy's name and its program's."""
     learned = any(decision.value is not None for decision in policy.decisions)
     if policy.name == policy.program and not learned:
         return f"{policy.program}, the policy written in it"
@@ -56,7 +56,7 @@ def title(policy: PolicyTransitions) -> str:
 
 
 def _facts(policy: PolicyTransitions, decision: Decision) -> Iterator[str]:
-    """The action's value and trials, and whether episodes end here."""
+    """Yield the action's value and trials, and whether episodes end here."""
     if decision.value is not None:
         yield f"Q {decision.value:.2f}, n {decision.tried}"
     if decision.end > policy.above:
@@ -64,12 +64,12 @@ def _facts(policy: PolicyTransitions, decision: Decision) -> Iterator[str]:
 
 
 def ending(policy: PolicyTransitions, decision: Decision) -> str:
-    """The word for an episode that ends in a state."""
+    """Return the word for an episode that ends in a state."""
     return "rewarded" if decision.state in policy.rewarded else "ends"
 
 
 def sentence(policy: PolicyTransitions, decision: Decision) -> str:
-    """A state, its action, and the transitions out of it."""
+    """Return a sentence about a state, its action, and the transitions out of it."""
     parts = [f"{decision.state} ({in_words(decision.state, policy.members)}):"]
     if decision.action is not None:
         parts.append(f"{decision.action};")
@@ -83,7 +83,7 @@ def sentence(policy: PolicyTransitions, decision: Decision) -> str:
 
 
 def _notes(policy: PolicyTransitions) -> Iterator[str]:
-    """How to read the diagram."""
+    """Yield notes for reading the diagram."""
     yield f"State, left to right: {', '.join(policy.members)}."
     if policy.programs:
         yield f"A double frame is a program's: {', '.join(sorted(policy.programs))}."

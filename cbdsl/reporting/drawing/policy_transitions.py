@@ -1,4 +1,4 @@
-"""The states of a policy, their actions, and the transitions observed between them."""
+"""States of a policy, their actions, and the observed transitions between them."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ _LETTERS = frozenset(PREDICATES + ANY)
 
 
 class Decision(NamedTuple):
-    """The action of a policy in a state, and what was observed of it.
+    """Action of a policy in a state, and its observed effects.
 
     Attributes:
-        state: one letter per member; in written policies also ``*``, which stands for any.
-        action: what is done, or ``None`` where the policy has nothing for this state.
-        value: discounted reward to expect of it, or ``None`` where nothing was learned.
-        tried: how often it was tried.
-        met: how often the state was met, whatever was done in it.
-        started: how many episodes began in it.
-        ended: how many episodes ended in it.
-        after: how often which state followed the action.
+        state: State, one letter per member; in written policies also ``*``, which stands for any.
+        action: Action, or ``None`` if the policy has none for this state.
+        value: Expected discounted reward of the action, or ``None`` if nothing was learned.
+        tried: Number of trials of the action.
+        met: Number of visits to the state, regardless of the action.
+        started: Number of episodes that began in it.
+        ended: Number of episodes that ended in it.
+        after: Number of transitions by next state after the action.
     """
 
     state: str
@@ -42,25 +42,25 @@ class Decision(NamedTuple):
 
     @property
     def end(self) -> float:
-        """Share of the times that the state was met in which the episode ended in it."""
+        """Share of visits to the state in which the episode ended in it."""
         return self.ended / self.met if self.met else 0.0
 
     def share(self, state: str) -> float:
-        """Pr(state | this state, its action): the share of ``state`` among what follows.
+        """Return Pr(state | this state, its action): the share of ``state`` among the next states.
 
-        It is that of all times that this state was met. An episode that ended in it went nowhere.
+        It is the share of all visits to this state. An episode that ended in it has no next state.
         """
         return (1 - self.end) * self.after.get(state, 0) / self.tried if self.tried else 0.0
 
 
 class Arc(NamedTuple):
-    """A transition that is likely enough to be drawn.
+    """Transition that is likely enough to be drawn.
 
     Attributes:
-        source: the state before.
-        target: the state after.
-        share: its probability under the policy.
-        times: how often it was observed.
+        source: State before.
+        target: State after.
+        share: Probability under the policy.
+        times: Number of observations.
     """
 
     source: str
@@ -70,18 +70,18 @@ class Arc(NamedTuple):
 
 
 class PolicyTransitions(NamedTuple):
-    """A policy.
+    """Transitions of a policy.
 
     Attributes:
-        name: of the policy.
-        program: that it serves.
-        members: what a state has a letter for, in order.
-        programs: those of the members that are programs.
-        above: arcs of at most this share are left out.
-        decisions: what is drawn: the states that drawn arcs lead to from where episodes began.
-        arcs: the transitions between them.
-        left_out: how many other states are known.
-        rewarded: the states in which every episode that ended there was rewarded, as far as known.
+        name: Name of the policy.
+        program: Name of the program that it serves.
+        members: Members behind the letters of a state, in order.
+        programs: Members that are programs.
+        above: Threshold for the share of drawn arcs; arcs of at most this share are left out.
+        decisions: Drawn states, which drawn arcs reach from the initial states.
+        arcs: Transitions between them.
+        left_out: Number of other known states.
+        rewarded: States in which, as far as known, every episode that ended there was rewarded.
     """
 
     name: str
@@ -96,11 +96,10 @@ class PolicyTransitions(NamedTuple):
 
 
 def decisions(policy: PolicyDocument) -> tuple[Decision, ...]:
-    """All states that a policy decides, as it orders them, then those that only ended episodes.
+    """Return all states that a policy decides, in its order, then states that only ended episodes.
 
-    Where episodes began and ended follows from the observed transitions: a state that was left
-    more often than it was come to is where they began, one that was left less often where they
-    ended.
+    Initial and final states follow from the observed transitions. A state that was left more
+    often than it was reached is initial; a state that was left less often is final.
     """
     came, left = _arrivals(policy), _departures(policy)
     states = dict.fromkeys((*policy.policy, *left, *came))
@@ -108,12 +107,12 @@ def decisions(policy: PolicyDocument) -> tuple[Decision, ...]:
 
 
 def require_legible(policy: PolicyDocument, file: Path) -> None:
-    """Make sure that every state of a policy has a letter for each member.
+    """Require that every state of a policy has a letter for each member.
 
-    Whether they are those of its program is for ``cb validate`` to say.
+    ``cb validate`` checks whether the members are those of its program.
 
     Raises:
-        UsageError: one has not.
+        UsageError: A state has missing or unknown letters.
     """
     size = len(policy.predicates)
     for each in decisions(policy):
@@ -161,15 +160,15 @@ def policy_transitions(
     programs: Collection[str] = (),
     rewarded: Collection[str] | None = None,
 ) -> PolicyTransitions:
-    """The transitions of a policy.
+    """Return the transitions of a policy.
 
     Args:
-        policy: learned, or written: then nothing is known of what follows a state.
-        above: arcs of a larger share are drawn, in [0, 1].
-        every: draw also states that drawn arcs do not lead to from where episodes began.
-        programs: names of programs, to tell them from controllers among the members.
-        rewarded: the states in which every episode that ended there was rewarded; without it, all
-            of them where the learning curve has no episode without reward.
+        policy: Learned or written policy; the transitions of a written one are unknown.
+        above: Threshold for drawn arcs: only larger shares are drawn, in [0, 1].
+        every: True to draw also states that drawn arcs do not reach from the initial states.
+        programs: Names of programs, to distinguish them from controllers among the members.
+        rewarded: States in which every episode that ended there was rewarded. If ``None``, all
+            final states, provided that the learning curve has no episode without reward.
     """
     known = {decision.state: decision for decision in decisions(policy)}
     leading = {state: _arcs(decision, above) for state, decision in known.items()}
@@ -194,7 +193,7 @@ def policy_transitions(
 
 
 def _arcs(decision: Decision, above: float) -> tuple[Arc, ...]:
-    """The likely transitions out of a state, the likeliest first."""
+    """Return the likely transitions out of a state, the likeliest first."""
     arcs = (
         Arc(decision.state, target, decision.share(target), times)
         for target, times in decision.after.items()
@@ -204,7 +203,7 @@ def _arcs(decision: Decision, above: float) -> tuple[Arc, ...]:
 
 
 def _reached(began: Sequence[str], leading: Mapping[str, Sequence[Arc]]) -> list[str]:
-    """The states that arcs lead to, those that fewer arcs lead to first."""
+    """Return the states that arcs lead to, ordered by the number of arcs on the way."""
     reached = dict.fromkeys(began)
     waiting = list(began)
     while waiting:

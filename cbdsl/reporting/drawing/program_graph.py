@@ -1,4 +1,4 @@
-"""The graph of a program: its state, the patterns of its policy, and the actions they select."""
+"""Graph of a program: its state, the patterns of its policy, and the actions they select."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cbdsl.reporting.drawing.pictogram import in_words
 
 
 def program_graph(program: CheckedProgram) -> Graph:
-    """The graph of a program; the programs that it uses are graphs within its nodes.
+    """Return the graph of a program; the programs that it uses are graphs within its nodes.
 
     Actions that no pattern selects, which are for learners, come last.
     """

@@ -1,4 +1,4 @@
-"""The graph of a schema: whether it begins, and with which resources (Figures 5.10, 5.11)."""
+"""Graph of a schema: whether it begins, and with which resources (Figures 5.10, 5.11)."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _Parts = Iterator[Vertex | Edge]
 
 
 def schema_graph(schema: SchemaDocument) -> Graph:
-    """The trees of a schema, one below the other.
+    """Return the trees of a schema, one below the other.
 
-    Where reward is likely enough, the tree of Pr(reward | pi, f) leads on to that of allocations.
+    If reward is likely enough, the tree of Pr(reward | pi, f) leads on to the tree of allocations.
     """
     parts = [*_reward(schema.reward, "reward", schema), *_choice(schema.choose, "choose")]
     nodes = tuple(part for part in parts if isinstance(part, Vertex))
@@ -37,7 +37,7 @@ def schema_graph(schema: SchemaDocument) -> Graph:
 
 
 def _reward(tree: RewardTree | None, key: str, schema: SchemaDocument) -> _Parts:
-    """The tree of reward, whose likely leaves lead to the tree of allocations."""
+    """Yield the tree of reward, whose likely leaves lead to the tree of allocations."""
     if tree is None:
         return
     if isinstance(tree, RewardQuestion):
@@ -55,7 +55,7 @@ def _reward(tree: RewardTree | None, key: str, schema: SchemaDocument) -> _Parts
 
 
 def _choice(tree: ChoiceTree, key: str) -> _Parts:
-    """The tree of allocations."""
+    """Yield the tree of allocations."""
     if isinstance(tree, ChoiceQuestion):
         yield _question(tree.if_, key)
         for word, below in (("yes", tree.then), ("no", tree.else_)):

@@ -22,12 +22,12 @@ _DOWN = Spacing(across=26, down=62, lane=30)
 _ACROSS = Spacing(across=12, down=56, lane=14)
 _START = 26
 _HEAD = 9.0
-#: Between a node and its second frame.
+#: Distance between a node and its second frame, px.
 _RIM = 4
-#: Heights of lines that are not as high as others, by kind.
+#: Heights of lines with other than the standard height, by kind, px.
 _HEIGHTS = {"fact": LINE - 3}
 
-# Everything is below .graph: on a page, other pictures have styles of their own.
+# All rules are below .graph, because other pictures on a page have their own styles.
 _STYLE = f"""
   .graph {{ background: #fff; font: {FONT}; }}
   .graph text {{ fill: #1d2126; dominant-baseline: central; }}
@@ -52,20 +52,20 @@ _STYLE = f"""
 
 
 class _Label(NamedTuple):
-    """The place of an arc's label, px."""
+    """Place of an arc's label, px."""
 
     x: float
     y: float
     width: float
 
     def meets(self, other: _Label) -> bool:
-        """Whether two labels overlap."""
+        """Return whether two labels overlap."""
         near = abs(self.x - other.x) < (self.width + other.width) / 2
         return near and abs(self.y - other.y) < SMALL + 2
 
 
 def svg(graph: Graph) -> str:
-    """A graph as SVG; the graphs within it follow below."""
+    """Return a graph as SVG; the graphs within it follow below."""
     panels = [_Panel(each) for each in _all(graph, [])]
     wide = max(panel.width for panel in panels)
     body: list[str] = []
@@ -86,7 +86,7 @@ def svg(graph: Graph) -> str:
 
 
 def _all(graph: Graph, seen: list[Graph]) -> list[Graph]:
-    """A graph and those within it, each once."""
+    """Return a graph and all graphs within it, each once."""
     if graph not in seen:
         seen.append(graph)
         for node in graph.nodes:
@@ -96,7 +96,7 @@ def _all(graph: Graph, seen: list[Graph]) -> list[Graph]:
 
 
 class _Panel:
-    """One graph, laid out."""
+    """Layout and drawing of one graph."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
@@ -118,7 +118,7 @@ class _Panel:
         self.height = self._above + self._layout.size.height + 2 * _MARGIN + track / 2
 
     def lines(self, top: float, wide: float) -> Iterator[str]:
-        """The panel from ``top`` downwards, in the middle of a width, px."""
+        """Yield the panel from ``top`` downwards, centred in a width, px."""
         left = _MARGIN + (0 if self.graph.across else (wide - self._layout.size.width) / 2)
         yield f"<g id={quoteattr(self.graph.name)}>"
         yield text(self.graph.title, _MARGIN, top, "name")
@@ -155,7 +155,7 @@ class _Panel:
         yield "</a>" if link else "</g>"
 
     def _paths(self) -> Iterator[str]:
-        """The arcs, and then their labels, which nothing may hide."""
+        """Yield the arcs, and then their labels, so that no arc hides a label."""
         labels: list[_Label] = []
         for arc in self._arcs:
             path, points = _path(self._layout.routes[arc.source, arc.target], self.graph.across)
@@ -171,7 +171,7 @@ class _Panel:
             yield _ground(place) + text(arc.label, place.x, place.y, "share")
 
     def _way_back(self) -> Iterator[str]:
-        """The edges back, on one track around the right side and the bottom."""
+        """Yield the edges back, on one track around the right side and the bottom."""
         if not self._back:
             return
         centers, sizes = self._layout.centers, self._sizes
@@ -187,7 +187,7 @@ class _Panel:
 
 
 def _sizes(graph: Graph, loops: dict[str, Edge]) -> dict[str, Size]:
-    """The nodes' sizes; patterns are as wide as one another, and so are actions."""
+    """Return the nodes' sizes; all patterns have the same width, and so do all actions."""
     sizes = {node.key: _size(node, node.key in loops) for node in graph.nodes}
     for column in ((Outline.PATTERN,), (Outline.ACTION, Outline.UNUSED, Outline.END)):
         own = [node.key for node in graph.nodes if node.shape in column]
@@ -214,7 +214,7 @@ def _rim(node: Vertex) -> int:
 
 
 def _label_lines(node: Vertex, middle: float, left: float, top: float) -> Iterator[str]:
-    """The lines of a node: below pictograms they are centred."""
+    """Yield the lines of a node, centred if they are below pictograms."""
     y = top + _pad(node) + (EDGE + 2 if node.letters else 0)
     for line in node.lines:
         y += _HEIGHTS.get(line.kind, LINE)
@@ -222,7 +222,7 @@ def _label_lines(node: Vertex, middle: float, left: float, top: float) -> Iterat
 
 
 def _tip(end: Point, turned: float) -> str:
-    """The tip of an arrow that points to the right, turned clockwise by an angle, deg."""
+    """Return the tip of an arrow that points to the right, turned clockwise by an angle, deg."""
     place = f"translate({end[0]:.1f} {end[1]:.1f}) rotate({turned:g})"
     return f'<path class="tip" transform="{place}" d="M0 0l{-_HEAD:g} -4.5v9z"/>'
 
@@ -246,9 +246,9 @@ def _thickness(arc: Edge) -> float:
 
 
 def _path(route: Sequence[Point], across: bool) -> tuple[str, list[Point]]:
-    """A route as a smooth path, and points along it.
+    """Return a route as a smooth path, and points along it.
 
-    It begins and ends vertically, or horizontally where the layout goes ``across``.
+    It begins and ends vertically, or horizontally if the layout goes ``across``.
     """
     if across:
         route = [(y, x) for x, y in route]
@@ -272,7 +272,7 @@ def _path(route: Sequence[Point], across: bool) -> tuple[str, list[Point]]:
 
 
 def _on(bow: Sequence[Point], t: float) -> Point:
-    """A point on a cubic Bezier curve, ``t`` from 0 to 1."""
+    """Return a point on a cubic Bezier curve, ``t`` from 0 to 1."""
     weights = ((1 - t) ** 3, 3 * (1 - t) ** 2 * t, 3 * (1 - t) * t**2, t**3)
     x = sum(weight * point[0] for weight, point in zip(weights, bow, strict=True))
     y = sum(weight * point[1] for weight, point in zip(weights, bow, strict=True))
@@ -286,7 +286,7 @@ def _label(
     layout: Layout,
     sizes: dict[str, Size],
 ) -> _Label:
-    """A place along an arc where its label meets no other and no node, near its first third."""
+    """Return a label near the first third of an arc that overlaps no other label and no node."""
     places = sorted(range(len(points)), key=lambda place: abs(place - len(points) // 3))
     labels = [_Label(*points[place], wide) for place in places]
     nodes = [(*layout.centers[key], *size) for key, size in sizes.items()]
@@ -302,7 +302,7 @@ def _label(
 
 
 def _letters(panels: Sequence[_Panel]) -> list[str]:
-    """The letters of the legend: none where there are no states, ``*`` only where it is used."""
+    """Return the letters of the legend: none without states, ``*`` only if it is used."""
     if not any(panel.graph.members for panel in panels):
         return []
     used = "".join(node.letters for panel in panels for node in panel.graph.nodes)
@@ -310,7 +310,7 @@ def _letters(panels: Sequence[_Panel]) -> list[str]:
 
 
 def _columns(wide: float) -> int:
-    """The number of entries of the legend that fit beside each other."""
+    """Return the number of entries of the legend that fit beside each other."""
     return next(columns for columns in (5, 4, 2, 1) if columns * _entry() <= wide or columns == 1)
 
 

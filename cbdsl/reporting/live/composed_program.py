@@ -1,4 +1,4 @@
-"""A program document from what was composed by hand, checked as any other."""
+"""Program document from manual changes, checked like any other document."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from cbdsl.yaml_text.reader import formatted_text
 from cbdsl.yaml_text.writer import dump_plain
 
 _WORD = re.compile(r"[^\W\d]\w*")
-# What is about the states of the actions before, which are others now.
+# Keys that refer to states of the previous actions, which no longer exist.
 _OF_STATES = ("use", "success", "failure", "rewards")
 
 Plain = dict[str, Any]
 
 
 class Changes(NamedTuple):
-    """Changes by hand, as of ``Composer``."""
+    """Manual changes, as made by ``Composer``."""
 
     gains: Mapping[str, float]
     targets: Mapping[str, Sequence[float]]
@@ -33,12 +33,12 @@ class Changes(NamedTuple):
 
 
 class ComposedProgram(NamedTuple):
-    """A document that can be saved.
+    """Document that can be saved.
 
     Attributes:
-        text: of the document.
-        findings: of the checker, in its place beside the program that it came from.
-        left_out: controllers of other programs, whose changes it cannot hold.
+        text: Text of the document.
+        findings: Findings of the checker, with the document beside the original program.
+        left_out: Controllers of other programs, whose changes it cannot hold.
     """
 
     text: str
@@ -49,17 +49,17 @@ class ComposedProgram(NamedTuple):
 def composed_program(
     file: Path, stage: str, values: Mapping[str, str], changes: Changes, name: str
 ) -> ComposedProgram:
-    """A program with changes that were made by hand.
+    """Return a program with manual changes.
 
     Args:
-        file: the program that they were made to.
-        stage: on which it ran.
-        values: of its parameters.
-        changes: what was changed.
-        name: of the new program.
+        file: Changed program.
+        stage: Stage on which it ran.
+        values: Values of its parameters.
+        changes: Changes to the program.
+        name: Name of the new program.
 
     Raises:
-        ValueError: no program can have this name.
+        ValueError: The name is invalid for a program.
     """
     if not re.fullmatch(NAME_PATTERN, name) or "\n" in name:
         raise ValueError(f"'{name}' is no name of a program: letters, digits and _")
@@ -93,12 +93,12 @@ def _plain(text: str, file: str) -> Plain:
 
 
 def _only(source: Plain, stack: Sequence[str]) -> Plain:
-    """A program whose only action is a stack, and what that needs."""
+    """Return a program with a stack as its only action, and the definitions that it needs."""
     action = " ◁ ".join(reversed(stack))
     made = {key: value for key, value in source.items() if key not in _OF_STATES}
     needed = _needed(source["controllers"], f"{action} {source.get('background', '')}")
     made["controllers"] = {k: v for k, v in source["controllers"].items() if k in needed}
-    # By themselves, too, so that the states show each of them.
+    # Each controller is an action as well, so that the states include all of them.
     made["actions"] = list(dict.fromkeys([*reversed(stack), action]))
     made["policy"] = {"*" * len(stack): action}
     read = {word for key in ("controllers", "background") for word in _words(made.get(key))}
@@ -115,7 +115,7 @@ def _only(source: Plain, stack: Sequence[str]) -> Plain:
 
 
 def _needed(controllers: Plain, text: str) -> set[str]:
-    """Controllers that a text names, and those that these name."""
+    """Return controllers that a text names, and their dependencies."""
     needed: set[str] = set()
     waiting = [text]
     while waiting:
@@ -127,7 +127,7 @@ def _needed(controllers: Plain, text: str) -> set[str]:
 
 
 def _words(value: object) -> list[str]:
-    """The words of all texts in a value."""
+    """Return the words of all texts in a value."""
     if isinstance(value, dict):
         return [word for each in value.values() for word in _words(each)]
     if isinstance(value, list):
@@ -136,7 +136,7 @@ def _words(value: object) -> list[str]:
 
 
 def _ordered(made: Plain) -> list[str]:
-    """Keys in the order in which programs have them."""
+    """Return keys in the order used in programs."""
     fields = ProgramDocument.model_fields
     order = ["cbdsl", "kind", *(field.alias or name for name, field in fields.items())]
     return sorted(made, key=lambda key: order.index(key) if key in order else len(order))

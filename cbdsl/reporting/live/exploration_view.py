@@ -1,4 +1,4 @@
-"""The live view of an exploration: its episodes, and the catalog as it grows (Chapter 6)."""
+"""Live view of an exploration: its episodes, and the growing catalog (Chapter 6)."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.message import message
 from cbdsl.runtime.episode import EpisodeResult, Tick
 
-# Actions whose course is drawn.
+# Number of actions in the drawn course.
 _DRAWN = 1000
 
 
 class ExplorationView:
-    """Watcher of an exploration that is looked at while it runs.
+    """Watcher of an exploration for a live page.
 
     Args:
-        view: of its episodes.
-        name: of the catalog.
-        feature: channel by which the object is known.
-        total: how many actions are asked for.
+        view: View of its episodes.
+        name: Name of the catalog.
+        feature: Channel by which the object is recognized.
+        total: Number of requested actions.
     """
 
     def __init__(self, view: LiveView, name: str, feature: str, total: int) -> None:
@@ -37,32 +37,32 @@ class ExplorationView:
         self._chosen = ""
         self._over = 0
         self._catalog: dict[str, Any] = {}
-        # For each action that is over, what was known of each affordance then.
+        # For each past action, the knowledge of each affordance at that time.
         self._course: list[dict[str, tuple[int, float, float | None]]] = []
 
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
-        """See ``EpisodeWatcher.begin``."""
+        """Begin an episode; see ``EpisodeWatcher.begin``."""
         self._view.begin(program, stage, seed)
 
     def note_transition(self, transition: Transition) -> None:
-        """See ``EpisodeWatcher.note_transition``."""
+        """Note a transition; see ``EpisodeWatcher.note_transition``."""
         self._view.note_transition(transition)
 
     def note_tick(self, tick: Tick) -> None:
-        """See ``EpisodeWatcher.note_tick``."""
+        """Note a tick; see ``EpisodeWatcher.note_tick``."""
         self._view.note_tick(tick)
 
     def note_end(self, result: EpisodeResult) -> None:
-        """See ``EpisodeWatcher.note_end``."""
+        """Note the end of an episode; see ``EpisodeWatcher.note_end``."""
         self._view.note_end(result)
 
     def note_choice(self, name: str) -> None:
-        """See ``ExplorationWatcher.note_choice``."""
+        """Note the chosen action; see ``ExplorationWatcher.note_choice``."""
         self._chosen = name
         self._tell()
 
     def note_step(self, exploration: Exploration) -> None:
-        """See ``ExplorationWatcher.note_step``."""
+        """Note a finished action; see ``ExplorationWatcher.note_step``."""
         self._chosen, self._over = "", len(exploration.steps)
         known = exploration.affordances
         self._course.append({name: _course(name, exploration) for name in known})
@@ -77,7 +77,7 @@ class ExplorationView:
         self._tell()
 
     def _columns(self, exploration: Exploration) -> dict[str, object]:
-        """The course of the exploration by affordance; null before one was known."""
+        """Return the course of the exploration by affordance; null before one was known."""
         course, steps = self._course, exploration.steps[-_DRAWN:]
         columns = {
             name: [each.get(name, (None, None, None)) for each in course]
@@ -99,7 +99,7 @@ class ExplorationView:
 
 
 def _course(name: str, exploration: Exploration) -> tuple[int, float, float | None]:
-    """How often it was taken, Pr(reward) of what is seen now, and the change of its model."""
+    """Return an affordance's trials, its current Pr(reward), and the change of its model."""
     own = exploration.affordances[name]
     change = exploration.change_of(name)
     probability = float(f"{own.reward_probability():.6g}")

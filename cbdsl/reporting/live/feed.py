@@ -1,4 +1,4 @@
-"""The feed of a live page: what has to arrive, and what only the newest of is worth sending."""
+"""Feed of a live page: messages that must arrive, and messages superseded by newer ones."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from cbdsl.reporting.live.message import Message
 
 
 class FullError(Exception):
-    """As many pages look as a feed serves."""
+    """Error of a page that exceeds the maximum number of pages."""
 
 
 class Feed:
     """Messages of the current episode, from one thread to any number of pages.
 
-    Whoever publishes never waits for a page: a page that is slow finds only the newest of what may
-    be dropped.
+    A publisher never waits for a page: of the messages that may be dropped, a slow page receives
+    only the newest.
 
     Args:
-        most: how many pages may look at once.
+        most: Maximum number of connected pages.
     """
 
     def __init__(self, most: int = 16) -> None:
@@ -35,57 +35,57 @@ class Feed:
 
     @property
     def watched(self) -> bool:
-        """Whether a page looks now."""
+        """True if a page is connected."""
         return self._pages > 0
 
     @property
     def closed(self) -> bool:
-        """Whether nothing will come any more."""
+        """True if no further message will come."""
         return self._closed
 
     def begin(self, first: Message) -> None:
-        """Begin an episode: nothing of the one before is left."""
+        """Begin an episode, and drop the messages of the previous one."""
         with self._changed:
             self._episode += 1
             self._log, self._newest = [first], {}
             self._changed.notify_all()
 
     def append(self, message: Message) -> None:
-        """Publish what every page has to get."""
+        """Publish a message that every page has to receive."""
         with self._changed:
             self._log.append(message)
             self._changed.notify_all()
 
     def renew(self, message: Message) -> None:
-        """Publish what replaces the message of this kind before."""
+        """Publish a message that replaces the previous one of its kind."""
         with self._changed:
             self._count += 1
             self._newest[message.kind] = self._count, message
             self._changed.notify_all()
 
     def close(self) -> None:
-        """Let all pages go."""
+        """Release all pages."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
 
     def wait_for_nobody(self, patience: float) -> None:
-        """Wait until no page looks any more, for ``patience``, s, at most."""
+        """Wait until no page is connected, for at most ``patience``, s."""
         with self._changed:
             self._changed.wait_for(lambda: not self._pages, patience)
 
     def wait_for_page(self) -> None:
-        """Wait until a page looks, or the feed is closed."""
+        """Wait until a page connects, or the feed is closed."""
         with self._changed:
             while not self._pages and not self._closed:
                 self._changed.wait(0.5)
 
     @contextmanager
     def page(self) -> Iterator[PageCursor]:
-        """A page looks, from the beginning of the current episode.
+        """Connect a page, from the beginning of the current episode.
 
         Raises:
-            FullError: too many do.
+            FullError: Too many pages are connected.
         """
         with self._changed:
             if self._pages >= self._most:
@@ -101,14 +101,14 @@ class Feed:
 
 
 class PageCursor:
-    """Place of one page in a feed."""
+    """Position of one page in a feed."""
 
     def __init__(self, feed: Feed) -> None:
         self._feed = feed
         self._episode = self._place = self._seen = 0
 
     def take(self, patience: float) -> list[Message]:
-        """Messages that are new to the page, in their order; none when ``patience``, s, is over."""
+        """Return messages that are new to the page, in order, after at most ``patience``, s."""
         feed = self._feed
         with feed._changed:
             if not self._is_behind() and not feed._closed:

@@ -1,4 +1,4 @@
-"""One tick as a live page shows it."""
+"""Content of one tick on a live page."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.explanation import Explanation, TickExplanation, named_runs
 from cbdsl.types.resource import Resource
 
-# Half of the images' width is enough to see what happens.
+# Half of the images' width suffices for display.
 _SCALE = 0.5
 
 
 def frame(
     tick: Tick, places: Sequence[Resource], world: WorldState | None, names: Sequence[str]
 ) -> dict[str, Any]:
-    """A tick, as JSON has it; undefined numbers are null.
+    """Return a tick in JSON types; undefined numbers are null.
 
     Args:
-        tick: the state of the episode.
-        places: resources whose values are points in the world.
-        world: what is in it, for people who look.
-        names: of the controllers, with those of the programs that they are used in.
+        tick: State of the episode.
+        places: Resources with points in the world as values.
+        world: True state of the world, for display only.
+        names: Names of the controllers, including those of used programs.
     """
     observation, run = tick.observation, tick.run
     runs = [each for _, each in named_runs(run)]
@@ -53,7 +53,7 @@ def frame(
 
 
 def _levels(explained: TickExplanation, names: Sequence[str]) -> list[dict[str, object]]:
-    """Levels that act, highest priority first, each with the index of its controller."""
+    """Return active levels, highest priority first, each with the index of its controller."""
     return [
         {
             "controller": names.index(level.name),
@@ -67,13 +67,13 @@ def _levels(explained: TickExplanation, names: Sequence[str]) -> list[dict[str, 
 
 
 def _pose(world: WorldState, name: str) -> list[float | None]:
-    """Position, m, and quaternion (x, y, z, w)."""
+    """Return position, m, and quaternion (x, y, z, w)."""
     pose = world.pose(name)
     return _numbers([*pose.position.tolist(), *pose.quaternion()])
 
 
 def _point(resource: Resource, tick: Tick) -> list[float | None] | None:
-    """A point in the world, m, as it is sensed; ``None`` while it is not."""
+    """Return a sensed point in the world frame, m, or ``None`` while it is not sensed."""
     reading = tick.signals.read(resource)
     return None if reading is None else _numbers(reading.value)
 
@@ -83,12 +83,15 @@ def _numbers(values: Sequence[float] | NDArray[np.float64]) -> list[float | None
 
 
 def _number(value: float) -> float | None:
-    """A number, as exact as a page needs it; JSON has neither NaN nor infinity."""
+    """Return a number with the precision of a page; JSON has neither NaN nor infinity."""
     return float(f"{value:.6g}") if math.isfinite(value) else None
 
 
 def images(tick: Tick) -> Callable[[], dict[str, str]]:
-    """The camera images of a tick, to be packed later: WebP, in letters and digits, by camera."""
+    """Return a function that packs the camera images of a tick later.
+
+    It returns WebP images, encoded as Base64, by camera.
+    """
     small = {
         camera: cv2.resize(image, None, fx=_SCALE, fy=_SCALE)
         for camera, image in tick.observation.images.items()

@@ -1,4 +1,4 @@
-"""The page of a run while it runs."""
+"""Page of a running program."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _STYLES = ("vendor/uPlot.min.css", "page.css", "replay.css", "live.css")
 def live_page(
     title: str, robot: RobotDocument, urdf: Path, token: str, *, composes: bool = False
 ) -> str:
-    """The page of a robot's episodes; what happens in them comes from its server.
+    """Return the page of a robot's episodes; their content comes from its server.
 
     Args:
-        title: of the page.
-        robot: whose links are drawn.
-        urdf: its model.
-        token: that requests show.
-        composes: whether the program may be changed on it.
+        title: Title of the page.
+        robot: Robot with the links to draw.
+        urdf: URDF file of the robot.
+        token: Token that requests have to contain.
+        composes: True if the program may be changed on the page.
     """
     bundle, joints = Bundle(), Joints(robot).names
     header: Mapping[str, object] = {
@@ -44,7 +44,7 @@ def live_page(
 
 
 def _model(robot: RobotDocument, urdf: Path) -> Mapping[str, object]:
-    """A robot as ``read_links`` takes it."""
+    """Return a robot in the form that ``read_links`` expects."""
     return {
         "urdf": urdf.read_text("utf-8", errors="replace"),
         "folder": str(urdf.parent.resolve()),

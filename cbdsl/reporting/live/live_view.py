@@ -1,4 +1,4 @@
-"""The live view of episodes: a watcher that tells a feed, at the pace of a transport."""
+"""Live view of episodes: a watcher that publishes to a feed, at the pace of a transport."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from cbdsl.types.resource import Resource
 
 # Wall time between frames, s.
 _PAUSE = 1 / 30
-# Outcomes of episodes that a page lists.
+# Number of episodes whose outcomes a page lists.
 _KEPT = 50
 
 
 class LiveView:
-    """Watcher of episodes that are looked at while they run.
+    """Watcher of episodes for live pages.
 
-    While nobody looks it makes no frames, and only keeps what happened to the program's state.
+    Without a connected page it makes no frames, and only keeps the history of the program's state.
 
     Args:
-        feed: where pages learn of it.
-        transport: paces the ticks.
-        scenery: the world, for people who look; nothing else asks for it.
-        composer: changes the program while it runs, if it may be changed.
-        clock: wall time, s.
+        feed: Feed of the pages.
+        transport: Transport that paces the ticks.
+        scenery: Function that returns the true state of the world, for display only.
+        composer: Composer that changes the program while it runs, if changes are allowed.
+        clock: Function that returns the wall time, s.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class LiveView:
         self._last: Tick | None = None
 
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
-        """See ``EpisodeWatcher.begin``."""
+        """Begin an episode; see ``EpisodeWatcher.begin``."""
         self._number += 1
         resources = [each for each in resources_of(program) if not each.is_drawn]
         self._places = [each for each in resources if is_place(each)]
@@ -79,12 +79,12 @@ class LiveView:
         self._transport.begin()
 
     def keep(self, lasting: Message) -> None:
-        """Publish what holds over the episodes, until the next message of its kind."""
+        """Publish a message that remains valid across episodes, until the next one of its kind."""
         self._kept[lasting.kind] = lasting
         self._feed.renew(lasting)
 
     def note_transition(self, transition: Transition) -> None:
-        """See ``EpisodeWatcher.note_transition``."""
+        """Note a transition; see ``EpisodeWatcher.note_transition``."""
         content = {
             "program": transition.title,
             "depth": transition.depth,
@@ -97,7 +97,7 @@ class LiveView:
         self._feed.append(message("transition", content))
 
     def note_tick(self, tick: Tick) -> None:
-        """See ``EpisodeWatcher.note_tick``."""
+        """Note a tick; see ``EpisodeWatcher.note_tick``."""
         if self._last is None and self._composer is not None:
             self._composer.begin(tick.run)
         self._last = tick
@@ -111,7 +111,7 @@ class LiveView:
         self._transport.hold(tick.observation.time, self._show)
 
     def note_end(self, result: EpisodeResult) -> None:
-        """See ``EpisodeWatcher.note_end``."""
+        """Note the end of an episode; see ``EpisodeWatcher.note_end``."""
         self._show()
         content = {
             "program": result.program,
@@ -126,7 +126,7 @@ class LiveView:
         self._feed.append(message("ending", content))
 
     def _show(self) -> None:
-        """Publish the last tick, and what is new in it before."""
+        """Publish the last tick, preceded by new controllers and bodies."""
         tick = self._last
         if tick is None:
             return
@@ -157,7 +157,7 @@ class LiveView:
         self._feed.append(message("controllers", content))
 
     def _tell_bodies(self, world: WorldState) -> None:
-        """Tell what a thing looks like when it is first there."""
+        """Publish the shape of each object when it first appears."""
         for name in world.names():
             if name not in self._known:
                 self._known.add(name)

@@ -1,4 +1,4 @@
-"""The requests of a live page: what may be asked for, and how it is done."""
+"""Requests of a live page, and their execution."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from cbdsl.reporting.live.server import RequestError
 from cbdsl.reporting.live.transport import IdleError, Transport
 from cbdsl.runtime.composer import Composer, ComposerError
 
-# Speeds beyond these are a slip, simulated seconds per second.
+# Speeds beyond these are an input error, simulated seconds per second.
 _SLOWEST, _FASTEST = 0.01, 100.0
 _MOST_TICKS = 1000
 
@@ -20,12 +20,12 @@ Does = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 
 class Requests:
-    """Answers to what pages ask for.
+    """Handler of the requests of pages.
 
     Args:
-        transport: of the run.
-        composer: of its program; ``None`` where it is not to be changed by hand.
-        save: makes a document, by its name, of what was composed.
+        transport: Transport of the run.
+        composer: Composer of its program; ``None`` if manual changes are not allowed.
+        save: Function that makes a document of the composed changes, by its name.
     """
 
     def __init__(
@@ -51,10 +51,10 @@ class Requests:
             }
 
     def __call__(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Do what is asked for.
+        """Execute a request.
 
         Raises:
-            RequestError: it cannot be done.
+            RequestError: The request cannot be executed.
         """
         name = request.get("do")
         if not isinstance(name, str) or name not in self._does:
@@ -115,7 +115,7 @@ class Requests:
         return {"text": made.text, "findings": findings, "left_out": list(made.left_out)}
 
     def _ask(self, change: Callable[[], Any]) -> Any:
-        """Have a change made between two ticks."""
+        """Execute a change between two ticks."""
         try:
             return self._transport.ask(change)
         except (ComposerError, IdleError) as error:
@@ -127,10 +127,10 @@ def _is_list_of(value: object, kind: type) -> bool:
 
 
 def text(request: Mapping[str, Any], key: str) -> str:
-    """A text of a request.
+    """Return a text of a request.
 
     Raises:
-        RequestError: it is none.
+        RequestError: The value is no text.
     """
     value = request.get(key)
     if not isinstance(value, str):
@@ -139,10 +139,10 @@ def text(request: Mapping[str, Any], key: str) -> str:
 
 
 def numbers(request: Mapping[str, Any], key: str) -> list[float]:
-    """Finite numbers of a request.
+    """Return finite numbers of a request.
 
     Raises:
-        RequestError: they are none.
+        RequestError: The value is no list of finite numbers.
     """
     values = request.get(key)
     if not isinstance(values, list):
@@ -151,10 +151,10 @@ def numbers(request: Mapping[str, Any], key: str) -> list[float]:
 
 
 def number(request: Mapping[str, Any], key: str) -> float:
-    """A finite number of a request.
+    """Return a finite number of a request.
 
     Raises:
-        RequestError: it is none.
+        RequestError: The value is no finite number.
     """
     value = request.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):

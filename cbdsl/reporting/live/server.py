@@ -1,4 +1,4 @@
-"""The server of a live page: on this machine alone, one page, its events, and its requests."""
+"""Server of a live page, local to this machine: one page, its events, and its requests."""
 
 from __future__ import annotations
 
@@ -17,47 +17,47 @@ from cbdsl.errors.errors import UsageError
 from cbdsl.errors.reason import reason
 from cbdsl.reporting.live.feed import Feed, FullError
 
-#: The only address that is listened at.
+#: Only address that the server listens on.
 HOST = "127.0.0.1"
 _NAMES = (HOST, "localhost")
-# Ports that are looked at for a free one near one that is taken.
+# Ports nearer than this to a port in use are tried as alternatives.
 _NEAR = 100
-# A client that takes nothing for so long is let go, s.
+# Timeout for a client that accepts no data, s.
 _PATIENCE = 10.0
-# A page that hears nothing for so long hears that there is nothing to hear, s.
+# Maximum time between two writes to a page, s; without news, a comment is sent.
 _SILENCE = 1.0
-# Pages have so long to hear that it is over, s.
+# Time for pages to receive the closing event, s.
 _FAREWELL = 1.0
 _LARGEST = 1 << 16
-#: Header by which the page shows that it is this server's own.
+#: Header by which the page proves that it comes from this server.
 TOKEN = "X-Cbdsl-Token"
 
 Answer = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 """Answer to a request, both as JSON.
 
 Raises:
-    RequestError: it cannot be done.
+    RequestError: The request cannot be executed.
 """
 
 
 class RequestError(Exception):
-    """A request of a page cannot be done; the message says why."""
+    """Request of a page that cannot be executed; the message states the reason."""
 
 
 class LiveServer:
     """Server of one live page; it listens until it is closed.
 
     Args:
-        feed: what pages are told.
-        page: makes the page, given the token that its requests have to show.
-        answer: does what pages ask for.
-        port: where to listen; any that is free for 0.
+        feed: Feed of messages to the pages.
+        page: Function that makes the page, given the token that its requests have to contain.
+        answer: Function that executes requests of pages.
+        port: Port to listen on; any free port for 0.
 
     Attributes:
-        url: of the page.
+        url: URL of the page.
 
     Raises:
-        UsageError: it cannot listen there; the message says why, and which port is free.
+        UsageError: It cannot listen there; the message states the reason and a free port.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class LiveServer:
         self._thread.start()
 
     def close(self) -> None:
-        """Let pages and port go; no thread is left."""
+        """Release pages and port; no thread is left."""
         self._feed.close()
         self._feed.wait_for_nobody(_FAREWELL)
         self._http.shutdown()
@@ -82,13 +82,13 @@ class LiveServer:
 
 
 class _Site:
-    """A live page with all that handlers of requests need.
+    """Live page, with all data that handlers of requests need.
 
     Attributes:
-        feed, answer: as of ``LiveServer``.
-        page: the page's bytes.
-        token: what requests have to show.
-        hosts: how clients of this machine call it.
+        feed, answer: Feed and answer, as given to ``LiveServer``.
+        page: Bytes of the page.
+        token: Token that requests have to contain.
+        hosts: Host names by which clients of this machine address it.
     """
 
     def __init__(self, feed: Feed, page: bytes, token: str, answer: Answer, port: int) -> None:
@@ -97,10 +97,10 @@ class _Site:
 
 
 class _Http(ThreadingHTTPServer):
-    """HTTP server that knows its connections, to end them."""
+    """HTTP server that keeps track of its connections, to end them."""
 
     site: _Site
-    # Their threads are waited for when it is closed.
+    # Closing the server waits for their threads.
     daemon_threads = False
 
     def __init__(self, port: int) -> None:
@@ -118,15 +118,15 @@ class _Http(ThreadingHTTPServer):
         super().shutdown_request(request)
 
     def hang_up(self) -> None:
-        """End all connections, whatever their clients do."""
+        """End all connections, regardless of their clients."""
         for each in list(self._open):
             try:
                 each.shutdown(socket.SHUT_RDWR)
             except OSError:
-                continue  # it has ended itself
+                continue  # the connection has already ended
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Leave a client that is gone alone; it is nobody's fault."""
+        """Ignore a client that has disconnected; this is no error."""
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -137,7 +137,7 @@ class _Handler(BaseHTTPRequestHandler):
     server_version, sys_version = "cbdsl", ""
 
     def do_GET(self) -> None:
-        """Send the page, or its events for as long as it looks."""
+        """Send the page, or its events while it is connected."""
         if not self._is_from_here():
             self._refuse(HTTPStatus.FORBIDDEN, "this page is for browsers of this machine")
         elif self.path == "/":
@@ -148,7 +148,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND, "there is / and /events")
 
     def do_POST(self) -> None:
-        """Do what the page asks for."""
+        """Execute a request of the page."""
         site = self.server.site
         token = self.headers.get(TOKEN, "")
         if not self._is_from_here() or not hmac.compare_digest(token.encode(), site.token.encode()):
@@ -163,17 +163,17 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.CONFLICT, str(error))
             return
         except (ValueError, TypeError, ArithmeticError, LookupError, RecursionError) as error:
-            # Numbers beyond those of floats, lone surrogates: a request always has an answer.
+            # Even floats out of range and lone surrogates get an answer.
             reason = f"the request has a value that cannot be used ({type(error).__name__})"
             self._refuse(HTTPStatus.BAD_REQUEST, reason)
             return
         self._send(HTTPStatus.OK, "application/json", answer.encode())
 
     def _content(self) -> Mapping[str, Any]:
-        """The JSON object that was sent.
+        """Return the JSON object of a request.
 
         Raises:
-            RequestError: it is none, or too large.
+            RequestError: The content is no JSON object, or too large.
         """
         length = self.headers.get("Content-Length", "")
         if not length.isdecimal() or int(length) > _LARGEST:
@@ -187,7 +187,7 @@ class _Handler(BaseHTTPRequestHandler):
         return content
 
     def _is_from_here(self) -> bool:
-        """Whether the client calls this machine by a name of its own.
+        """Return whether the client addresses this machine by one of its own names.
 
         A site whose name is made to lead here (DNS rebinding) does not, nor does a page of another
         origin.
@@ -209,7 +209,7 @@ class _Handler(BaseHTTPRequestHandler):
         except FullError as error:
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, str(error))
         except OSError:
-            self.close_connection = True  # the client is gone, or takes nothing
+            self.close_connection = True  # the client has disconnected, or accepts no data
 
     def _refuse(self, status: HTTPStatus, why: str) -> None:
         self._send_json(status, {"problem": why})
@@ -239,7 +239,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
 
     def log_message(self, format: str, *values: object) -> None:
-        """Say nothing: the terminal is the program's."""
+        """Print nothing, because the terminal belongs to the program."""
 
 
 def _listen(port: int) -> _Http:
@@ -256,7 +256,7 @@ def _listen(port: int) -> _Http:
 
 
 def _free_near(port: int) -> int | None:
-    """The nearest port that is free."""
+    """Return the nearest free port."""
     for distance in range(1, _NEAR):
         for candidate in (port + distance, port - distance):
             if 1024 <= candidate <= 65535 and _is_free(candidate):

@@ -9,22 +9,22 @@ from concurrent.futures import Future
 from threading import Condition
 from typing import Any
 
-# A world that fell behind by this much does not hurry to catch up, s.
+# A run that is late by more than this continues at its speed without catching up, s.
 _LATE = 0.25
-# How long a request waits for a tick, s.
+# Timeout of a request that waits for a tick, s.
 _PATIENCE = 3.0
 
 
 class IdleError(Exception):
-    """Nothing runs that could answer a request."""
+    """Error of a request during which no episode runs."""
 
 
 class Transport:
-    """Pace at which ticks pass, set from any thread.
+    """Pace of ticks, set from any thread.
 
     Args:
-        speed: simulated seconds per second; infinite for as fast as it goes.
-        clock: wall time, s.
+        speed: Simulated seconds per second; infinite for the maximum speed.
+        clock: Function that returns the wall time, s.
     """
 
     def __init__(self, speed: float = 1.0, clock: Callable[[], float] = time.perf_counter) -> None:
@@ -39,12 +39,12 @@ class Transport:
 
     @property
     def paused(self) -> bool:
-        """Whether ticks wait for someone."""
+        """True if ticks are paused."""
         return self._paused
 
     @property
     def shown_speed(self) -> float | None:
-        """Simulated seconds per second; ``None`` for as fast as it goes."""
+        """Simulated seconds per second; ``None`` for the maximum speed."""
         return self._speed if math.isfinite(self._speed) else None
 
     def begin(self) -> None:
@@ -53,7 +53,7 @@ class Transport:
             self._origin = None
 
     def pause(self) -> None:
-        """Let no tick pass."""
+        """Pause the ticks."""
         with self._changed:
             self._paused, self._steps = not self._released, 0
             self._changed.notify_all()
@@ -77,17 +77,17 @@ class Transport:
             self._changed.notify_all()
 
     def release(self) -> None:
-        """Never pause again: nobody is there who could go on."""
+        """Release the pause for good, because no page is left that could continue."""
         with self._changed:
             self._released, self._paused = True, False
             self._changed.notify_all()
 
     def ask(self, do: Callable[[], Any]) -> Any:
-        """Have something done between two ticks, by the thread that they pass in.
+        """Execute a function between two ticks, in the thread of the ticks.
 
         Raises:
-            IdleError: none passed.
-            Exception: as ``do``.
+            IdleError: No tick passed.
+            Exception: Any exception of ``do``.
         """
         future: Future[Any] = Future()
         with self._changed:
@@ -97,15 +97,15 @@ class Transport:
             return future.result(_PATIENCE)
         except TimeoutError as error:
             if not future.cancel() and future.done():
-                raise  # what was asked for ran out of time itself
+                raise  # the function itself timed out
             raise IdleError("no episode runs") from error
 
     def hold(self, now: float, show: Callable[[], None]) -> None:
-        """Do what was asked for, and let a tick last as long as it should.
+        """Execute pending requests, and let a tick last as long as it should.
 
         Args:
-            now: simulated time of the tick, s.
-            show: is called where the tick is looked at for longer, and after each request.
+            now: Simulated time of the tick, s.
+            show: Function called after each request, and once if the tick is paused.
         """
         is_shown = False
         while True:
@@ -125,7 +125,7 @@ class Transport:
                 show()
 
     def _answer(self) -> bool:
-        """Do what was asked for; whether anything was."""
+        """Execute pending requests, and return whether there were any."""
         with self._changed:
             asked, self._asked = self._asked, []
         for do, future in asked:
@@ -137,7 +137,7 @@ class Transport:
         return bool(asked)
 
     def _pause_at(self, now: float) -> float:
-        """How long the tick of a simulated time has to wait still, s."""
+        """Return the remaining waiting time of the tick of a simulated time, s."""
         if self._paused:
             if self._steps > 0:
                 self._steps -= 1

@@ -63,6 +63,6 @@ class Bag:
         return self._schemas[name]
 
     def finish(self) -> bytes:
-        """Return the contents of the file, which nothing can be added to afterwards."""
+        """Return the contents of the file; no message can be added afterwards."""
         self._writer.finish()
         return self._stream.getvalue()

@@ -13,7 +13,7 @@ from cbdsl.reporting.model import DrawnLink
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.ros2.message import header, make, quaternion, vector
 
-#: Frame that all others hang on.
+#: Root of all frames.
 WORLD = "world"
 #: Quaternion of no rotation.
 UNTURNED = np.array([0.0, 0.0, 0.0, 1.0])
