@@ -1,9 +1,9 @@
-"""Association: which regions in the images of two cameras show the same thing (Eq 3.14).
+"""Stereo correspondences between the regions in the images of two cameras (Eq 3.14).
 
-Lines of sight to one thing nearly meet, and it looks as large from both cameras as its distances
-let it. Where several things meet both conditions with several others, they stand side by side on
-one plane through both cameras, which see them in the same order; where their numbers differ, too,
-nobody can tell them apart, and they are left alone.
+Lines of sight to one object nearly meet, and its apparent sizes fit its distances from both
+cameras. Several objects may meet both conditions with several others. They then stand side by side
+on one plane through both cameras, which see them in the same order. If their numbers differ between
+the images, the correspondences are ambiguous and are not resolved.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from cbdsl.sensing.stereo import cross_rays
 
 Floats = NDArray[np.float64]
 
-# Least ratio of the sizes of a thing as two cameras see it: they see other sides of a box.
+# Least ratio of the sizes of an object in two cameras, which see different sides of a box.
 _ALIKE = 0.65
-# Lines of sight to the middle of what is cut off by an image's border miss each other by more.
+# Largest gap, m, for clipped regions: lines of sight to their middles miss by more.
 _CLIPPED_GAP = 0.1
 
 
 class Meeting(NamedTuple):
-    """Where two lines of sight meet.
+    """Meeting point of two lines of sight.
 
     Attributes:
-        position: m, world frame, shape (3,).
-        gap: by how much they miss each other, m.
-        sizes: of what the regions show if it is there, m^2: area times squared distance.
+        position: Meeting point, m, world frame, shape (3,).
+        gap: Distance by which the lines miss each other, m.
+        sizes: Area times squared distance of the object in each camera if it is there, m^2.
     """
 
     position: Floats
@@ -43,12 +43,12 @@ class Meeting(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """Two sightings of one thing.
+    """Two sightings of one object.
 
     Attributes:
-        left, right: their numbers among the cameras' sightings.
-        meeting: of their lines of sight.
-        whole: whether both images show all of it.
+        left, right: Numbers of the sightings among those of each camera.
+        meeting: Meeting point of the lines of sight.
+        whole: True if both images show the whole object.
     """
 
     left: int
@@ -58,7 +58,7 @@ class Pair(NamedTuple):
 
 
 def meet(left: Sighting, right: Sighting, farthest: float) -> Meeting | None:
-    """Where two lines of sight meet; ``None`` behind a camera or beyond the farthest, m."""
+    """Return where two lines of sight meet, ``None`` behind a camera or beyond ``farthest``, m."""
     position, sizes = np.empty(3), np.empty(2)
     gap = _meet(
         *left.ray, *right.ray, (left.focal_length, right.focal_length), farthest, position, sizes
@@ -86,7 +86,7 @@ def _meet(
     position: Floats,
     sizes: Floats,
 ) -> float:
-    """Fill in a meeting's position and the size of a pixel there, m^2; returns the gap, or NaN."""
+    """Write a meeting's position and the size of a pixel there, m^2; return the gap, m, or NaN."""
     gap = cross_rays(
         left, left_direction, left_length, right, right_direction, right_length, position
     )
@@ -103,11 +103,11 @@ def _meet(
 def pair(
     left: Sequence[Sighting], right: Sequence[Sighting], settings: Regions
 ) -> tuple[list[Pair], list[Pair]]:
-    """Pairs that show one thing each, and pairs of which nobody can tell whether they do.
+    """Return the unambiguous and the ambiguous stereo correspondences.
 
     Args:
-        left, right: sightings of one channel by the two cameras.
-        settings: largest gap between lines of sight, and largest distance.
+        left, right: Sightings of one channel by the two cameras.
+        settings: Largest gap between lines of sight, and largest distance.
     """
     possible = [
         candidate
@@ -136,12 +136,12 @@ def _candidate(i: int, one: Sighting, j: int, other: Sighting, settings: Regions
 
 
 def look_alike(sizes: Sequence[float]) -> bool:
-    """Whether two cameras may see the whole of one thing, which looks that large to them, m^2."""
+    """Return whether two sizes, m^2, may be those of one whole object in two cameras."""
     return min(sizes) >= _ALIKE * max(sizes)
 
 
 def _groups(possible: Sequence[Pair]) -> Iterator[list[Pair]]:
-    """Pairs that share sightings, directly or through others."""
+    """Yield groups of pairs that share sightings, directly or through other pairs."""
     others = list(possible)
     while others:
         group: list[Pair] = []
@@ -157,7 +157,7 @@ def _groups(possible: Sequence[Pair]) -> Iterator[list[Pair]]:
 def _in_order(
     group: Sequence[Pair], left: Sequence[Sighting], right: Sequence[Sighting]
 ) -> list[Pair]:
-    """Pairs of a group in the order from one camera to the other; none where that has gaps."""
+    """Return pairs of a group in their order along the baseline; none if the order has gaps."""
     lefts, rights = {each.left for each in group}, {each.right for each in group}
     if len(lefts) != len(rights):
         return []

@@ -1,4 +1,4 @@
-"""Blobs: the ellipses that regions are seen as (Fig 7.15), as angles in a camera's headings."""
+"""Blobs: ellipses that approximate regions (Fig 7.15), as angles in a camera's headings."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Blob(NamedTuple):
     """The ellipse with the same second moments as a region.
 
     Attributes:
-        extent: semi-axes du and dv, the longer one first, rad, shape (2,).
-        orientation: of the longer axis from the azimuth (to the left) towards the elevation, rad,
-            above -pi/2 up to pi/2; ``None`` where the axes are too alike to tell.
+        extent: Semi-axes du and dv, the longer one first, rad, shape (2,).
+        orientation: Angle of the longer axis from the azimuth (to the left) towards the elevation,
+            rad, above -pi/2 up to pi/2; ``None`` if the axes are too similar.
     """
 
     extent: Floats
@@ -33,7 +33,7 @@ class Blob(NamedTuple):
 
 
 def blob_of(camera: Camera, region: Region) -> Blob:
-    """The blob of a whole region, in the headings around its own."""
+    """Return the blob of a whole region, in the headings around its own."""
     slopes = sighting_jacobian(sight(camera, region.column, region.row))[:, 1:]
     own = region.moments
     # Columns run to the right and rows down, headings to the left and up: the signs cancel out.

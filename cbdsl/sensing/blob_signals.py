@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 
 class _Motion(NamedTuple):
-    """Heading in the newest image, and its rate since the one before, rad/s, if that had it."""
+    """Heading in the newest image, and its rate since the previous image, rad/s, if seen there."""
 
     image: int
     time: float
@@ -38,13 +38,13 @@ class _Motion(NamedTuple):
 
 
 class BlobSignals:
-    """Reads the parts of blobs, which no joint is known to move.
+    """Reader of blob signals, whose Jacobians are unknown.
 
     Args:
-        robot: has the cameras.
-        vision: what they see.
-        sight: knows what hands hold.
-        resources: that are read.
+        robot: Robot document with the cameras.
+        vision: Regions, headings and memories of the cameras.
+        sight: Visual signals, which know the held objects.
+        resources: Resources of the program.
     """
 
     def __init__(
@@ -68,11 +68,11 @@ class BlobSignals:
         self._joint_velocities: Floats = np.zeros(0)
 
     def update(self, observation: Observation) -> None:
-        """Compare headings in the newest images with those before; vision must be up to date."""
+        """Update heading rates from the newest images; vision must be up to date."""
         self._joint_velocities = observation.velocities
         if not (observation.images or observation.regions):
             return
-        # Instances that are named in two ways may be the same thing.
+        # Instances with two different names may be the same object.
         things = {
             (camera, channel, number)
             for camera, channel, instance in self._followed
@@ -82,7 +82,7 @@ class BlobSignals:
             self._follow(thing, observation.time)
 
     def blob(self, source: BlobSignal) -> Reading | None:
-        """A part of the blob of a thing's region, or ``None`` unless the whole of it is seen."""
+        """Return a part of the blob of an object's region, or ``None`` unless it is seen whole."""
         number = self._vision.number(source.channel, source.instance)
         if number is None:
             return None
@@ -100,7 +100,7 @@ class BlobSignals:
         return self._reading(None if blob.orientation is None else np.array([blob.orientation]))
 
     def constellation(self, source: ConstellationSignal) -> Reading | None:
-        """How two channels' blobs look beside each other, or ``None`` unless both are whole."""
+        """Return the constellation of two channels' blobs, or ``None`` unless both are whole."""
         blobs = []
         for channel in (source.channel, source.other):
             region = self._vision.region(source.camera, channel)
@@ -112,21 +112,21 @@ class BlobSignals:
     def offset(self, source: StereoOffset) -> Reading | None:
         """Return the displacement of a silhouette's centre from another object, m, world axes.
 
-        The other object is where it is remembered, since the first one may hide a part of it.
+        The other object's remembered position is used, because the first one may occlude it partly.
         """
         first, second = self._vision.meeting(source.channel), self._placed(source.other)
         return None if first is None or second is None else self._reading(first - second)
 
     def _placed(self, channel: str) -> Floats | None:
-        """Return where a channel's object is remembered or, failing that, seen, m."""
+        """Return the remembered, otherwise the seen position of a channel's object, m."""
         memory = self._vision.memory(channel)
         remembered = None if memory is None else memory.position
         return self._vision.meeting(channel) if remembered is None else remembered
 
     def feature(self, source: StereoSignal) -> Reading | None:
-        """The velocity of what stereo sees, m/s, or its volume, m^3.
+        """Return an object's velocity, m/s, or its volume, m^3, from stereo vision.
 
-        What a hand holds moves with the hand. The volume is that of a ball which looks as large.
+        A held object moves with the hand. The volume is that of a ball of the same apparent size.
         """
         number = self._vision.number(source.channel, source.instance)
         memory = None if number is None else self._vision.memory(source.channel, number)
@@ -142,7 +142,7 @@ class BlobSignals:
         return self._reading(np.array([4 / 3 * math.pi * memory.radius**3]))
 
     def count(self, source: InstanceCount) -> Reading | None:
-        """How many things of a channel are remembered, once the cameras have looked."""
+        """Return the number of remembered objects of a channel, ``None`` before any image."""
         if not self._vision.images:
             return None
         known = self._vision.instances[source.channel].known

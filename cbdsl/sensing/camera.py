@@ -14,11 +14,11 @@ Floats = NDArray[np.float64]
 
 
 def sight(camera: Camera, column: float, row: float) -> Floats:
-    """Direction of a pixel in the camera frame (x forward, y left, z up), with x = 1, shape (3,).
+    """Return a pixel's direction, camera frame (x forward, y left, z up), with x = 1, shape (3,).
 
     Args:
-        column: px from the left edge; the centre of the first pixel is at 0.5.
-        row: px from the top edge.
+        column: Distance from the left edge, px; the centre of the first pixel is at 0.5.
+        row: Distance from the top edge, px.
     """
     return np.array(
         [
@@ -30,11 +30,11 @@ def sight(camera: Camera, column: float, row: float) -> Floats:
 
 
 def within_view(camera: Camera, centre: Floats, radius: float) -> bool:
-    """Whether the whole image of a ball is in the camera's.
+    """Return whether the whole image of a ball is within the camera's image.
 
     Args:
-        centre: in the camera frame, m, shape (3,).
-        radius: m.
+        centre: Centre of the ball in the camera frame, m, shape (3,).
+        radius: Radius of the ball, m.
     """
     x, y, z = centre.tolist()
     largest = x / (2 * camera.focal_length)
@@ -45,13 +45,13 @@ def within_view(camera: Camera, centre: Floats, radius: float) -> bool:
 
 
 def heading(direction: Floats) -> Floats:
-    """Azimuth (left positive) and elevation (up positive) of a direction, rad, shape (2,)."""
+    """Return azimuth (left positive) and elevation (up positive) of a vector, rad, shape (2,)."""
     x, y, z = direction.tolist()
     return np.array([math.atan2(y, x), math.atan2(z, math.hypot(x, y))])
 
 
 def direction(angles: Floats) -> Floats:
-    """Unit vector with the given heading, shape (3,)."""
+    """Return the unit vector with the given heading, shape (3,)."""
     azimuth, elevation = angles.tolist()
     return np.array(
         [
@@ -64,9 +64,9 @@ def direction(angles: Floats) -> Floats:
 
 @compiled_once
 def heading_jacobian(angles: Floats) -> Floats:
-    """Change of a heading per rotation of the camera about its own axes, shape (2, 3).
+    """Return the change of a heading per rotation of the camera about its own axes, shape (2, 3).
 
-    The point looked at is taken to be far away compared with the camera's own displacement.
+    The point is assumed to be far away compared with the camera's own displacement.
     """
     azimuth, elevation = angles[0], angles[1]
     # The point turns by -omega in the camera frame: its direction d moves by -(omega x d).
@@ -80,10 +80,10 @@ def heading_jacobian(angles: Floats) -> Floats:
 
 
 def sighting_jacobian(point: Floats) -> Floats:
-    """Change of the heading to a point per displacement of the point, rad/m, shape (2, 3).
+    """Return the change of a point's heading per displacement of the point, rad/m, shape (2, 3).
 
     Args:
-        point: in the camera frame, m, shape (3,).
+        point: Point in the camera frame, m, shape (3,).
     """
     x, y, z = point.tolist()
     level = x * x + y * y
@@ -100,17 +100,17 @@ def sighting_jacobian(point: Floats) -> Floats:
 def line_of_sight(
     lens: Floats, column: float, row: float, rotation: Floats, direction: Floats
 ) -> tuple[float, float]:
-    """The line of sight of a pixel, in the world frame.
+    """Write the line of sight of a pixel in the world frame; return its length and scale.
 
     Args:
-        lens: width, height and focal length of the camera, px, shape (3,).
-        column, row: as of ``sight``.
-        rotation: of the camera, shape (3, 3).
-        direction: becomes the line, as long as it is to the plane x = 1 m of the camera's frame.
+        lens: Width, height and focal length of the camera, px, shape (3,).
+        column, row: Pixel coordinates, as in ``sight``.
+        rotation: Rotation of the camera, shape (3, 3).
+        direction: Output: line up to the plane x = 1 m of the camera's frame, shape (3,).
 
     Returns:
-        Its length, and how much a pinhole enlarges areas there: the cosine cubed of its angle off
-        the camera's axis.
+        Length of the line, and the factor by which a pinhole enlarges areas there: the cosine cubed
+            of the angle off the camera's axis.
     """
     y, z = (lens[0] / 2 - column) / lens[2], (lens[1] / 2 - row) / lens[2]
     square = 1.0 + y * y + z * z

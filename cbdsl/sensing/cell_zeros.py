@@ -1,4 +1,4 @@
-"""Zeros of load cells: the weight and the bias that they measure without contact."""
+"""Zeros of load cells: weight and bias that they measure without contact."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ _GRAVITY = 9.81
 
 
 class CellZeros:
-    """Zeros of load cells, which are what these measure without contact.
+    """Zeros of load cells: the wrenches that they measure without contact.
 
-    The weight of the links that carry them is known from the model, as far as it has one. The bias
-    is constant in a cell's frame but for its drift: it is what the cell measures first, and follows
-    what it measures while it feels nothing.
+    The weight of the links that carry the cells comes from the model, as far as it has one. The
+    bias is constant in a cell's frame except for its drift. It starts as the first measured wrench
+    and follows the measurements while the cell is not in contact.
 
     Args:
-        contact: threshold of contact, and how fast the bias is followed.
-        kinematics: of the robot.
-        links: that carry the cells.
+        contact: Threshold of contact, and time constant of the bias.
+        kinematics: Robot kinematics.
+        links: Names of the links that carry the cells.
     """
 
     def __init__(self, contact: Contact, kinematics: Kinematics, links: Sequence[str]) -> None:
@@ -48,21 +48,21 @@ class CellZeros:
         self.reset()
 
     def reset(self) -> None:
-        """Take the next wrenches for those without contact."""
+        """Treat the next wrenches as measured without contact."""
         self._time: float | None = None
 
     def remove(self, wrenches: Floats, time: float, loads: Floats, feeling: Booleans) -> bool:
-        """Find the loads, and which cells feel more than the threshold.
+        """Compute the loads, and the cells whose force exceeds the threshold.
 
         Args:
-            wrenches: as measured in the kinematics' posture, N and N m, world frame, shape
+            wrenches: Measured wrenches in the kinematics' posture, N and N m, world frame, shape
                 (cells, 6).
-            time: s.
-            loads: becomes the wrenches without weight and bias, world frame, shape (cells, 6).
-            feeling: becomes whether each cell's force is more, shape (cells,).
+            time: Time of the measurement, s.
+            loads: Output: wrenches without weight and bias, world frame, shape (cells, 6).
+            feeling: Output: True for each cell whose force exceeds the threshold, shape (cells,).
 
         Returns:
-            Whether any of them does.
+            True if any cell is in contact.
         """
         is_first, elapsed, self._time = self._time is None, time - (self._time or 0.0), time
         share = 1.0 if is_first else -math.expm1(-elapsed / self._tracking)
@@ -73,7 +73,7 @@ class CellZeros:
         )  # fmt: skip
 
     def resume(self, before: CellZeros) -> None:
-        """Keep the biases that were known in another episode; the clock begins anew."""
+        """Keep the biases of another episode and restart the clock."""
         self._bias, self._time = before._bias.copy(), 0.0
 
 
@@ -95,16 +95,16 @@ def _remove(
     """Find loads and follow biases; see ``CellZeros``.
 
     Args:
-        wrenches: as measured, shape (cells, 6).
-        frames, numbers, axes: frames of the model's joints, which of them carry the cells, and the
-            cells' axes there, as columns.
-        weights: of the links beyond the cells, N, shape (cells,).
-        levers: of these weights, in the cells' axes, m, shape (cells, 3).
-        threshold: of the force, N.
-        share: of a load below the threshold that is taken for bias.
-        is_first: whether all is taken for bias, however large.
-        bias: in the cells' frames, shape (cells, 6).
-        loads, feeling: become the results.
+        wrenches: Measured wrenches, shape (cells, 6).
+        frames, numbers, axes: Frames of the model's joints, numbers of the frames that carry the
+            cells, and the cells' axes there, as columns.
+        weights: Weights of the links beyond the cells, N, shape (cells,).
+        levers: Levers of these weights, in the cells' axes, m, shape (cells, 3).
+        threshold: Contact threshold of the force, N.
+        share: Share of a load below the threshold that is added to the bias.
+        is_first: True if the whole load is bias, however large.
+        bias: Biases in the cells' frames, shape (cells, 6); updated in place.
+        loads, feeling: Outputs, as in ``CellZeros.remove``.
     """
     touching = False
     origin, turned = np.empty(3), np.empty((3, 3))
@@ -129,7 +129,7 @@ def _remove(
 
 @compiled_once
 def _put_down(weight: float, lever: Floats, turned: Floats, load: Floats) -> None:
-    """Take a weight, N, behind a lever in a cell's axes, m, from the load that bears it upwards."""
+    """Subtract a weight, N, at a lever in the cell's axes, m, from the load that bears it."""
     x = turned[0, 0] * lever[0] + turned[0, 1] * lever[1] + turned[0, 2] * lever[2]
     y = turned[1, 0] * lever[0] + turned[1, 1] * lever[1] + turned[1, 2] * lever[2]
     load[2] -= weight

@@ -36,7 +36,7 @@ _LOADS = frozenset({(_COMPLIANCE,)})
 _TURNS = frozenset({(each.name,) for each in CAMERA_TURNS})
 _HELD = RIGID_HOLD.name, MANIPULATOR
 
-#: By kind of source, the chains whose Jacobians its rows can be compiled from: names of casts.
+#: Chains, as names of casts, whose Jacobians rows can be compiled from, by kind of source.
 EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
     EffectorConfiguration: _JOINTS,
     Posture: _JOINTS,
@@ -62,13 +62,13 @@ class CastError(Exception):
 
 
 def require_executed(resource: Resource, chains: tuple[Chain, ...]) -> None:
-    """Refuse chains that a resource's row would not have the Jacobian of.
+    """Raise an error for chains that the rows of a resource cannot execute.
 
     Raises:
-        CastError: one of them is none that rows of such a source are compiled from.
+        CastError: No row of such a source is compiled from one of the chains.
     """
     if isinstance(resource.source, SensorSignal):
-        return  # whose reader gives the whole Jacobian
+        return  # the reader returns the whole Jacobian
     executed = EXECUTED.get(type(resource.source), frozenset())
     for chain in chains:
         if tuple(cast.name for cast in chain) not in executed:
@@ -77,12 +77,12 @@ def require_executed(resource: Resource, chains: tuple[Chain, ...]) -> None:
 
 
 def carry(chain: Chain, steps: Mapping[str, Callable[[Any], Any]]) -> Any:
-    """Displacements per joint, carried along a chain from the joints to the feedback.
+    """Return displacements per joint, propagated along a chain from the joints to the feedback.
 
     Args:
-        chain: from the feedback to the joints.
-        steps: by name of a cast, displacements per joint of its source from those of its target;
-            the last cast of a chain gets ``None``, for the joints themselves.
+        chain: Casts from the feedback to the joints.
+        steps: Functions by name of a cast: they map displacements per joint of the cast's target to
+            those of its source. The last cast of a chain gets ``None``, for the joints themselves.
     """
     carried = None
     for cast in reversed(chain):

@@ -13,17 +13,17 @@ from cbdsl.documents.robot import Channels
 
 Image = NDArray[np.uint8]
 
-#: Regions of one channel that an image is divided into at most; smaller ones are left out.
+#: Largest number of regions of one channel in an image; smaller ones are omitted.
 MOST_REGIONS = 6
 
 # A grey value has to change by this much between two images to count as motion: well above the
-# noise of a camera, well below the contrast of a thing against a table.
+# noise of a camera, well below the contrast of an object against a table.
 _MOTION_STEP = 24
 
 
-#: Share of an image from which on a clipped region has an extent.
+#: Least share of an image that a clipped region covers to have an extent.
 FILLING = 1 / 16
-#: Distance of the pixels of an extent, px.
+#: Distance between the pixels of an extent, px.
 GRID = 16
 # Largest area of a fragment of a region, as a share of the region's.
 _FRAGMENT = 0.01
@@ -35,9 +35,9 @@ class Moments(NamedTuple):
     """Second central moments of a region, with each of its pixels a unit square, px^2.
 
     Attributes:
-        columns: variance of the columns.
-        mixed: covariance of columns and rows.
-        rows: variance of the rows.
+        columns: Variance of the columns.
+        mixed: Covariance of columns and rows.
+        rows: Variance of the rows.
     """
 
     columns: float
@@ -46,12 +46,12 @@ class Moments(NamedTuple):
 
 
 class Extent(NamedTuple):
-    """The visible part of what is larger than an image, px.
+    """Visible part of a surface that is larger than an image, px.
 
     Attributes:
-        outline: straight segments of its outline that are not at the image's border: column and row
+        outline: Straight segments of the outline that are not at the image's border: column and row
             of one end, then of the other.
-        cover: pixels on a grid, as column and row, well inside of it.
+        cover: Pixels on a grid, as column and row, well inside the surface.
     """
 
     outline: tuple[tuple[float, float, float, float], ...]
@@ -59,15 +59,15 @@ class Extent(NamedTuple):
 
 
 class Region(NamedTuple):
-    """A connected region of a channel in one image.
+    """Connected region of a channel in one image.
 
     Attributes:
-        area: px.
-        column: centroid from the left edge, px; the centre of the first pixel is at 0.5.
-        row: centroid from the top edge, px.
-        clipped: whether it touches the image border, so that part of it may be out of sight.
-        moments: its size and orientation along both axes.
-        extent: of a clipped region that fills a good part of the image.
+        area: Number of pixels.
+        column: Centroid from the left edge, px; the centre of the first pixel is at 0.5.
+        row: Centroid from the top edge, px.
+        clipped: True if the region touches the image border, so that a part may be out of view.
+        moments: Second central moments.
+        extent: Visible part of a clipped region that fills at least ``FILLING`` of the image.
     """
 
     area: int
@@ -83,7 +83,7 @@ Regions = tuple[Region, ...]
 
 
 class ChannelFilter:
-    """Finds the regions of each wanted channel in the successive images of one camera.
+    """Detector of the regions of each requested channel in successive images of one camera.
 
     Hue bins are centred: ``hue_1`` on red, so that the noise of a pure colour stays in one bin.
     """
@@ -95,14 +95,14 @@ class ChannelFilter:
         self._before: Image | None = None
 
     def reset(self) -> None:
-        """Forget the image before."""
+        """Forget the previous image."""
         self._before = None
 
     def regions(self, image: Image) -> Mapping[str, Regions]:
-        """The regions of each wanted channel that has any, the largest first.
+        """Return the regions of each requested channel that has any, the largest first.
 
         Args:
-            image: RGB, shape (height, width, 3), top row first.
+            image: RGB image, shape (height, width, 3), top row first.
         """
         hue, saturation, intensity = cv2.split(cv2.cvtColor(image, cv2.COLOR_RGB2HSV_FULL))
         regions: dict[str, Regions] = {}
@@ -152,7 +152,7 @@ def _at_least(plane: Image, least: float) -> Image:
 
 
 def bin_mask(plane: Image, index: int, count: int) -> Image:
-    """Mask of the values in bin ``index`` of ``count`` equal bins of 0..255."""
+    """Return the mask of the values in bin ``index`` of ``count`` equal bins of 0..255."""
     lower = np.ceil(256 * index / count)
     upper = np.ceil(256 * (index + 1) / count) - 1
     mask: Image = cv2.inRange(plane, int(lower), int(upper))
@@ -160,21 +160,21 @@ def bin_mask(plane: Image, index: int, count: int) -> Image:
 
 
 def connected_regions(mask: Image, least_area: int) -> Regions:
-    """The connected regions of a mask that are not below ``least_area``, the largest first.
+    """Return the connected regions of a mask of at least ``least_area`` px, the largest first.
 
-    There are ``MOST_REGIONS`` at most. Of equally large ones the upper comes first.
+    At most ``MOST_REGIONS`` are returned. Of equally large regions, the upper comes first.
     """
-    # Most masks are empty: finding that out is much cheaper than labelling.
+    # Most masks are empty, and counting pixels is much cheaper than labelling.
     if cv2.countNonZero(mask) < least_area:
         return ()
-    # What is labelled is what takes time: nothing outside of the box that has all of them.
+    # Labelling takes most of the time, so only the bounding box is labelled.
     left, top, width, height = cv2.boundingRect(mask)
     window = mask[top : top + height, left : left + width]
     count, labels, statistics, centroids = cv2.connectedComponentsWithStats(window, connectivity=8)
     if count > 2:
         _add_fragments(labels, statistics, centroids)
     areas = statistics[1:, cv2.CC_STAT_AREA]
-    # A mask has one region, or specks by the hundred.
+    # A mask has either one region or hundreds of specks.
     order = np.argsort(-areas, kind="stable")[:MOST_REGIONS] if count > 2 else (0,)
     place = _Window(left, top, mask.shape[1], mask.shape[0])
     return tuple(
@@ -185,9 +185,9 @@ def connected_regions(mask: Image, least_area: int) -> Regions:
 
 
 def _add_fragments(labels: Any, statistics: Any, centroids: Any) -> None:
-    """Make fragments that the largest region encloses a part of it.
+    """Merge fragments that the largest region encloses into it.
 
-    Between fine bars that are printed on a thing, an image has specks of its colour.
+    Between fine bars printed on an object, an image has specks of the object's colour.
     """
     areas = statistics[:, cv2.CC_STAT_AREA]
     largest = 1 + int(np.argmax(areas[1:]))
@@ -210,7 +210,7 @@ def _add_fragments(labels: Any, statistics: Any, centroids: Any) -> None:
 
 
 class _Window(NamedTuple):
-    """Part of an image: its first column and row, and the columns and rows of the whole, px."""
+    """Part of an image: its first column and row, and the size of the whole image, px."""
 
     left: int
     top: int

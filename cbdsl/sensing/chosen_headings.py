@@ -1,4 +1,4 @@
-"""Chosen headings: to regions that are picked anew in each image, whatever thing they belong to."""
+"""Chosen headings: to regions that are selected again in each image, regardless of objects."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Chosen = TypeVar("Chosen", NovelHeading, MarkHeading)
 
 
 class _Lines(NamedTuple):
-    """Lines of sight, by camera, the number of the images that show them, and their time, s."""
+    """Lines of sight by camera, the number of the images that show them, and their time, s."""
 
     lines: dict[str, Floats]
     image: int
@@ -30,18 +30,18 @@ class _Lines(NamedTuple):
 
 
 class ChosenHeadings(ABC, Generic[Chosen]):
-    """Headings along lines of sight, which outlive their regions as other headings do.
+    """Headings along lines of sight, which linger after their regions as other headings do.
 
-    What they lead to stands still while the cameras move.
+    Their targets are assumed to stand still while the cameras move.
 
     Args:
-        robot: whose cameras look.
-        kinematics: of the same robot.
-        vision: what they see.
-        resources: that are read.
+        robot: Robot document with the cameras.
+        kinematics: Kinematics of the same robot.
+        vision: Regions in the images of the cameras.
+        resources: Resources of the program.
 
     Attributes:
-        kind: source of the resources that lead to what is chosen here.
+        kind: Source type of the resources that this class reads.
     """
 
     kind: type[Chosen]
@@ -64,7 +64,7 @@ class ChosenHeadings(ABC, Generic[Chosen]):
         self._kept: dict[Chosen, _Lines] = {}
 
     def update(self, observation: Observation) -> None:
-        """Look at the newest images; vision and kinematics must be up to date."""
+        """Update the lines of sight from new images; vision and kinematics must be up to date."""
         if not observation.images and not observation.regions:
             return
         for source in self._sources:
@@ -75,7 +75,7 @@ class ChosenHeadings(ABC, Generic[Chosen]):
                 del self._kept[source]
 
     def heading(self, source: Chosen) -> Reading | None:
-        """The mean heading over the cameras that see it, ``None`` while none does."""
+        """Return the mean heading over the cameras that see a target, ``None`` if none does."""
         kept = self._kept.get(source)
         if kept is None:
             return None
@@ -83,15 +83,15 @@ class ChosenHeadings(ABC, Generic[Chosen]):
 
     @abstractmethod
     def _choose(self, source: Chosen) -> dict[str, Floats]:
-        """Lines of sight to what the newest images show of it, world frame, by camera."""
+        """Return lines of sight to the target in the newest images, world frame, by camera."""
 
     def _is_due(self, source: Chosen, time: float) -> bool:
-        """Whether its lines of sight have outlived their regions for as long as headings do."""
+        """Return whether the lines of sight of a source have lingered for their full time."""
         kept = self._kept.get(source)
         return kept is not None and time - kept.time > self._linger
 
     def _reading(self, camera: str, line: Floats, image: int) -> Reading:
-        """The heading to a line of sight, as the cameras move it."""
+        """Return the heading along a line of sight and its Jacobian by the camera's motion."""
         link = self._robot.cameras[camera].link
         angles = heading(self._kinematics.frame(link).rotation.T.dot(line))
         jacobian = heading_jacobian(angles).dot(self._kinematics.own_turning(link))

@@ -1,4 +1,4 @@
-"""Constellations: how two blobs look beside each other (Section 7.3.1, Fig 7.15)."""
+"""Constellations: relative scale and orientation of two blobs (Section 7.3.1, Fig 7.15)."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ Floats = NDArray[np.float64]
 class Constellation(NamedTuple):
     """Relative scales of two blobs, and their relative orientation.
 
-    Where they are from each other is no part of it, as in the source.
+    Their relative position is not included, as in the dissertation.
 
     Attributes:
-        longer: du of the first over that of the second.
-        shorter: dv of the first over that of the second.
-        turn: psi, of the first one's longer axis from that of the second, rad, above -pi/2 up to
-            pi/2; 0 where one of both is round, which has no longer axis.
+        longer: Ratio of du of the first blob to that of the second.
+        shorter: Ratio of dv of the first blob to that of the second.
+        turn: Angle psi of the first blob's longer axis from that of the second, rad, above -pi/2 up
+            to pi/2; 0 if either blob is round and so has no longer axis.
     """
 
     longer: float
@@ -31,12 +31,12 @@ class Constellation(NamedTuple):
 
     @property
     def value(self) -> Floats:
-        """All of it, shape (3,)."""
+        """Longer and shorter ratio and turn, shape (3,)."""
         return np.array(self)
 
 
 def constellation_of(first: Blob, second: Blob) -> Constellation:
-    """The constellation of two blobs."""
+    """Return the constellation of two blobs."""
     longer, shorter = (first.extent / second.extent).tolist()
     axes = first.orientation, second.orientation
     turn = 0.0 if axes[0] is None or axes[1] is None else half_turn(axes[0] - axes[1])
@@ -44,5 +44,5 @@ def constellation_of(first: Blob, second: Blob) -> Constellation:
 
 
 def half_turn(angle: float) -> float:
-    """An angle modulo half a turn, rad, above -pi/2 up to pi/2."""
+    """Return an angle modulo half a turn, rad, above -pi/2 up to pi/2."""
     return angle - math.pi * math.ceil(angle / math.pi - 0.5)

@@ -1,7 +1,8 @@
-"""Contact places: where fingertips touch, from their load cells alone.
+"""Contact places on fingertips, computed from their load cells alone.
 
-A contact on a convex tip without friction about its normal lies on the line along which force and
-torque act, where that leaves the tip (intrinsic contact sensing, Bicchi, Salisbury and Brock 1993).
+Force and torque of a contact act along a line if there is no friction about the normal. On a convex
+tip, the contact lies at the point at which this line leaves the tip (intrinsic contact sensing,
+Bicchi, Salisbury and Brock 1993).
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ Floats = NDArray[np.float64]
 
 
 def contact_places(signals: Signals, hand: str, radius: float) -> Floats:
-    """Places at which the fingertips of a hand touch something, in the newest posture.
+    """Return the places at which fingertips of a hand are in contact, in the newest posture.
 
     Args:
-        signals: of the robot.
-        hand: with load cells in the middles of round fingertips.
-        radius: of the fingertips, m.
+        signals: Signals of the robot.
+        hand: Name of a hand with load cells in the middles of round fingertips.
+        radius: Radius of the fingertips, m.
 
     Returns:
         Places, m, world frame, shape (k, 3), for each of the k fingertips in contact.
@@ -41,18 +42,18 @@ def contact_places(signals: Signals, hand: str, radius: float) -> Floats:
 
 
 def on_ball(load: Floats, radius: float) -> Floats:
-    """Place at which a ball presses on something, from its middle.
+    """Return the place of a contact on a ball, from its middle.
 
     Args:
-        load: force and torque that it exerts, about its middle, N and N m, shape (6,).
-        radius: of the ball, m.
+        load: Force and torque that the ball exerts, about its middle, N and N m, shape (6,).
+        radius: Radius of the ball, m.
 
     Returns:
         Place, m, in the axes of the load, shape (3,).
     """
     force, torque = load[:3], load[3:]
     size = float(np.linalg.norm(force))
-    # The point of the line of action that is nearest to the middle.
+    # The point of the line of action nearest to the middle.
     foot: Floats = np.cross(force, torque) / size**2
     off = float(np.linalg.norm(foot))
     if off >= radius:  # noise, or a torque about the normal

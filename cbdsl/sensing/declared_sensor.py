@@ -1,4 +1,4 @@
-"""Sensors of other packages' kinds, whose faults are named with their package."""
+"""Readers of sensors from other packages, whose errors name the package."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from cbdsl.types.resource import SensorSignal
 def sensor_reader(
     signal: SensorSignal, size: int, joints: int, signals: Any
 ) -> Callable[[], Reading | None]:
-    """The reader of a sensor of another package's kind.
+    """Return the reader of a sensor whose kind comes from another package.
 
     Args:
-        signal: what is read.
-        size: of its value.
-        joints: how many columns its Jacobian has, if it has one.
-        signals: handed to the package's function.
+        signal: Signal of the sensor.
+        size: Number of components of the value.
+        joints: Number of columns of the Jacobian, if there is one.
+        signals: Argument of the package's function.
 
     Raises:
-        PluginError: the package's function raises. The reader raises it, too, or SensorError where
-            a value is not finite.
+        PluginError: The package's function raises. The reader also raises it, or SensorError if a
+            value is not finite.
     """
     module, function = SOURCES.get(signal.kind).reader.split(":")
     failed = partial(SOURCES.fault, signal.kind)
@@ -53,10 +53,10 @@ def sensor_reader(
 
 
 def _require_shape(reading: Reading | None, size: int, joints: int) -> None:
-    """Refuse a reading of another package that does not fit its row.
+    """Raise an error for a reading of another package that does not fit its row.
 
     Raises:
-        ValueError: its value or its Jacobian has another shape.
+        ValueError: The value or the Jacobian has another shape.
     """
     if reading is None:
         return

@@ -1,4 +1,4 @@
-"""Draws from the densities of internal models (Section 3.2.3)."""
+"""Sampling from the densities of internal models (Section 3.2.3)."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from cbdsl.types.resource import GaussianSample, KernelSample
 
 Floats = NDArray[np.float64]
 
-# A density may lie outside the limits for the most part; then the nearest configuration serves.
+# A density may lie mostly outside the limits; then the nearest configuration is used.
 _MOST_DRAWS = 1000
 
 
 class Sampler(Protocol):
-    """Gives one sample after another."""
+    """Source of successive samples."""
 
     def draw(self) -> Floats | None:
-        """The next sample, SI, shape (n,), or ``None`` while there is none."""
+        """Return the next sample, SI units, shape (n,), or ``None`` while there is none."""
         ...
 
 
 class DensitySampler:
-    """Draws from a Gaussian or from a sum of kernels, within joint limits, or from all of them.
+    """Sampler of a Gaussian or kernel density within joint limits, mixed with uniform samples.
 
-    What falls outside the limits is drawn again, so that the density within them keeps its shape.
+    Samples outside the limits are drawn again, so that the density within them keeps its shape.
 
     Args:
-        source: the density.
-        lower, upper: joint limits, rad, or infinite for positions, shape (n,).
-        rng: gives the draws.
+        source: Density.
+        lower, upper: Joint limits, rad, or infinite for positions, shape (n,).
+        rng: Random number generator.
     """
 
     def __init__(
@@ -47,12 +47,12 @@ class DensitySampler:
         else:
             self._centres, self._deviation = np.array(source.samples), np.array(source.bandwidth)
         self._lower, self._upper, self._rng = lower, upper, rng
-        # Nothing is drawn that is not asked for.
+        # The constructor draws a random start, so it runs only if uniform samples are needed.
         self._anywhere = UniformSampler(lower, upper, rng) if source.uniform else None
         self._uniform = source.uniform
 
     def draw(self) -> Floats:
-        """The next sample, rad or m, shape (n,)."""
+        """Return the next sample, rad or m, shape (n,)."""
         if self._anywhere is not None and self._rng.random() < self._uniform:
             return self._anywhere.draw()
         for _ in range(_MOST_DRAWS):
@@ -63,7 +63,7 @@ class DensitySampler:
         return nearest
 
     def _any(self) -> Floats:
-        """A draw from the density, inside the limits or not."""
+        """Return a sample of the density, inside the limits or not."""
         centre = self._centres[self._rng.integers(len(self._centres))]
         sample: Floats = self._rng.normal(centre, self._deviation)
         return sample

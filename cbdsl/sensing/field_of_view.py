@@ -1,4 +1,4 @@
-"""The field of view: where the cameras were at their newest images, and what the hands hide."""
+"""Field of view: camera placements at the newest images, and occlusion by hands and objects."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ Floats = NDArray[np.float64]
 Ball = tuple[Floats, float]
 """A centre, m, world frame, shape (3,), and a radius, m."""
 
-# A hidden thing lies at most this much behind the hand that hides it, m.
+# An occluded object lies at most this far behind the hand that occludes it, m.
 _BEHIND_HAND = 0.1
-# Fingertips that touch a thing are about a radius from its middle; within this share of it, and
-# feeling nothing, they have closed on air.
+# Fingertips that touch an object are about a radius from its middle. Within this share of the
+# radius, and without contact, they have closed on air.
 _INSIDE = 0.75
 
 
 class FieldOfView:
-    """Tells which places the cameras show, and what may hide them.
+    """Model of the places that the cameras see, and of their occlusion.
 
     Attributes:
-        frames: of the cameras at their newest images, by name.
-        posture: in which the newest images were taken, rad, shape (n,); ``None`` before any.
+        frames: Camera frames at their newest images, by name.
+        posture: Posture at the newest images, rad, shape (n,); ``None`` before any.
     """
 
     def __init__(self, robot: RobotDocument, kinematics: Kinematics) -> None:
         self._cameras = robot.cameras
         self._kinematics = kinematics
         self._hand_radius = robot.vision.regions.hand_radius
-        # Upper arms are thin and seldom in view; what hides things is the wrist and the hand.
+        # Upper arms are thin and seldom in view; wrists and hands occlude objects.
         self._wrists = tuple(
             effector.joints[-1] for effector in robot.effectors.values() if effector.tip is not None
         )
@@ -45,44 +45,44 @@ class FieldOfView:
         fingers = [[cell.link for cell in hand.values()] for hand in robot.load_cells.values()]
         self._hand_links = (*tips, *(link for hand in fingers for link in hand))
         ends = np.cumsum([len(self._wrists) + len(tips), *map(len, fingers)]).tolist()
-        #: By hand, which of the points that may hide things are its fingertips.
+        #: Slices of the occluding points that are a hand's fingertips, by hand.
         self._fingers = [slice(start, end) for start, end in itertools.pairwise(ends)]
         self.reset()
 
     def reset(self) -> None:
         """Forget where the cameras were."""
         self.frames: dict[str, Frame] = {}
-        # No line of sight leaves a camera that has not seen anything yet.
+        # A camera without any image has no line of sight.
         self._eyes: Floats = np.full((len(self._cameras), 3), math.nan)
         self._hands: Floats | None = None
         self.posture: Floats | None = None
 
     def renew(self, posture: Floats) -> None:
-        """Take in that there are new images; hands are placed when they are asked for.
+        """Set the posture of new images; hands are placed on demand.
 
         Args:
-            posture: in which the images were taken, rad, shape (n,).
+            posture: Posture at the exposure of the images, rad, shape (n,).
         """
         self._hands, self.posture = None, posture
 
     def placed(self, links: tuple[str, ...]) -> list[Frame]:
-        """The placements of links when the newest images were taken."""
+        """Return the placements of links at the newest images."""
         assert self.posture is not None
         return self._kinematics.posed(self.posture, lambda: self._kinematics.placed(links))
 
     def place(self, row: int, name: str, frame: Frame) -> None:
-        """Take in where a camera, the ``row``-th, was at its newest image."""
+        """Set the placement of a camera, the ``row``-th, at its newest image."""
         self.frames[name] = frame
         self._eyes[row] = frame.position
 
     @property
     def middle(self) -> Floats:
-        """The middle between the cameras, m, shape (3,)."""
+        """Middle between the cameras, m, world frame, shape (3,)."""
         mean: Floats = self._eyes.mean(axis=0)
         return mean
 
     def views(self, position: Floats, radius: float) -> list[bool]:
-        """Whether the whole of a ball is in each camera's image, unless something hides it."""
+        """Return for each camera whether its image would show a whole ball without occlusion."""
         return [
             within_view(
                 self._cameras[name], frame.rotation.T.dot(position - frame.position), radius
@@ -91,11 +91,11 @@ class FieldOfView:
         ]
 
     def shows(self, position: Floats, radius: float) -> bool:
-        """Whether the whole of a ball is in some camera's image, unless something hides it."""
+        """Return whether some camera's image would show a whole ball without occlusion."""
         return True in self.views(position, radius)
 
     def hidden_by(self, ball: Ball, others: Iterable[Ball]) -> list[bool]:
-        """Whether other balls hide half of a ball or more from each camera."""
+        """Return for each camera whether another ball occludes at least half of a ball."""
         balls, (position, radius) = list(others), ball
         return [
             any(_is_before(eye, centre, size + radius / 2, position) for centre, size in balls)
@@ -103,7 +103,7 @@ class FieldOfView:
         ]
 
     def is_hidden_by_hand(self, position: Floats) -> bool:
-        """Whether a wrist, palm or fingertip is near some camera's line of sight to a position."""
+        """Return whether a wrist, palm or fingertip is near a line of sight to a position."""
         if self._hands is None and self.posture is not None:
             self._hands = self._kinematics.posed(self.posture, self._place_hands)
         if self._hands is None:
@@ -111,14 +111,14 @@ class FieldOfView:
         return _is_beside(self._hands, self._eyes, position, self._hand_radius)
 
     def _place_hands(self) -> Floats:
-        """Where the points of the hands are that may hide things, m, shape (k, 3)."""
+        """Return the points of the hands that may occlude objects, m, shape (k, 3)."""
         return self._kinematics.origins(self._wrists, self._hand_links)
 
     def hands_have_closed_on(self, position: Floats, radius: float) -> bool:
-        """Whether all fingertips of a hand were inside of a ball when the cameras last looked.
+        """Return whether all fingertips of a hand were inside a ball at the newest images.
 
-        Only what is hidden may be somewhere else than it is remembered: false where nobody has
-        asked since whether a hand hides anything.
+        Only an occluded object may be away from its remembered position. The result is therefore
+        false if the hands were not placed since the newest images.
         """
         if self._hands is None:
             return False
@@ -129,7 +129,7 @@ class FieldOfView:
 
 
 def _is_before(eye: Floats, centre: Floats, radius: float, position: Floats) -> bool:
-    """Whether a ball is between an eye and a position."""
+    """Return whether a ball is between an eye and a position."""
     line, offset = position - eye, centre - eye
     distance = math.sqrt(line.dot(line))
     along = float(offset.dot(line)) / distance
@@ -139,7 +139,7 @@ def _is_before(eye: Floats, centre: Floats, radius: float, position: Floats) -> 
 
 @compiled_once
 def _are_within(points: Floats, center: Floats, radius: float) -> bool:
-    """Whether all points, shape (n, 3), are nearer to a center, shape (3,), than a radius, m."""
+    """Return whether all points, shape (n, 3), are within a radius, m, of a center, shape (3,)."""
     for point in points:
         x, y, z = point[0] - center[0], point[1] - center[1], point[2] - center[2]
         if x * x + y * y + z * z >= radius * radius:
@@ -149,13 +149,13 @@ def _are_within(points: Floats, center: Floats, radius: float) -> bool:
 
 @compiled_once
 def _is_beside(points: Floats, eyes: Floats, position: Floats, radius: float) -> bool:
-    """Whether one of some points, shape (n, 3), is near the line of sight from one of the eyes.
+    """Return whether any point is near the line of sight from any eye to a position.
 
     Args:
-        points: m, shape (n, 3).
-        eyes: m, shape (k, 3).
-        position: what they look at, m, shape (3,).
-        radius: how near, m.
+        points: Points that may occlude, m, shape (n, 3).
+        eyes: Optical centres of the cameras, m, shape (k, 3).
+        position: Position that the eyes look at, m, shape (3,).
+        radius: Largest distance of a point from a line of sight, m.
     """
     for eye in eyes:
         line = position - eye

@@ -15,9 +15,9 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Records = NDArray[Any]
 
-#: A moving joint, parents first: the frame it moves in, its column among the actuated joints and
-#: how far it follows that one, its placement in the parent's frame, its axis there, and whether it
-#: slides.
+#: A moving joint, parents first: its parent frame, its column among the actuated joints and its
+#: ratio to that joint, its placement in the parent's frame, its axis there, and whether it is
+#: prismatic.
 JOINT = np.dtype(
     [
         ("parent", np.int64),
@@ -38,12 +38,12 @@ def place_joints(
     """Compute the frames of moving joints in the world.
 
     Args:
-        positions: of the actuated joints, rad or m, shape (n,).
-        moving: which joints, parents first, shape (m,).
-        joints: the tree, shape (j,) of ``JOINT``.
-        frames: becomes each joint's frame behind the base's own: its rotation row by row, then its
-            origin, m, shape (j + 1, 12).
-        axes: becomes each joint's axis in the world, shape (j, 3).
+        positions: Positions of the actuated joints, rad or m, shape (n,).
+        moving: Numbers of the joints to place, parents first, shape (m,).
+        joints: Joint tree, shape (j,) of ``JOINT``.
+        frames: Output: frame of the base, then of each joint: rotation row by row, then origin, m,
+            shape (j + 1, 12).
+        axes: Output: axis of each joint in the world frame, shape (j, 3).
     """
     turn, turned = np.empty(9), np.empty(9)
     for j in moving:
@@ -80,7 +80,7 @@ def multiply(left: Floats, right: Floats, product: Floats) -> None:
 
 @compiled
 def rotate(axis: Floats, angle: float, turn: Floats) -> None:
-    """The rotation matrix, row by row, of an angle, rad, about a unit axis (Rodrigues)."""
+    """Write the rotation matrix, row by row, of an angle, rad, about a unit axis (Rodrigues)."""
     x, y, z = axis[0], axis[1], axis[2]
     sine, cosine = math.sin(angle), math.cos(angle)
     versine = 1.0 - cosine
@@ -96,7 +96,7 @@ def rotate(axis: Floats, angle: float, turn: Floats) -> None:
 
 @compiled_once
 def rotation_of(vector: Floats) -> Floats:
-    """The rotation matrix (3, 3) of a rotation vector (3,): its axis times its angle, rad."""
+    """Return the rotation matrix (3, 3) of a rotation vector (3,): axis times angle, rad."""
     turn = np.zeros(9)
     angle = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
     if angle == 0.0:
@@ -108,7 +108,7 @@ def rotation_of(vector: Floats) -> Floats:
 
 @compiled_once
 def place_point(frame: Floats, offset: Floats, point: Floats) -> None:
-    """Compute where a point, ``offset`` (3,) in a frame (12,), is in the world, m, shape (3,)."""
+    """Write the world position, m, shape (3,), of a point with an offset (3,) in a frame (12,)."""
     for i in range(3):
         point[i] = frame[9 + i]
         for k in range(3):
@@ -117,7 +117,7 @@ def place_point(frame: Floats, offset: Floats, point: Floats) -> None:
 
 @compiled_once
 def place_points(frames: Floats, numbers: Integers, offsets: Floats, points: Floats) -> None:
-    """Compute where points (k, 3) are in the world, by their frames and offsets there."""
+    """Write the world positions (k, 3) of points from their frames and offsets."""
     for place in range(len(numbers)):
         place_point(frames[numbers[place]], offsets[place], points[place])
 
@@ -126,14 +126,14 @@ def place_points(frames: Floats, numbers: Integers, offsets: Floats, points: Flo
 def place_link(
     frame: Floats, origin: Floats, axes: Floats, position: Floats, rotation: Floats
 ) -> None:
-    """Compute where a link is in the world.
+    """Write the placement of a link in the world frame.
 
     Args:
-        frame: that carries it, shape (12,).
-        origin: of the link in that frame, m, shape (3,).
-        axes: of the link in that frame, as columns, shape (3, 3).
-        position: becomes its origin, m, shape (3,).
-        rotation: becomes its axes, as columns, shape (3, 3).
+        frame: Frame that carries the link, shape (12,).
+        origin: Origin of the link in that frame, m, shape (3,).
+        axes: Axes of the link in that frame, as columns, shape (3, 3).
+        position: Output: origin of the link, m, world frame, shape (3,).
+        rotation: Output: axes of the link, world frame, as columns, shape (3, 3).
     """
     place_point(frame, origin, position)
     for i in range(3):
@@ -152,7 +152,7 @@ def place_links(
     positions: Floats,
     rotations: Floats,
 ) -> None:
-    """Compute where k links are in the world; see ``place_link``."""
+    """Write the placements of k links in the world frame; see ``place_link``."""
     for place in range(len(numbers)):
         frame = frames[numbers[place]]
         place_link(frame, origins[place], axes[place], positions[place], rotations[place])
@@ -165,12 +165,12 @@ def turn_link(
     """Compute the angular velocity of a link per joint velocity.
 
     Args:
-        frame: that carries it, shape (12,).
-        axes: of the link in that frame, as columns, shape (3, 3).
-        support: the joints that move it, shape (k,).
-        joints: as of ``place_joints``.
-        turned: the joints' axes in the world, shape (j, 3).
-        turning: becomes the velocity in the link's own axes, shape (3, n); zeros before.
+        frame: Frame that carries the link, shape (12,).
+        axes: Axes of the link in that frame, as columns, shape (3, 3).
+        support: Joints that move the link, shape (k,).
+        joints: Joint tree, as in ``place_joints``.
+        turned: Joint axes in the world frame, shape (j, 3).
+        turning: Output: velocity in the link's own axes, shape (3, n); zeros on entry.
     """
     own = np.empty((3, 3))
     for i in range(3):
@@ -191,7 +191,7 @@ def turn_link(
 def twist_of(
     point: Floats, joint: int, joints: Records, frames: Floats, axes: Floats, twist: Floats
 ) -> None:
-    """Linear above angular velocity (6,) of a point (3,) per velocity of the joint's actuator."""
+    """Write the linear above angular velocity (6,) of a point (3,) per velocity of an actuator."""
     ratio = joints[joint].ratio
     x, y, z = ratio * axes[joint, 0], ratio * axes[joint, 1], ratio * axes[joint, 2]
     if joints[joint].slides:
@@ -216,11 +216,11 @@ def move_point(
     """Add a point's motion to a Jacobian.
 
     Args:
-        point: world frame, m, shape (3,).
-        support: the joints that move it, shape (k,).
-        joints, frames, axes: as of ``place_joints``.
-        jacobian: becomes larger by the point's linear above angular velocity, world axes, per
-            velocity of the actuated joints, shape (6, n), or its linear one, shape (3, n).
+        point: Point, world frame, m, shape (3,).
+        support: Joints that move the point, shape (k,).
+        joints, frames, axes: Joint tree, frames and axes, as in ``place_joints``.
+        jacobian: Jacobian to which the point's velocity per velocity of the actuated joints is
+            added: linear above angular, world axes, shape (6, n), or linear, shape (3, n).
     """
     twist = np.empty(6)
     for joint in support:
@@ -239,16 +239,17 @@ def bend_point(
     axes: Floats,
     curvature: Floats,
 ) -> None:
-    """Add the derivative of a point's Jacobian, as it moves along with the joints.
+    """Add the derivative of a point's Jacobian by the joint positions.
 
-    A joint turns the axes and levers of the joints beyond it, and moves the point as it turns
-    those before it: of joints i before j, the column of either changes by the other as
-    omega_i x v_j; their axes change as omega_i x omega_j, by joint i alone.
+    A joint turns the axes and levers of the joints beyond it, and moves the point as it turns those
+    of the joints before it. For joints i before j, the column of either changes by the other as
+    omega_i x v_j. Their axes change as omega_i x omega_j, by joint i alone.
 
     Args:
-        point, support, joints, frames, axes: as of ``move_point``.
-        curvature: shape (rows, n, n), of 3 rows for the linear part alone or 6 for both; entry
-            (k, i, j) grows by the change of the Jacobian's entry (k, i) per joint j.
+        point, support, joints, frames, axes: Arguments as in ``move_point``.
+        curvature: Derivative to add to, shape (rows, n, n), with 3 rows for the linear part alone
+            or 6 for both. The change of the Jacobian's entry (k, i) per joint j is added to entry
+            (k, i, j).
     """
     first, second, change = np.empty(6), np.empty(6), np.empty(3)
     for i in range(len(support)):

@@ -1,4 +1,4 @@
-"""Rigid holds: how things in the hands move with them (Eq 3.42 and 3.43)."""
+"""Rigid holds: motion of held objects with the hands (Eq 3.42 and 3.43)."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
-# What is remembered may be off by this much, m.
+# Largest error of a remembered position, m.
 _OFF = 0.03
-# What is painted on a thing is nearer to its middle than its radius and this, m.
+# A mark on an object is nearer to the object's middle than its radius plus this distance, m.
 _PART = 0.01
 
 
 class Hold(NamedTuple):
-    """The place of the hands that hold something.
+    """Placement of the hands that hold an object.
 
-    A thing that one hand holds turns with it. One that several hands hold moves as far as all of
-    their tips do and does not turn, since they keep facing each other: a hand that goes on alone
-    slips along it.
+    An object that one hand holds turns with it. An object that several hands hold moves by the
+    displacement common to all of their tips. It does not turn, because the hands keep facing each
+    other. A hand that continues alone slips along it.
 
     Attributes:
-        hands: a bit for each hand that holds.
-        position: of the tip, or the mean of several, m, world frame, shape (3,).
-        rotation: of the one tip, or the identity, shape (3, 3).
-        tips: of all hands that hold, m, world frame, shape (k, 3).
+        hands: Bit mask of the hands that hold.
+        position: Position of the tip, or the mean of several, m, world frame, shape (3,).
+        rotation: Rotation of the one tip, or the identity, shape (3, 3).
+        tips: Tip positions of all hands that hold, m, world frame, shape (k, 3).
     """
 
     hands: int
@@ -45,15 +45,16 @@ class Hold(NamedTuple):
     tips: Floats
 
     def displace(self, begun: Hold, before: Hold, position: Floats) -> Floats:
-        """The displacement of a thing that is held, m, shape (3,).
+        """Return the displacement of a held object since the previous tick, m, shape (3,).
 
         Args:
-            begun: the hold when these hands had taken it.
-            before: the hold in the tick before.
-            position: of the thing then, m, world frame, shape (3,).
+            begun: Hold at the tick in which these hands took the object.
+            before: Hold in the previous tick.
+            position: Position of the object in that tick, m, world frame, shape (3,).
         """
         if len(self.tips) > 1:
-            # Since it began: of tremors nothing would be common from tick to tick.
+            # Measured since the hold began, because trembling tips share no motion from tick to
+            # tick.
             return _common(self.tips - begun.tips) - _common(before.tips - begun.tips)
         own = before.rotation.T.dot(position - before.position)
         displacement: Floats = self.position + self.rotation.dot(own) - position
@@ -61,28 +62,29 @@ class Hold(NamedTuple):
 
 
 def _common(displacements: Floats) -> Floats:
-    """How far all of some displacements, shape (k, 3), lead along each axis, shape (3,)."""
+    """Return the common part of displacements, shape (k, 3), along each axis, shape (3,)."""
     least: Floats = np.maximum(displacements.min(axis=0), 0.0)
     most: Floats = np.minimum(displacements.max(axis=0), 0.0)
     return least + most
 
 
 class Content:
-    """The things that a hold has taken, as decided when it begins: those between the fingers.
+    """Objects of a hold: those between the fingers when it begins.
 
-    What the hands come near later is not held. A thing that is first seen later is decided on then.
+    Objects that the hands approach later are not held. An object first seen later is decided then.
 
     Args:
-        middle: finds the middle between the fingertips that touch, m, world frame, shape (3,).
+        middle: Function that returns the middle between the fingertips in contact, m, world frame,
+            shape (3,).
     """
 
     def __init__(self, middle: Callable[[], Floats]) -> None:
         self._middle = middle
-        #: By thing, since when it is remembered, and whether it is held.
+        #: Time of discovery and whether the object is held, by object.
         self._decided: dict[PositionMemory, tuple[float, bool]] = {}
 
     def begin(self, memories: Iterable[PositionMemory]) -> None:
-        """Decide which of all things are held."""
+        """Decide for all objects whether they are held."""
         self._decided.clear()
         middle = self._middle()
         places = {m: m.position for m in memories if m.position is not None}
@@ -91,7 +93,7 @@ class Content:
             self.holds(memory)
 
     def holds(self, memory: PositionMemory) -> bool:
-        """Whether a thing is held; see ``begin``."""
+        """Return whether an object is held; see ``begin``."""
         if memory.position is None:
             return False
         since, is_held = self._decided.get(memory, (None, False))
@@ -101,7 +103,7 @@ class Content:
         return is_held
 
     def _is_between(self, position: Floats, radius: float) -> bool:
-        # What was decided of a thing before it was lost says nothing of where it is seen again.
+        # A decision on an object that was lost does not hold for the place of its rediscovery.
         held = [
             (memory.position, memory.radius)
             for memory, (since, is_held) in self._decided.items()
@@ -109,16 +111,16 @@ class Content:
         ]
         if not held:
             return math.dist(self._middle(), position) <= radius + _OFF
-        # Two channels may show one thing, or one of them a part of it.
+        # Two channels may show one object, or one of them a part of it.
         return any(math.dist(place, position) <= size + _PART for place, size in held)
 
 
 def held_jacobian(tips: Sequence[Point], position: Floats) -> Floats:
-    """Displacement of a thing per joint, shape (3, n); of several hands' where all go alike.
+    """Return the displacement of a held object per joint, shape (3, n); the mean of several tips.
 
     Args:
-        tips: of the hands that hold it.
-        position: of the thing, m, world frame, shape (3,).
+        tips: Tips of the hands that hold the object.
+        position: Position of the object, m, world frame, shape (3,).
     """
     if len(tips) > 1:
         mean: Floats = np.mean([tip.jacobian[:3] for tip in tips], axis=0)
@@ -139,18 +141,19 @@ def find_hold(
     position: Floats,
     rotation: Floats,
 ) -> int:
-    """Find the hands that hold: one with all of its fingers, or several that feel contact.
+    """Find the hands that hold: one with all fingers in contact, or several with any contact.
 
     Args:
-        frames: of the kinematics.
-        carriers: the hands' tips, shape (hands,) of ``refresh.PART``.
-        cells: the first load cell of each hand and the one after its last, shape (hands, 2).
-        feeling: whether each load cell is in contact, shape (cells,).
-        position: becomes the tip's, or the mean of several, m, shape (3,).
-        rotation: becomes the one tip's, or the identity, shape (3, 3).
+        frames: Joint frames of the kinematics.
+        carriers: Tips of the hands, shape (hands,) of ``refresh.PART``.
+        cells: Numbers of the first load cell of each hand and the one after its last, shape (hands,
+            2).
+        feeling: True for each load cell in contact, shape (cells,).
+        position: Output: position of the tip, or the mean of several, m, shape (3,).
+        rotation: Output: rotation of the one tip, or the identity, shape (3, 3).
 
     Returns:
-        A bit for each hand that holds; 0 for none.
+        Bit mask of the hands that hold; 0 for none.
     """
     point, hands, number, last = np.empty(3), 0, 0, 0
     position[:] = 0.0
@@ -162,7 +165,7 @@ def find_hold(
             position[i] += point[i]
         hands, number, last = hands | (1 << hand), number + 1, hand
     if number == 0 or (number == 1 and not feeling[cells[last, 0] : cells[last, 1]].all()):
-        # A finger that brushes against a thing pushes it away, and does not take it along.
+        # A single finger in contact pushes an object away and does not hold it.
         return 0
     frame, turned = frames[carriers[last].frame], carriers[last].rotation
     for i in range(3):

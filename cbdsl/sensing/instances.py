@@ -1,4 +1,4 @@
-"""Instances: the things of one channel, kept apart and remembered one by one."""
+"""Instances: objects of one channel, distinguished and remembered individually."""
 
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ from cbdsl.sensing.sighting import Sighting
 Floats = NDArray[np.float64]
 Sightings = Sequence[Sequence[Sighting]]
 
-# A thing beside others is believed where two images in a row show it within this distance, m.
+# A new object beside others is accepted if two successive images show it within this distance, m.
 _STEADY = 0.02
-# Regions that have grown together look larger than the thing that is known, by this at least.
+# Least ratio of the radius of merged regions to that of the known object.
 _GROWN = 1.04
-# A region shows a thing whole, and no part of it, from this share of its radius on.
+# Least share of an object's radius at which a region shows the whole object.
 _NEARLY = 0.9
-# Two round regions grown together are longer than wide, by this at least, and fill less of
-# the ellipse with their moments; a rectangle fills 0.955 of it.
+# Two merged round regions have at least this ratio of length to width, and fill less of the ellipse
+# with the same moments; a rectangle fills 0.955 of it.
 _LONG = 1.3
 _FILLED = 0.92
-# A region of another channel that is larger than a thing by this is behind it.
+# A region of another channel that is larger than an object by this factor is behind it.
 _BACKGROUND = 5.0
 
 
 class Instances:
-    """The things of one channel, by order of discovery, and which of them is attended to.
+    """Objects of one channel in the order of discovery, one of which is attended to.
 
-    A thing keeps its number while it is remembered; a new one takes the lowest that is free.
-    Attention is first on the thing whose image is largest. It stays there while that is remembered,
-    and then goes to the nearest of the others.
+    An object keeps its number while it is remembered; a new one takes the lowest free number.
+    Attention is first on the object with the largest image. It stays on an object while that is
+    remembered, and then moves to the nearest of the others.
 
     Args:
-        settings: how many are kept apart, and how each is remembered.
-        field: where the cameras look.
-        stereo: whether two cameras look, so that there are positions.
+        settings: Number of distinguished objects, and parameters of their memories.
+        field: Field of view of the cameras.
+        cameras: Number of cameras; only two give positions.
 
     Attributes:
-        memories: by number, from 0.
-        attended: number of the one attended to.
-        sightings: in the newest images, by camera, of each number that is seen there. What is seen
-            and not remembered goes by the lowest free number.
+        memories: Memories by number, from 0.
+        attended: Number of the object attended to.
+        sightings: Sightings in the newest images, by camera and number of the object. A region that
+            shows no remembered object has the lowest free number.
     """
 
     def __init__(self, settings: Regions, field: FieldOfView, cameras: int) -> None:
@@ -71,15 +71,15 @@ class Instances:
 
     @property
     def known(self) -> list[int]:
-        """Numbers of the things that are remembered."""
+        """Numbers of the remembered objects."""
         return [k for k, memory in enumerate(self.memories) if memory.position is not None]
 
     def number(self, instance: str) -> int | None:
-        """Number of an instance as resources name it, ``None`` while there is none.
+        """Return the number of an instance as resources name it, ``None`` while there is none.
 
         Args:
-            instance: one of ``SELECTIONS``, a number in the order of discovery, from 1, or "" for
-                the thing attended to.
+            instance: One of ``SELECTIONS``, a number in the order of discovery, from 1, or "" for
+                the object attended to.
         """
         if not instance:
             return self.attended
@@ -89,7 +89,7 @@ class Instances:
         return min(known, key=partial(self._rank, instance), default=None)
 
     def _rank(self, selection: str, number: int) -> tuple[float, int]:
-        """Sorts the selected instance first."""
+        """Return a sorting key that puts the selected instance first."""
         memory = self.memories[number]
         assert memory.position is not None
         if selection == "largest":
@@ -104,13 +104,13 @@ class Instances:
         return (-azimuth if selection == "leftmost" else azimuth), number
 
     def look(self, time: float, exposed: float, seen: Sightings, others: Sightings = ()) -> None:
-        """Take in the newest images.
+        """Update sightings and memories from the newest images.
 
         Args:
-            time: s.
-            exposed: when the images were taken, s.
-            seen: by camera, the sightings of the channel's regions, the largest first.
-            others: by camera, the sightings of the other channels' regions.
+            time: Current time, s.
+            exposed: Time of exposure of the images, s.
+            seen: Sightings of the channel's regions by camera, the largest first.
+            others: Sightings of the other channels' regions by camera.
         """
         self._exposed, self._others = exposed, others
         for each in self.sightings:
@@ -132,7 +132,7 @@ class Instances:
         self._attend()
 
     def _is_one_thing(self, seen: Sightings, known: Sequence[int]) -> bool:
-        """Whether all that is seen may be the one thing that is known, or be the first one."""
+        """Return whether all sightings may show the one known object, or the first one."""
         if len(known) > 1 or any([len(sightings) > 1 for sightings in seen]):
             return False
         if not known:
@@ -143,14 +143,14 @@ class Instances:
         reach, position = memory.radius + BESIDE, memory.position
         if all([each.distance(position) <= reach for one in seen for each in one]):
             return True
-        # What is not where it is looked for has moved.
+        # An unoccluded object away from its remembered position has moved.
         if not self._is_hidden(known[0]):
             return self._field.shows(position, memory.radius)
         far = reach + self._settings.hand_radius
         return all([each.distance(position) <= far for one in seen for each in one])
 
     def _remember(self, time: float, number: int, *, believed: bool = True) -> None:
-        """Take in what the newest images say of one thing."""
+        """Update the memory of one object from the newest images."""
         memory = self.memories[number]
         sighting = self._located(number) if believed else None
         if sighting is not None and (memory.position is not None or self._is_whole(number)):
@@ -164,27 +164,27 @@ class Instances:
             memory.miss(time, explained=self._explains(time, number))
 
     def _may_be_hidden(self, number: int, position: Floats) -> bool:
-        """Return whether a hand or another object may hide a part of what is seen of an object.
+        """Return whether a hand or another object may occlude a part of an object.
 
         Args:
-            number: of the object.
-            position: where it is seen now, m, shape (3,).
+            number: Number of the object.
+            position: Position at which it is seen now, m, shape (3,).
         """
         if self._field.is_hidden_by_hand(position):
             return True
         return self.memories[number].position is not None and any(self._covered(number))
 
     def _aside(self, number: int) -> list[float]:
-        """How far each line of sight to a thing passes where it is remembered, m."""
+        """Return the distances of an object's lines of sight from its remembered position, m."""
         place = self.memories[number].position
         return [0.0 if place is None else each[number].distance(place) for each in self.sightings]
 
     def _is_whole(self, number: int) -> bool:
-        """Whether what is seen for the first time is one thing."""
+        """Return whether the regions of a newly seen object are compact, and so one object."""
         return all(_is_compact(each[number].region) for each in self.sightings)
 
     def _located(self, number: int) -> Meeting | None:
-        """Where a thing is seen whole by both cameras, or ``None``."""
+        """Return where both cameras see an object whole, or ``None``."""
         left, right = [each.get(number) for each in self.sightings]
         if left is None or right is None or left.region.clipped or right.region.clipped:
             return None
@@ -194,14 +194,14 @@ class Instances:
         return meeting
 
     def _explains(self, time: float, number: int) -> bool:
-        """Whether a thing may well be where it is remembered, although it was not seen there."""
+        """Return whether an unseen object may still be at its remembered position."""
         memory = self.memories[number]
         position, radius = memory.position, memory.radius
         assert position is not None
         if self._is_hidden(number):
             return True
         if not self._field.shows(position, radius):
-            # Nobody knows where a thing that moved has got to.
+            # The position of an object that moved out of view is unknown.
             return not memory.is_lost(time)
         reach, seen = radius + BESIDE, [each[number] for each in self.sightings if number in each]
         if any(sighting.distance(position) <= reach for sighting in seen):
@@ -209,7 +209,7 @@ class Instances:
         return not memory.is_lost(time) and self._is_within_another(number)
 
     def _is_within_another(self, number: int) -> bool:
-        """Whether a thing may be seen as a part of another one's region, which has grown."""
+        """Return whether an object may be a part of another object's region, which has grown."""
         for claims in self.sightings:
             for other, sighting in claims.items():
                 memory = self.memories[other]
@@ -221,7 +221,7 @@ class Instances:
         return False
 
     def _is_hidden(self, number: int) -> bool:
-        """Whether a hand or other things are before a thing in every image that would show it."""
+        """Return whether an object is occluded in every image that would otherwise show it."""
         memory = self.memories[number]
         assert memory.position is not None
         if self._field.is_hidden_by_hand(memory.position):
@@ -233,7 +233,7 @@ class Instances:
         return all(hides or not view for hides, view in zip(hidden, views, strict=True))
 
     def _hidden_by_others(self, number: int) -> list[bool]:
-        """Whether other things are before a thing, by camera."""
+        """Return for each camera whether other objects occlude an object."""
         memory = self.memories[number]
         assert memory.position is not None
         others = [
@@ -247,9 +247,9 @@ class Instances:
         ]
 
     def _covered(self, number: int) -> list[bool]:
-        """Whether a region of another channel covers the middle of a thing, by camera.
+        """Return for each camera whether another channel's region covers an object's middle.
 
-        A region that is much larger, such as that of a table, is a background, and covers nothing.
+        A much larger region, such as that of a table, is a background and covers nothing.
         """
         memory = self.memories[number]
         assert memory.position is not None
@@ -265,7 +265,7 @@ class Instances:
         ]
 
     def _tell_apart(self, time: float, seen: Sightings, known: Sequence[int]) -> None:
-        """Take in images with several regions, or with a thing that is not the one known."""
+        """Update from images with several regions, or with an object other than the known one."""
         for each, sightings in zip(self.sightings, seen, strict=True):
             self._claim(each, sightings, known)
         for number in known:
@@ -289,7 +289,7 @@ class Instances:
     def _claim(
         self, claims: dict[int, Sighting], sightings: Sequence[Sighting], known: Sequence[int]
     ) -> None:
-        """Give each remembered thing the sighting that leads to it, the nearest ones first."""
+        """Assign to each remembered object a sighting that leads to it, the nearest pairs first."""
         options = []
         for number in known:
             memory = self.memories[number]
@@ -305,7 +305,7 @@ class Instances:
                 taken.add(place)
 
     def _retract(self, number: int) -> None:
-        """Give up a sighting by one camera where the other ought to see the thing, too."""
+        """Remove a sighting by one camera if the other should see the object, too, and does not."""
         memory = self.memories[number]
         assert memory.position is not None
         claims = [number in each for each in self.sightings]
@@ -317,9 +317,9 @@ class Instances:
             del self.sightings[1 - other][number]
 
     def _has_grown_together(self, number: int, known: Sequence[int]) -> bool:
-        """Whether a thing's region may show another thing, too, or a part of it.
+        """Return whether an object's region may also show another object or a part of it.
 
-        That is one which has no region of its own, or one of which a hand leaves parts visible.
+        The other object either has no region of its own, or a hand leaves only parts of it visible.
         """
         return any(
             self._touches(claims[number], other) and not self._is_seen_whole(claims, other)
@@ -330,23 +330,24 @@ class Instances:
         )
 
     def _is_seen_whole(self, claims: dict[int, Sighting], number: int) -> bool:
-        """Whether a thing has a region of its own, nearly as large as it is."""
+        """Return whether an object has a region of its own of nearly its full size."""
         memory = self.memories[number]
         assert memory.position is not None
         seen = claims.get(number)
         return seen is not None and seen.radius(memory.position) >= _NEARLY * memory.radius
 
     def _touches(self, sighting: Sighting, other: int) -> bool:
-        """Whether a region reaches to where a remembered thing would be seen."""
+        """Return whether a region reaches the expected image of a remembered object."""
         memory = self.memories[other]
         assert memory.position is not None
         gap = sighting.distance(memory.position) - memory.radius
         return gap < sighting.radius(memory.position)
 
     def _is_just_before(self, row: int, number: int, other: int) -> bool:
-        """Whether a camera sees a thing whole, and as large as it is, before another one.
+        """Return whether a camera sees an object, no larger than it is, in front of another one.
 
-        Of a thing that a hand hides in part nobody can tell how large its own part of a region is.
+        The result is false for an object that a hand may occlude, because the size of its own part
+        of a region is unknown.
         """
         memory, behind = self.memories[number], self.memories[other]
         assert memory.position is not None
@@ -362,13 +363,14 @@ class Instances:
     def _may_be_another(
         self, candidate: Pair, left: Sequence[Sighting], right: Sequence[Sighting]
     ) -> bool:
-        """Whether two sightings show a thing, whole, that is none of those remembered."""
+        """Return whether two sightings show a whole object that is not yet remembered."""
         sightings = left[candidate.left], right[candidate.right]
         if not candidate.whole or not all(_is_compact(each.region) for each in sightings):
             return False
         if self._may_be_fragments(sightings):
             return False
-        # What a hand hides a part of looks smaller than it is, and grows as that goes: a motion.
+        # An object that a hand partly occludes looks too small. It would seem to move as the hand
+        # leaves.
         if self._field.is_hidden_by_hand(candidate.meeting.position):
             return False
         radius = math.sqrt(max(candidate.meeting.sizes) / math.pi)
@@ -379,10 +381,10 @@ class Instances:
         )
 
     def _may_be_fragments(self, sightings: Sequence[Sighting]) -> bool:
-        """Whether a hand may have cut off what is seen from a remembered thing's region.
+        """Return whether sightings may be fragments of a remembered object behind a hand.
 
-        Two cameras see different parts of it between the fingers, whose lines of sight meet
-        somewhere.
+        Two cameras see different parts of it between the fingers. Their lines of sight meet at a
+        wrong position.
         """
         return any(
             memory.position is not None
@@ -394,7 +396,7 @@ class Instances:
     def _discover(
         self, time: float, sightings: tuple[Sighting, Sighting], meeting: Meeting
     ) -> None:
-        """Remember a new thing, or one that is not where it was, if there is a number for it."""
+        """Remember a new object, or one that has moved, if a number is available."""
         free = (k for k, each in enumerate(self.memories) if each.position is None)
         number = next(self._moved(meeting.position), None)
         number = next(free, None) if number is None else number
@@ -406,7 +408,7 @@ class Instances:
             each[number] = sighting
 
     def _moved(self, position: Floats) -> Iterator[int]:
-        """Things that are not seen where they are remembered, and may have got to a position."""
+        """Yield objects that are unseen at their place and may have moved to a position."""
         for number in self.known:
             memory = self.memories[number]
             assert memory.position is not None
@@ -419,7 +421,7 @@ class Instances:
                 yield number
 
     def _attend(self) -> None:
-        """Keep attention where it is, or move it to the nearest thing."""
+        """Keep attention on a remembered object, or move it to the nearest one."""
         if not self.memories:
             return
         if self.memories[self.attended].position is None:
@@ -430,7 +432,7 @@ class Instances:
         self._place = self.memories[self.attended].position
 
     def _priority(self, number: int) -> tuple[float, float, int]:
-        """Sorts first what is nearest to what was attended to; at the beginning, the largest."""
+        """Return a sorting key: distance from the last place of attention, then largest area."""
         position, place = self.memories[number].position, self._place
         assert position is not None
         distance = 0.0 if place is None else math.dist(position, place)
@@ -440,10 +442,10 @@ class Instances:
     def _offer(
         self, left: Sequence[Sighting], right: Sequence[Sighting], certain: Sequence[Pair]
     ) -> None:
-        """Let the largest region that shows nothing remembered go by the lowest free number.
+        """Give the largest region that shows no remembered object the lowest free number.
 
-        So there are headings to what has no position yet, since one camera sees none of it, or a
-        part. Its counterpart in the other image goes by the same number.
+        This defines headings to an object without a position, which one camera does not see or sees
+        partly. Its counterpart in the other image gets the same number.
         """
         free = next((k for k, each in enumerate(self.memories) if each.position is None), None)
         options = [
@@ -463,7 +465,7 @@ class Instances:
                 self.sightings[other][free] = (left, right)[other][numbers[other]]
 
     def _is_part_of_known(self, sighting: Sighting) -> bool:
-        """Whether a line of sight leads to a remembered thing."""
+        """Return whether a line of sight leads to a remembered object."""
         return any(
             memory.position is not None and sighting.distance(memory.position) <= memory.radius
             for memory in self.memories
@@ -471,7 +473,7 @@ class Instances:
 
 
 def _is_compact(region: Region) -> bool:
-    """Whether a region is not two round ones that have grown together."""
+    """Return whether a region is a single one, and not two merged round ones."""
     columns, mixed, rows = region.moments
     middle, half = (columns + rows) / 2, math.hypot((columns - rows) / 2, mixed)
     longer, shorter = middle + half, max(middle - half, 0.0)

@@ -1,4 +1,4 @@
-"""Rows of what the joint positions alone tell: configurations, tips, and what is made of those."""
+"""Rows that follow from joint positions alone: configurations, tips and their combinations."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from cbdsl.types.resource import Centroid, EffectorConfiguration, Posture, Separ
 
 
 class KinematicRows:
-    """Binds rows that are compiled from the robot's kinematics.
+    """Factory of rows that are compiled from the robot's kinematics.
 
     Args:
-        robot, kinematics, tips: of the same robot.
-        rows: that are bound.
+        robot, kinematics, tips: Document, kinematics and tips of the same robot.
+        rows: Signal rows in which rows are bound.
     """
 
     def __init__(
@@ -31,34 +31,34 @@ class KinematicRows:
         self._robot, self._kinematics, self._tips, self._rows = robot, kinematics, tips, rows
 
     def joints(self, effector: str) -> int:
-        """The row of an effector's joint positions, rad."""
+        """Return the row of an effector's joint positions, rad."""
         return self.configuration(EffectorConfiguration(effector))
 
     def links(self, links: Sequence[str]) -> int:
-        """The row of the mean position of some links' frames, m, world frame."""
+        """Return the row of the mean position of some links' frames, m, world frame."""
         return self._rows.bound(("links", *links), lambda: self._bind_links(links))
 
     def tip_off(
         self, source: Tip, facing: int, standoff: tuple[float, float, float] | Standoff
     ) -> int:
-        """The row of a tip whose control point stands off along its z axis.
+        """Return the row of a tip whose control point stands off along its z axis.
 
         Args:
-            source: an effector's tip.
-            facing: number of the row whose radius it stands off from.
-            standoff: clearance beyond that radius, and the least and most distance, m.
+            source: Tip of an effector.
+            facing: Number of the row with the radius that the tip stands off from.
+            standoff: Clearance beyond that radius, and the least and most distance, m.
         """
         key = "tip", source, facing, standoff
         return self._rows.bound(key, lambda: self._bind_point(source, facing, standoff))
 
     def manipulator(self, effector: str, part: str, joints: Sequence[str]) -> int:
-        """The row of the Jacobian of an effector's tip, or of all of a group's, by some joints.
+        """Return the row of the Jacobian of an effector's or group's tips by some joints.
 
         Its own Jacobian is the curvature (Eq 3.5).
 
         Args:
-            part: ``position`` for three rows a tip, ``pose`` for six.
-            joints: whose columns it has, n of them.
+            part: Part of the tip: ``position`` for three rows a tip, ``pose`` for six.
+            joints: Names of the n joints, one for each column.
         """
         columns = self._kinematics.joints.pick(joints).tolist()
         tips = [self._tips.part(member) for member in self._robot.members(effector)]
@@ -68,12 +68,12 @@ class KinematicRows:
         return self._rows.bound(key, lambda: self._rows.bind(form))
 
     def configuration(self, source: EffectorConfiguration) -> int:
-        """The row of an effector's joint positions, rad."""
+        """Return the row of an effector's joint positions, rad."""
         key = EffectorConfiguration, source
         return self._rows.bound(key, lambda: self._bind_configuration(source))
 
     def posture(self, source: Posture) -> int:
-        """A row of the joint positions of a declared posture, rad."""
+        """Return a new row of the joint positions of a declared posture, rad."""
         angles = [
             angle
             for member in self._robot.members(source.effector)
@@ -84,16 +84,16 @@ class KinematicRows:
         return number
 
     def tip(self, source: Tip) -> int:
-        """The row of an effector's tip, or of those of a group one behind the other."""
+        """Return the row of an effector's tip, or of a group's tips in sequence."""
         return self._rows.bound((Tip, source), lambda: self._bind_tip(source))
 
     def centroid(self, source: Centroid) -> int:
-        """A row of the mean position of a group's tips, m, world frame."""
+        """Return a new row of the mean position of a group's tips, m, world frame."""
         members = self._robot.members(source.group)
         return self._bind_mixture(members, [1.0 / len(members)] * len(members), 0)
 
     def separation(self, source: Separation) -> int:
-        """A row of the way from a group's first tip to its second, m, world frame."""
+        """Return a new row of the vector from a group's first tip to its second, m, world frame."""
         return self._bind_mixture(self._robot.members(source.group), [-1.0, 1.0], 0)
 
     def _bind_links(self, links: Sequence[str]) -> int:
@@ -128,7 +128,7 @@ class KinematicRows:
         return self._rows.bind(form, () if facing < 0 else (facing,))
 
     def _bind_mixture(self, members: Sequence[str], weights: Sequence[float], shift: int) -> int:
-        """A row of weighted positions of tips, each ``shift`` components behind the one before."""
+        """Return a row of weighted tip positions, each ``shift`` components after the previous."""
         tips = [self.tip(Tip(member, "position")) for member in members]
         parts = [
             RowPart(source=tip, weight=weight, shift=shift * place)

@@ -1,4 +1,4 @@
-"""Forward kinematics and Jacobians of a robot; the only home of Pinocchio."""
+"""Forward kinematics and Jacobians of a robot; the only module that uses Pinocchio."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ Answer = TypeVar("Answer")
 
 
 class Frame(NamedTuple):
-    """A link's placement in the world frame.
+    """Placement of a link in the world frame.
 
     Attributes:
-        position: m, shape (3,).
-        rotation: columns are the link's axes in the world frame, shape (3, 3).
+        position: Origin, m, shape (3,).
+        rotation: Rotation matrix: columns are the link's axes in the world frame, shape (3, 3).
     """
 
     position: Floats
@@ -49,11 +49,11 @@ class Frame(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A point of a link, and how it and the link move.
+    """Point of a link, and its Jacobian.
 
     Attributes:
-        position: world frame, m, shape (3,).
-        jacobian: linear above angular velocity, world axes, per joint velocity, shape (6, n).
+        position: Position, world frame, m, shape (3,).
+        jacobian: Linear above angular velocity, world axes, per joint velocity, shape (6, n).
     """
 
     position: Floats
@@ -61,13 +61,13 @@ class Point(NamedTuple):
 
 
 class Link(NamedTuple):
-    """A link, and the joints that move it.
+    """Link and the joints that move it.
 
     Attributes:
-        frame: number of the frame that carries it; 0 for the base.
-        position: of its origin in that frame, m, shape (3,).
-        rotation: its axes as columns in that frame, shape (3, 3).
-        support: the joints that move it, from the root outwards, shape (k,).
+        frame: Number of the frame that carries the link; 0 for the base.
+        position: Position of the link's origin in that frame, m, shape (3,).
+        rotation: Axes of the link in that frame, as columns, shape (3, 3).
+        support: Joints that move the link, from the root outwards, shape (k,).
     """
 
     frame: int
@@ -80,25 +80,26 @@ class Kinematics:
     """Placements and Jacobians of links as functions of the actuated joints.
 
     Passive joints move with the actuated ones they follow, so every Jacobian has one column per
-    actuated joint (Eq 3.11-3.12 and their derivatives). Only joints that move a link that somebody
-    has asked for are placed, when somebody asks in a new posture. A link that carries a camera with
-    a correction is where the correction has the camera, not where the model has it.
+    actuated joint (Eq 3.11-3.12 and their derivatives). Joints are placed on demand, once a
+    posture, and only if they move a requested link. A link that carries a camera with a correction
+    has the corrected placement instead of the model's.
 
     Attributes:
-        joints: the order of the actuated joints.
-        positions: of the actuated joints, rad or m, shape (n,); ``update`` writes over them.
-        lower: lower joint limits, rad or m, shape (n,); minus infinity where there is none.
-        upper: upper joint limits, rad or m, shape (n,); infinity where there is none.
+        joints: Actuated joints in order.
+        positions: Positions of the actuated joints, rad or m, shape (n,); ``update`` overwrites
+            them.
+        lower: Lower joint limits, rad or m, shape (n,); minus infinity where there is none.
+        upper: Upper joint limits, rad or m, shape (n,); infinity where there is none.
         speed: Largest speed of each joint by the model, rad/s or m/s, shape (n,); infinity where
             there is none.
         slides: True for joints with a position in m, shape (n,).
         endless: True for joints that turn without limits, shape (n,).
-        circular: True for those of them whose whole turns do not count, shape (n,).
-        tree: the model's joints, as ``place_joints`` takes them, shape (j,).
-        frames, axes: of the joints in the newest posture, as ``place_joints`` leaves them.
+        circular: True for endless joints whose whole turns do not count, shape (n,).
+        tree: Joints of the model, as ``place_joints`` takes them, shape (j,).
+        frames, axes: Joint frames and axes in the newest posture, as ``place_joints`` writes them.
 
     Raises:
-        UrdfError: the model is none that Pinocchio reads.
+        UrdfError: Pinocchio cannot read the model.
     """
 
     def __init__(self, robot: RobotDocument, urdf: Path) -> None:
@@ -137,7 +138,7 @@ class Kinematics:
         self._origins: dict[tuple[tuple[str, ...], ...], tuple[Integers, Floats]] = {}
         self._together: dict[tuple[str, ...], tuple[Integers, Floats, Floats]] = {}
         self._needed: Integers = np.zeros(0, dtype=np.int64)
-        # How many of them are placed in the newest posture, and in the other one; -1 of a new one.
+        # Numbers of joints placed in the newest and in the other posture; -1 for a new posture.
         self._placed = self._other_placed = -1
         self._weighing: tuple[Any, list[Any]] | None = None
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
@@ -162,11 +163,11 @@ class Kinematics:
         self.positions[:], self._placed = positions, -1
 
     def posed(self, posture: Floats, ask: Callable[[], Answer]) -> Answer:
-        """Ask something in another posture.
+        """Evaluate a function in another posture.
 
         Args:
-            posture: rad, shape (n,); while it is the same array, joints are placed once.
-            ask: gives the answer.
+            posture: Joint positions, rad, shape (n,); the same array places joints only once.
+            ask: Function to evaluate.
         """
         newest = self.positions, self.frames, self.axes, self._placed
         if self._other_posture is not posture:
@@ -180,16 +181,16 @@ class Kinematics:
             self.positions, self.frames, self.axes, self._placed = newest
 
     def place(self) -> None:
-        """Place the joints in the newest posture, unless they are there."""
+        """Place the joints in the newest posture, unless that is done."""
         if self._placed != len(self._needed):
             place_joints(self.positions, self._needed, self.tree, self.frames, self.axes)
             self._placed = len(self._needed)
 
     def link(self, name: str) -> Link:
-        """A link, whose frame is up to date after ``place``.
+        """Return a link, whose frame is up to date after ``place``.
 
         Raises:
-            KeyError: there is no link of this name.
+            KeyError: There is no link of this name.
         """
         link = self._links.get(name)
         if link is None:
@@ -198,13 +199,13 @@ class Kinematics:
         return link
 
     def frame(self, link: str) -> Frame:
-        """The placement of a link, which stays as it is now."""
+        """Return the current placement of a link, which later updates do not change."""
         here, placed = self.link(link), Frame(np.empty(3), np.empty((3, 3)))
         place_link(self.frames[here.frame], here.position, here.rotation, *placed)
         return placed
 
     def placed(self, links: tuple[str, ...]) -> list[Frame]:
-        """The placements of several links; see ``frame``."""
+        """Return the placements of several links; see ``frame``."""
         known = self._together.get(links)
         if known is None:
             each = [self.link(name) for name in links]
@@ -218,27 +219,27 @@ class Kinematics:
         return list(map(Frame, positions, rotations))
 
     def direction(self, link: str, vector: Floats) -> Floats:
-        """A vector (3,) of a link's own axes, in the world's."""
+        """Return a vector (3,) in a link's axes, expressed in the world frame."""
         turned: Floats = self.frame(link).rotation.dot(vector)
         return turned
 
     def jacobian(self, link: str) -> Floats:
-        """Linear and angular velocity of a link, world axes, per joint velocity, shape (6, n)."""
+        """Return the Jacobian of a link, linear above angular, world axes, shape (6, n)."""
         return self.point(link, (0.0, 0.0, 0.0)).jacobian
 
     def turning(self, link: str) -> Floats:
-        """Angular velocity of a link, world axes, per joint velocity, shape (3, n)."""
+        """Return the angular velocity of a link, world axes, per joint velocity, shape (3, n)."""
         return self.jacobian(link)[3:]
 
     def own_turning(self, link: str) -> Floats:
-        """Angular velocity of a link, its own axes, per joint velocity, shape (3, n)."""
+        """Return the angular velocity of a link, its own axes, per joint velocity, shape (3, n)."""
         here, turning = self.link(link), np.zeros((3, len(self.lower)))
         frame = self.frames[here.frame]
         turn_link(frame, here.rotation, here.support, self.tree, self.axes, turning)
         return turning
 
     def point(self, link: str, offset: Vector) -> Point:
-        """A point of a link, ``offset`` from its origin in its own axes, m."""
+        """Return a point of a link, at an offset, m, from its origin in its own axes."""
         here = self.link(link)
         position, jacobian = np.empty(3), np.zeros((6, len(self.lower)))
         own = here.position + here.rotation.dot(np.array(offset))
@@ -247,15 +248,16 @@ class Kinematics:
         return Point(position, jacobian)
 
     def curvature(self, link: str, point: Floats, rows: int) -> Floats:
-        """The derivative of the Jacobian of a point of a link by the joints.
+        """Return the derivative of the Jacobian of a link's point by the joint positions.
 
         Args:
-            link: what the point moves with.
-            point: world frame, m, shape (3,).
-            rows: 6, or 3 for the linear velocity alone.
+            link: Link that the point is fixed to.
+            point: Point, world frame, m, shape (3,).
+            rows: Number of rows: 6, or 3 for the linear velocity alone.
 
         Returns:
-            Shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per
+            Derivative, shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry
+            (k, i) per
             joint j, linear above angular velocity.
         """
         support, joints = self.link(link).support, len(self.lower)
@@ -264,9 +266,9 @@ class Kinematics:
         return curvature
 
     def weight(self) -> Floats:
-        """Torques that bear the links' own weight in this posture, N m, shape (n,).
+        """Return the torques that bear the links' own weight in this posture, N m, shape (n,).
 
-        By the masses of the model; that of what is held is not known.
+        They follow from the masses of the model; the mass of a held object is unknown.
         """
         if self._weighing is None:
             numbers = [self._model.getJointId(name) for name in self.joints.all]
@@ -283,20 +285,20 @@ class Kinematics:
         return weight
 
     def inertial(self, link: str) -> UrdfInertial | None:
-        """The mass of a link, without those that it carries; ``None`` where the model has none."""
+        """Return the mass of a link without carried links, ``None`` if the model has none."""
         return self._bodies[link].inertial
 
     @cached_property
     def _bodies(self) -> Mapping[str, UrdfLink]:
-        """The model's links; Pinocchio adds the masses of those that are fixed to each other."""
+        """Links of the URDF model; Pinocchio merges the masses of links with fixed joints."""
         return read_urdf(self._urdf).bodies
 
     def moving(self, link: str) -> frozenset[str]:
-        """Names of the model's joints that move a link, passive ones too."""
+        """Return names of the model's joints that move a link, including passive ones."""
         return frozenset(self._model.names[number] for number in self._support(link))
 
     def origins(self, joints: tuple[str, ...], links: tuple[str, ...]) -> Floats:
-        """Origins of the named joints and links in the world frame, m, shape (k, 3)."""
+        """Return origins of the named joints and links in the world frame, m, shape (k, 3)."""
         known = self._origins.get((joints, links))
         if known is None:
             known = self._origins[joints, links] = self._find_origins(joints, links)
@@ -309,7 +311,7 @@ class Kinematics:
     def _find_origins(
         self, joints: tuple[str, ...], links: tuple[str, ...]
     ) -> tuple[Integers, Floats]:
-        """Frames of joints and links, and where their origins are in these."""
+        """Return the frame numbers of joints and links, and their origins in these frames."""
         numbers = [self._model.getJointId(name) for name in joints]
         for number in numbers:
             self._need(list(self._model.supports[number])[1:])
@@ -319,7 +321,7 @@ class Kinematics:
         return frames, np.array(offsets).reshape(len(offsets), 3)
 
     def _need(self, numbers: Sequence[int]) -> None:
-        """Have joints placed from now on."""
+        """Add joints to those that ``place`` places."""
         self._needed = np.union1d(self._needed, np.array(numbers, dtype=np.int64) - 1)
 
     def _find(self, name: str) -> Link:
@@ -335,8 +337,8 @@ class Kinematics:
         return Link(frame.parentJoint, origin, axes, support)
 
     def _support(self, link: str) -> list[int]:
-        """Numbers of the joints that move a link, from the root outwards."""
-        # The first entry is the world; every further one is a joint.
+        """Return numbers of the joints that move a link, from the root outwards."""
+        # The first entry is the world; all others are joints.
         joint = self._model.frames[self._frame(link)].parentJoint
         return list(self._model.supports[joint])[1:]
 
@@ -349,9 +351,9 @@ class Kinematics:
 
 
 def _set_position(configuration: Floats, joint: Any, position: float) -> None:
-    """Set the position, rad or m, of a joint of Pinocchio in a configuration of its model."""
+    """Set the position, rad or m, of a Pinocchio joint in a configuration of its model."""
     place, size = joint.idx_q, joint.nq
-    # A joint without end has two coordinates, of a point on the unit circle.
+    # An endless joint has two coordinates: a point on the unit circle.
     turn = (position,) if size == 1 else (math.cos(position), math.sin(position))
     configuration[place : place + size] = turn
 
@@ -359,8 +361,8 @@ def _set_position(configuration: Floats, joint: Any, position: float) -> None:
 def _tree(model: Any, joints: Joints, still: Floats) -> Any:
     """Return the moving joints of a Pinocchio model.
 
-    Where a joint is in the configuration ``still`` is a part of its placement: offsets of passive
-    joints, and joints that nothing drives, cost no time.
+    The position of a joint in the configuration ``still`` is part of its placement. Offsets of
+    passive joints and joints without a drive therefore need no computation.
     """
     tree = np.zeros(model.njoints - 1, JOINT)
     at_rest = model.createData()

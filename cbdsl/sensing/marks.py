@@ -1,4 +1,4 @@
-"""Marks: headings to what has another hue on a thing than the thing itself (Section 4.3.2)."""
+"""Marks: headings to regions of another hue on an object (Section 4.3.2)."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from cbdsl.types.resource import MarkHeading
 
 Floats = NDArray[np.float64]
 
-# Of the thing's area: what is larger is the thing in its own hue, or something behind it.
+# Largest share of the object's area; a larger region is the object itself or behind it.
 _LARGEST = 0.5
-# A uniform ellipse reaches so many deviations far.
+# Semi-axis of a uniform ellipse in standard deviations.
 _ELLIPSE = 2.0
 
 
 class Marks(ChosenHeadings[MarkHeading]):
-    """Finds the largest mark on a thing, and stays with its hue while that is seen."""
+    """Headings to the largest mark on an object; the hue is kept while it is seen."""
 
     kind = MarkHeading
 
@@ -42,7 +42,7 @@ class Marks(ChosenHeadings[MarkHeading]):
         return {name: self._line(name, own[hue]) for name, own in marks.items() if hue in own}
 
     def _marks(self, camera: str, source: MarkHeading) -> dict[str, Region]:
-        """The largest mark of each hue in a camera's image."""
+        """Return the largest mark of each hue in a camera's image."""
         thing = self._vision.region(camera, source.channel)
         if thing is None:
             return {}
@@ -55,18 +55,18 @@ class Marks(ChosenHeadings[MarkHeading]):
         return own
 
     def _line(self, name: str, region: Region) -> Floats:
-        """The line of sight to a region, world frame, shape (3,)."""
+        """Return the line of sight to a region, world frame, shape (3,)."""
         own = sight(self._robot.cameras[name], region.column, region.row)
         line: Floats = self._vision.field.frames[name].rotation.dot(own)
         return line
 
 
 def is_mark(region: Region, thing: Region) -> bool:
-    """Whether a region is a small part of what a thing's region covers.
+    """Return whether a region is a small part of the area that an object's region covers.
 
     Args:
-        region: of some hue.
-        thing: the region of the thing, in the same image.
+        region: Region of any hue.
+        thing: Region of the object in the same image.
     """
     if region.clipped or region.area > _LARGEST * thing.area:
         return False

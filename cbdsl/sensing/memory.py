@@ -1,4 +1,4 @@
-"""A remembered position: what stereo saw last, while a hand is in the way."""
+"""Memory of an object's position, kept while a hand or another object occludes it."""
 
 from __future__ import annotations
 
@@ -15,33 +15,33 @@ from cbdsl.sensing.association import look_alike
 
 Floats = NDArray[np.float64]
 
-#: A line of sight that passes where a thing is remembered by more than its radius and this leads to
-#: something else, m.
+#: A line of sight leads to another object if its distance from the remembered position exceeds the
+#: object's radius plus this, m.
 BESIDE = 0.03
 
 _STILL = np.zeros(3)
-# How long displacements are kept, s: no image may be as late.
+# Time for which displacements are kept, s; images must arrive with less delay.
 _KEPT = 1.5
 _SLACK = 1e-6
-# How much less a camera may see of a thing than the others do, compared with what they saw before.
+# Least visible share of an object in a camera, relative to the largest share in any camera.
 _ALIKE = 0.9
 
 
 class PositionMemory:
-    """Filters the triangulated position of one thing and holds it while its region is hidden.
+    """Filter of the triangulated position of one object, which holds it during occlusion.
 
-    The centroid of a half-hidden region is not the centre of the thing. A sighting therefore
-    counts only while the region's apparent size, corrected for distance, is as large as the
-    largest seen so far in every camera. A thing is remembered for as long as something explains
-    why it is not seen, such as a hand that hides it or a head that looks elsewhere, and forgotten
-    soon after otherwise.
+    The centroid of a half-hidden region is not the centre of the object. A sighting therefore
+    counts only if the apparent size, corrected for distance, is as large as the largest seen so far
+    in every camera. An object is remembered as long as its absence from the images is explained,
+    for example by a hand that occludes it or a head that looks elsewhere. Otherwise it is soon
+    forgotten.
 
     Attributes:
-        position: m in the world frame, shape (3,), or ``None`` while undefined.
-        radius: of a ball that would look as large, m; ``0`` while undefined.
-        since: when it was discovered, s.
-        last: when and where it was last, s and m in the world frame, shape (3,); ``None`` before it
-            was seen.
+        position: Position, m, world frame, shape (3,), or ``None`` while undefined.
+        radius: Radius of a ball of the same apparent size, m; ``0`` while undefined.
+        since: Time of discovery, s.
+        last: Time, s, and place, m, world frame, shape (3,), of the last sighting before the object
+            was forgotten; ``None`` before.
     """
 
     def __init__(self, settings: Regions) -> None:
@@ -52,38 +52,39 @@ class PositionMemory:
         """Forget everything."""
         self.position: Floats | None = None
         self.last: tuple[float, Floats] | None = None
-        # Where it was seen last, without the motion that was predicted since, m.
+        # Place of the last sighting, without the motion predicted since, m.
         self._place: Floats | None = None
         self.radius = 0.0
         self.rest()
         self.since = self._seen = self._accounted = 0.0
         self._sightings = 0
         self._largest: Sequence[float] | None = None
-        # Sizes with as much of the thing visible to each camera, m^2.
+        # Sizes at which each camera sees the same share of the object, m^2.
         self._visible: Sequence[float] | None = None
-        # Sizes that were believed last, m^2.
+        # Sizes of the last accepted sighting, m^2.
         self._newest: Sequence[float] | None = None
-        # Displacements of the last ticks, m, and when they began, s.
+        # Displacements of the last ticks, m, and the times at which they began, s.
         self._moves: deque[tuple[float, Floats]] = deque()
         self._time = 0.0
 
     @property
     def velocity(self) -> Floats | None:
-        """Velocity on the level, m/s, shape (3,), or ``None`` while undefined."""
-        # A line through two points says more of their noise than of a motion.
+        """Horizontal velocity, m/s, shape (3,), or ``None`` while undefined."""
+        # A line through two points reflects their noise more than a motion.
         known = self.position is not None and self._sightings > 2
         return self._velocity.copy() if known else None
 
     def has_shrunk(self, sizes: Sequence[float], aside: Sequence[float]) -> bool:
-        """Whether a thing is smaller than it looked before, unless something hides a part of it.
+        """Return whether an object looks smaller than before, without a partial occlusion.
 
-        What one camera alone sees less of, over a shoulder or past another thing, is hidden from
-        that camera, if the other one sees it where it was. What has moved may have turned, but is
-        seen whole, so that it looks alike to both: what is left of it beside a forearm does not.
+        If only one camera's apparent size shrinks while the other still sees the object at its
+        remembered position, the object is partly occluded in the first. An object that moved may
+        have turned, but is seen whole, so that both cameras see similar sizes. The visible part
+        beside a forearm does not look alike to both.
 
         Args:
-            sizes: apparent area times squared distance in each camera, m^2.
-            aside: how far each line of sight passes where it is remembered, m.
+            sizes: Apparent area times squared distance in each camera, m^2.
+            aside: Distance of each line of sight from the remembered position, m.
         """
         if min(_shares(sizes, self._largest)) >= 1.0:
             return False
@@ -93,13 +94,13 @@ class PositionMemory:
         return min(shares) >= _ALIKE * max(shares)
 
     def forget_size(self, sizes: Sequence[float], aside: Sequence[float]) -> None:
-        """Let the next sighting set the size anew, since nothing hides any part of the thing.
+        """Let the next sighting set the size again, because no part of the object is occluded.
 
-        How much of it each camera saw, compared with the other one, is not forgotten of what stays
-        where it is: a shoulder comes before it little by little.
+        The visible shares of the cameras relative to each other are kept if the object did not
+        move, because a shoulder occludes it gradually.
 
         Args:
-            sizes, aside: as ``has_shrunk`` has them.
+            sizes, aside: Sizes and distances, as in ``has_shrunk``.
         """
         shares = _shares(sizes, self._visible)
         self._largest = None
@@ -109,28 +110,28 @@ class PositionMemory:
             self._visible = [max(shares) * size for size in self._visible]
 
     def _has_moved(self, shares: Sequence[float], aside: Sequence[float]) -> bool:
-        """Whether the camera that sees most of a thing sees it beside where it is remembered."""
+        """Return whether the camera with the largest visible share sees the object elsewhere."""
         best = max(range(len(shares)), key=lambda camera: shares[camera])
         return self.position is None or aside[best] > BESIDE
 
     def see(self, time: float, position: Floats, sizes: Sequence[float]) -> bool:
-        """Take in a sighting; returns whether it was believed.
+        """Update the memory by a sighting; return whether it was accepted.
 
         Args:
-            time: s.
-            position: triangulated, and displaced as since the images, m, shape (3,).
-            sizes: apparent area times squared distance in each camera, m^2.
+            time: Time of the images, s.
+            position: Triangulated position plus the displacement since the images, m, shape (3,).
+            sizes: Apparent area times squared distance in each camera, m^2.
         """
         if look_alike(sizes) and not look_alike(self._largest or sizes):
-            # It was met half-hidden: size and place are those of a part.
+            # The object was discovered half-hidden: size and place are those of a part.
             self._forget_part()
         largest, least = self._largest or sizes, self._settings.least_visible
         for size, most in zip(sizes, largest, strict=True):
             if size < least * most:
                 return False
         shares = _shares(sizes, self._newest)
-        # Where one camera sees more or less of it than just before, something comes before it or
-        # goes: then its middle moves in that image, and says nothing of a motion.
+        # If one camera's visible share changes, an occluder arrives or leaves. The centroid then
+        # shifts in that image, which does not indicate a motion.
         steady = min(shares) >= least * max(shares)
         self._newest = list(sizes)
         self._largest = list(map(max, largest, sizes))
@@ -148,12 +149,12 @@ class PositionMemory:
         return True
 
     def _forget_part(self) -> None:
-        """Let the next sighting set size and place anew; when it was discovered stays."""
+        """Let the next sighting set size and place again; keep the time of discovery."""
         self._largest = self._visible = self._newest = None
         self._sightings = 0
 
     def predict(self, period: float, time: float) -> None:
-        """Carry a moving position on by ``period`` seconds."""
+        """Extrapolate a moving position by ``period`` seconds."""
         self._time = time
         if self.position is None or time - self._seen > self._settings.prediction:
             return
@@ -161,7 +162,7 @@ class PositionMemory:
             self._move(time - period, self._velocity * period)
 
     def miss(self, time: float, *, explained: bool) -> None:
-        """Take in that there was no believable sighting, and whether something explains it."""
+        """Handle a missing sighting; forget the object if none is explained for too long."""
         if explained:
             self._accounted = time
         elif time - self._accounted > self._settings.hold:
@@ -170,17 +171,17 @@ class PositionMemory:
             self.position = None
 
     def is_lost(self, time: float) -> bool:
-        """Whether the thing moved when it was last seen, for longer than that can be predicted."""
+        """Return whether an object that moved is unseen for longer than its motion is predicted."""
         moving = self._speed > self._settings.least_speed
         return moving and time - self._seen > self._settings.prediction
 
     def carry(self, displacement: Floats) -> None:
-        """Take the thing to have moved with the hands that hold it, m, shape (3,)."""
+        """Displace the object with the hands that hold it, m, shape (3,)."""
         if self.position is not None:
             self._move(self._time, displacement)
 
     def moved_since(self, time: float) -> Floats:
-        """How far the thing is taken to have moved since an image was taken, m, shape (3,)."""
+        """Return the estimated displacement of the object since an image, m, shape (3,)."""
         moves = self._moves
         while moves and moves[0][0] < time - _SLACK:
             moves.popleft()
@@ -194,12 +195,15 @@ class PositionMemory:
             self._moves.popleft()
 
     def rest(self) -> None:
-        """Take the thing to stand still, as when a hand has touched it."""
+        """Set the velocity to zero, as when a hand has touched the object."""
         self._velocity, self._speed = _STILL, 0.0
 
     def _gains(self, sightings: int) -> tuple[float, float]:
-        """Gains of the alpha-beta filter: those of a straight line fitted to all sightings, as long
-        as they are few; the settled filter takes too long to notice that a thing moves.
+        """Return the gains of the alpha-beta filter after a number of sightings.
+
+        The first gains are those of a straight line fitted to all sightings, because the settled
+        filter reacts too slowly to a motion.
+
         """
         settled = self._settings.gains
         together = sightings * (sightings + 1)
@@ -207,7 +211,7 @@ class PositionMemory:
         return max(settled[0], fitted[0]), max(settled[1], fitted[1])
 
     def _correct(self, time: float, position: Floats, *, steady: bool) -> None:
-        """Correct the position by a sighting, and the velocity, too, by one that is steady."""
+        """Correct the position by a sighting, and the velocity, too, by a steady one."""
         assert self.position is not None
         self._sightings += 1
         of_position, of_velocity = self._gains(self._sightings)
@@ -221,7 +225,7 @@ class PositionMemory:
 
 
 def _shares(sizes: Sequence[float], whole: Sequence[float] | None) -> list[float]:
-    """Sizes as parts of others, 1 where there are no others."""
+    """Return sizes as shares of other sizes, 1 if there are no others."""
     return [size / most for size, most in zip(sizes, whole or sizes, strict=True)]
 
 
@@ -235,18 +239,18 @@ def _correct(
     position: Floats,
     level: Floats,
 ) -> float:
-    """Correct an expected position and a velocity, m and m/s, shape (3,) each; returns the speed.
+    """Correct a position, m, and a velocity, m/s, shape (3,) each; return the speed, m/s.
 
-    Things roll and slide on something level; a vertical velocity is measurement error.
+    Objects roll and slide on a level surface; a vertical velocity is a measurement error.
 
     Args:
-        measured: position.
-        expected: position.
-        velocity: before.
-        gains: of both.
-        period: since the measurement before, s.
-        position: becomes the corrected one.
-        level: becomes the corrected velocity.
+        measured: Measured position.
+        expected: Predicted position.
+        velocity: Previous velocity.
+        gains: Gains of position and velocity.
+        period: Time since the previous measurement, s.
+        position: Output: corrected position.
+        level: Output: corrected velocity.
     """
     alpha, beta = gains
     for i in range(3):

@@ -1,7 +1,7 @@
-"""Net wrench of a hand: its fingers' forces and torques, and the moments of the forces; compiled.
+"""Net wrench of a hand: sum of its fingers' forces, torques and moments; compiled.
 
-Its Jacobian is the cast force -> displacement (Eq 3.37 to 3.39): each fingertip is taken to press
-on a spring, and a force that grows has a moment that grows, too.
+Its Jacobian is the cast force -> displacement (Eq 3.37 to 3.39). The model is that each fingertip
+presses on a spring, so that the moment of a force grows with the force.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ Integers = NDArray[np.int64]
 
 
 class Fingertips(NamedTuple):
-    """Where the fingertips of a hand are in the model, as ``net_wrench`` takes them.
+    """Fingertips of a hand in the model, as ``net_wrench`` takes them.
 
     Attributes:
-        frames: numbers of the frames that carry them, shape (k,).
-        origins: of the fingertips in these, m, shape (k, 3).
-        support: the joints that move each, filled up with -1, shape (k, most).
+        frames: Numbers of the frames that carry the fingertips, shape (k,).
+        origins: Origins of the fingertips in these frames, m, shape (k, 3).
+        support: Joints that move each fingertip, padded with -1, shape (k, most).
     """
 
     frames: Integers
@@ -34,7 +34,7 @@ class Fingertips(NamedTuple):
 
     @classmethod
     def of(cls, kinematics: Kinematics, links: list[str]) -> Fingertips:
-        """Those of some links."""
+        """Return the fingertips of some links."""
         placed = [kinematics.link(link) for link in links]
         support = np.full((len(links), max(len(link.support) for link in placed)), -1)
         for row, link in zip(support, placed, strict=True):
@@ -57,16 +57,16 @@ def net_wrench(
     value: Floats,
     jacobian: Floats,
 ) -> None:
-    """Sum up the loads of a hand about a point.
+    """Compute the net wrench of a hand about a point, and its Jacobian.
 
     Args:
-        loads: of its cells, N and N m, world frame, shape (k, 6).
-        centre: that torques are about, m, world frame, shape (3,).
-        stiffness: of what is touched, N/m and N m/rad, shape (2,).
-        numbers, origins, support: of ``Fingertips``.
-        joints, frames, axes: as of ``place_joints``.
-        value: becomes the wrench, shape (6,).
-        jacobian: becomes its change per joint, shape (6, n).
+        loads: Loads of the hand's cells, N and N m, world frame, shape (k, 6).
+        centre: Reference point of the torques, m, world frame, shape (3,).
+        stiffness: Stiffness of the touched objects, N/m and N m/rad, shape (2,).
+        numbers, origins, support: Attributes of ``Fingertips``.
+        joints, frames, axes: Joint tree, frames and axes, as in ``place_joints``.
+        value: Output: net wrench, N and N m, shape (6,).
+        jacobian: Output: change of the wrench per joint, shape (6, n).
     """
     value[:], jacobian[:] = 0.0, 0.0
     tip, lever = np.empty(3), np.empty(3)

@@ -1,7 +1,7 @@
-"""Novelty: headings to what the background model of a channel does not expect (Section 5.2.1).
+"""Novelty: headings to regions that a channel's background model does not expect (Section 5.2.1).
 
-A background model has the postures of the head in which a channel was tracked. A region is novel
-where the posture that would track it is far from all of them.
+A background model consists of head postures in which a channel was tracked. A region is novel if
+the posture that would track it is far from all of them.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from cbdsl.types.resource import GaussianSample, NovelHeading
 
 Floats = NDArray[np.float64]
 
-# Standard deviations of the background's density beyond which next to nothing of it lies.
+# Distance in standard deviations beyond which the background's density is negligible.
 _FAR = 3.0
-# Newton's steps from anywhere in an image to its middle: after three the rest is below 1e-6 rad.
+# Newton steps from anywhere in an image to its middle; after three the error is below 1e-6 rad.
 _STEPS = 4
 
 
 class _WholeRegion(NamedTuple):
-    """A region that a camera sees whole.
+    """Region that a camera sees whole.
 
     Attributes:
-        line: of sight, world frame, shape (3,).
-        posture: of the background's effector that would track it, rad, shape (n,).
+        line: Line of sight, world frame, shape (3,).
+        posture: Posture of the background's effector that would track the region, rad, shape (n,).
     """
 
     line: Floats
@@ -39,9 +39,9 @@ class _WholeRegion(NamedTuple):
 
 
 class Novelty(ChosenHeadings[NovelHeading]):
-    """Finds the largest region of a channel that its background model does not expect.
+    """Headings to the largest region of a channel that its background model does not expect.
 
-    What is at an image's border has its middle nobody knows where, and is not judged.
+    Regions at an image's border are ignored, because their middles are unknown.
     """
 
     kind = NovelHeading
@@ -57,14 +57,14 @@ class Novelty(ChosenHeadings[NovelHeading]):
             ]
             if not novel:
                 continue
-            # Both cameras look at the same thing.
+            # Both cameras look at the same object.
             chosen = novel[0] if first is None else min(novel, key=partial(_apart, first))
             first = chosen.posture if first is None else first
             lines[camera] = chosen.line
         return lines
 
     def _whole_regions(self, name: str, source: NovelHeading) -> Iterator[_WholeRegion]:
-        """Regions of a channel that a camera sees whole, the largest first."""
+        """Yield regions of a channel that a camera sees whole, the largest first."""
         camera = self._robot.cameras[name]
         regions = self._vision.seen.get(name, {}).get(source.channel, ())
         if not regions:
@@ -79,7 +79,7 @@ class Novelty(ChosenHeadings[NovelHeading]):
                 yield _WholeRegion(frame.rotation.dot(line), posture)
 
     def _tracking(self, effector: str, link: str, line: Floats) -> Floats:
-        """The posture in which a camera has a line of sight, in its own axes, in the middle."""
+        """Return the posture that centres a line of sight, in the camera's axes, in the image."""
         kinematics, columns = self._kinematics, self._kinematics.joints.of(effector)
         posture: Floats = kinematics.positions[columns].copy()
         # Joints that move the camera, from the root outwards.
@@ -92,15 +92,14 @@ class Novelty(ChosenHeadings[NovelHeading]):
 
 
 def centring(axes: Floats, line: Floats) -> Floats:
-    """Turns of joints that bring a line of sight to the middle of the image.
+    """Return the joint displacements that bring a line of sight to the middle of the image.
 
     Args:
-        axes: of the joints from the root outwards, in the camera's axes, of unit length, shape
-            (3, n).
-        line: of sight, in the camera's axes, shape (3,).
+        axes: Unit axes of the joints from the root outwards, in the camera's axes, shape (3, n).
+        line: Line of sight in the camera's axes, shape (3,).
 
     Returns:
-        Turns, rad, shape (n,).
+        Joint displacements, rad, shape (n,).
     """
     turns = np.zeros(axes.shape[1])
     for _ in range(_STEPS):
@@ -114,11 +113,11 @@ def centring(axes: Floats, line: Floats) -> Floats:
 
 
 def is_novel(source: NovelHeading, posture: Floats) -> bool:
-    """Whether the background's density at a posture is next to nothing.
+    """Return whether the background's density at a posture is negligible.
 
     Args:
-        source: with the density.
-        posture: rad, shape (n,).
+        source: Heading source with the background's density.
+        posture: Joint positions, rad, shape (n,).
     """
     density = source.expected
     if isinstance(density, GaussianSample):

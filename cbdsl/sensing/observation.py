@@ -1,4 +1,4 @@
-"""Observation of a robot in one tick: the only thing that controllers ever see of the world."""
+"""Observation of a robot in one tick: the only input of controllers from the world."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ Cell = tuple[str, str]
 
 
 class Loads(Mapping[Cell, Floats]):
-    """Wrenches that load cells measure, by (hand, finger).
+    """Measured wrenches of load cells, by (hand, finger).
 
     Attributes:
-        cells: in order.
-        wrenches: force and torque of each, N and N m, shape (cells, 6).
+        cells: Load cells in order.
+        wrenches: Force and torque of each cell, N and N m, shape (cells, 6).
     """
 
     __slots__ = ("cells", "wrenches")
@@ -44,22 +44,24 @@ class Loads(Mapping[Cell, Floats]):
 
 @dataclass(slots=True)
 class Observation:
-    """One reading of all sensors. It has no field for what only the simulator knows.
+    """One reading of all sensors, without data that only the simulator knows.
 
     Attributes:
-        time: since the start of the episode, s.
-        positions: actuated joints in the order of the robot file's effectors, rad, shape (n,).
-        velocities: of the same joints, rad/s, shape (n,).
-        loads: force and torque exerted by each load cell on the world, in the world frame, N and
-            N m, by (hand, finger), shape (6,) each. They include the weight of what is beyond the
-            cell, and a bias.
-        images: RGB, shape (height, width, 3), top row first, by camera; empty between images.
-        regions: instead of images, what the channels of an ideal camera's image would hold, by
-            camera and channel, the largest region first; empty between images.
-        efforts: torques of the joints' drives, as these measure them, N m, shape (n,); ``None``
-            where they measure none.
-        exposed: when the images were taken, s, in the same clock as ``time``; ``None``
-            without images, and where they are of now.
+        time: Time since the start of the episode, s.
+        positions: Actuated joint positions in the order of the robot file's effectors, rad, shape
+            (n,).
+        velocities: Velocities of the same joints, rad/s, shape (n,).
+        loads: Force and torque exerted by each load cell on the world, in the world frame, N and N
+            m, by (hand, finger), shape (6,) each. They include a bias and the weight of all parts
+            beyond the cell.
+        images: RGB images, shape (height, width, 3), top row first, by camera; empty between
+            images.
+        regions: Regions in the images of ideal cameras, instead of images, by camera and channel,
+            the largest region first; empty between images.
+        efforts: Measured torques of the joints' drives, N m, shape (n,); ``None`` if the drives
+            measure none.
+        exposed: Time of exposure of the images, s, in the same clock as ``time``; ``None`` without
+            images, and for images without delay.
     """
 
     time: float

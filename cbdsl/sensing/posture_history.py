@@ -1,4 +1,4 @@
-"""Posture history: where the joints were when an image was taken that is read later."""
+"""Posture history: joint positions at the exposure of images that arrive later."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# How long postures are kept, s: no image may be as late.
+# Time for which postures are kept, s; images must arrive with less delay.
 _KEPT = 1.5
-# Rounding of times, s.
+# Tolerance of times for rounding, s.
 _SLACK = 1e-6
 
 
 class PostureHistory:
-    """Joint positions of the last ticks, back to the newest image that was asked for, or 1.5 s."""
+    """Joint positions of the last ticks, back to the newest requested image, or 1.5 s."""
 
     def __init__(self) -> None:
         self._ticks: deque[tuple[float, Floats]] = deque()
@@ -26,13 +26,13 @@ class PostureHistory:
         self._ticks.clear()
 
     def note(self, time: float, positions: Floats) -> None:
-        """Take in a tick: its time, s, and joint positions that nobody writes over, shape (n,)."""
+        """Add a tick's time, s, and joint positions, shape (n,), which must not be overwritten."""
         self._ticks.append((time, positions))
         if self._ticks[0][0] < time - _KEPT:
             self._ticks.popleft()
 
     def at(self, time: float) -> Floats:
-        """The joint positions at a time, s, in the tick before, or the oldest known, shape (n,)."""
+        """Return the joint positions, shape (n,), of the last tick up to a time, s, or the oldest."""
         ticks = self._ticks
         while len(ticks) > 1 and ticks[1][0] <= time + _SLACK:
             ticks.popleft()

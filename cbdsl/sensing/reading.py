@@ -15,14 +15,15 @@ class Reading(NamedTuple):
     """A resource's value in one tick.
 
     Attributes:
-        value: SI, shape (m,); an orientation is a rotation matrix, shape (3, 3), and a pose a
+        value: Value, SI units, shape (m,); an orientation is a rotation matrix, shape (3, 3), and a
+            pose a
             homogeneous transform from tip to world, shape (4, 4).
-        jacobian: change of the value per joint, shape (m, n) over all actuated joints; an
-            orientation's is its angular velocity in world axes, shape (3, n), and a pose's is
-            linear above angular velocity, shape (6, n). ``None`` where the joints change nothing.
-        stamp: counts the measurements, so that a value which was only repeated is recognised.
-        radius: apparent radius of a seen thing, m.
-        measured: false for a value that rests on no contact.
+        jacobian: Change of the value per joint, shape (m, n) over all actuated joints. For an
+            orientation, it is the angular velocity in world axes, shape (3, n); for a pose, linear
+            above angular velocity, shape (6, n). ``None`` if the joints do not change the value.
+        stamp: Count of the measurements, by which repeated values are recognised.
+        radius: Apparent radius of a seen object, m.
+        measured: False for a force without contact.
     """
 
     value: Floats
@@ -33,7 +34,7 @@ class Reading(NamedTuple):
 
 
 def stacked(readings: Sequence[Reading]) -> Reading:
-    """The reading of a product: the factors' values and Jacobians, in turn."""
+    """Return the reading of a product: the factors' values and Jacobians, in turn."""
     return Reading(
         np.concatenate([reading.value for reading in readings]),
         np.concatenate([jacobian_of(reading) for reading in readings]),
@@ -42,7 +43,7 @@ def stacked(readings: Sequence[Reading]) -> Reading:
 
 
 def mean(readings: Sequence[Reading]) -> Reading:
-    """The mean of readings of the same shape, as new as the newest of them."""
+    """Return the mean of readings of the same shape, with the newest stamp."""
     first, *others = readings
     # A few sums take a tenth of the time of np.mean.
     value, jacobian = first.value, jacobian_of(first)
@@ -53,13 +54,13 @@ def mean(readings: Sequence[Reading]) -> Reading:
 
 
 def jacobian_of(reading: Reading) -> Floats:
-    """The Jacobian of a reading that the joints change."""
+    """Return the Jacobian of a reading that the joints change."""
     assert reading.jacobian is not None
     return reading.jacobian
 
 
 def shaped(value: Floats, kind: str) -> Floats:
-    """A copy of a row's value in the form of a type: a matrix for an orientation or a pose."""
+    """Return a copy of a row's value in the form of a type: an orientation or pose is a matrix."""
     if kind == "orientation":
         return value.reshape(3, 3).copy()
     if kind == "pose":
@@ -68,14 +69,14 @@ def shaped(value: Floats, kind: str) -> Floats:
 
 
 def transform(rotation: Floats, position: Floats) -> Floats:
-    """The homogeneous transform (4, 4) of a rotation (3, 3) and a position (3,), m."""
+    """Return the homogeneous transform (4, 4) of a rotation (3, 3) and a position (3,), m."""
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = rotation, position
     return pose
 
 
 def flattened(value: Floats, kind: str) -> Floats:
-    """A value in the form of a type as a row has it: a pose's position before its rotation."""
+    """Return a value in the form of its row: a pose's position precedes its rotation."""
     if kind == "pose":
         return np.concatenate((value[:3, 3], value[:3, :3].ravel()))
     return value.ravel()

@@ -16,18 +16,18 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 Records = NDArray[Any]
 
-#: How a row gets its numbers: from Python; joint positions; a tip; the Jacobian of tips; a weighted
-#: sum of other rows; the forces along the normals of load cells; a row displaced by another.
+#: Kinds of rows by the source of their numbers: written by Python; joint positions; a tip; the
+#: Jacobian of tips; a weighted sum of other rows; the forces along the normals of load cells; a row
+#: displaced by another.
 WRITTEN, CONFIGURATION, TIP, MANIPULATOR, MIXTURE, NORMAL_FORCES, DISPLACED = range(7)
 
-#: Whether a row can be read: not at all; without being a measurement, such as a force without
-#: contact; as one.
+#: States of a row: undefined; readable without a measurement, such as a force without contact;
+#: measured.
 UNDEFINED, READABLE, DEFINED = range(3)
 
-#: A resource: how it gets its numbers, where its value and its Jacobian's rows begin and how many
-#: they are, its parts, whether linear and angular motion are among them, where its columns begin
-#: and how many they are, whether it is defined, the newest measurement, and the radius of what is
-#: seen.
+#: A resource: its kind, the start and number of its value's components and of its Jacobian's rows,
+#: its parts, whether linear and angular motion are included, the start and number of its columns,
+#: its state, the stamp of the newest measurement, and the radius of the seen object.
 #: A tip's control point may stand off along its z axis by the radius of another row and a
 #: clearance.
 ROW = np.dtype(
@@ -51,8 +51,8 @@ ROW = np.dtype(
     ]
 )
 
-#: What a row is made of: a place in a frame, with the joints that move it; another row, with its
-#: weight and where it goes; a load cell, with its normal in the frame.
+#: A part of a row: a place in a frame, with the joints that move it; another row, with its weight
+#: and its place in the sum; or a load cell, with its normal in the frame.
 PART = np.dtype(
     [
         ("frame", np.int64),
@@ -88,13 +88,13 @@ def refresh(
     """Write rows of the signal table.
 
     Args:
-        needed: which rows, those that others are made of first, shape (r,).
-        stamp: of the posture.
-        positions: of the actuated joints, rad, shape (n,).
-        loads: of the load cells, N and N m in the world frame, shape (cells, 6).
-        feeling: whether each of them feels contact, shape (cells,).
-        table, parts, support, value, jacobian: of the signal table.
-        tree, frames, axes: of the kinematics.
+        needed: Numbers of the rows to write, dependencies first, shape (r,).
+        stamp: Number of the posture.
+        positions: Positions of the actuated joints, rad, shape (n,).
+        loads: Loads of the load cells, N and N m, world frame, shape (cells, 6).
+        feeling: True for each load cell in contact, shape (cells,).
+        table, parts, support, value, jacobian: Arrays of the signal table.
+        tree, frames, axes: Arrays of the kinematics.
     """
     for place in range(len(needed)):
         row = table[needed[place]]
@@ -126,7 +126,7 @@ def _write_tip(
     frames: Floats,
     axes: Floats,
 ) -> None:
-    """The position, rotation row by row, or both, of a control point, and how it moves."""
+    """Write a control point's position, rotation row by row, or both, and its Jacobian."""
     part = parts[row.part]
     frame, turned = frames[part.frame], part.rotation
     origin, point, twist = np.empty(3), np.empty(3), np.empty(6)
@@ -152,7 +152,7 @@ def _write_tip(
 
 @compiled
 def stand_off(row: Any, table: Records, part: Any, origin: Floats) -> None:
-    """Write where a tip's control point is in its frame, m, shape (3,)."""
+    """Write the position of a tip's control point in its frame, m, shape (3,)."""
     along = 0.0
     if row.facing >= 0:
         clearance, least, most = row.standoff[0], row.standoff[1], row.standoff[2]
@@ -172,7 +172,7 @@ def _write_manipulator(
     frames: Floats,
     axes: Floats,
 ) -> None:
-    """The Jacobian of tips by some columns, row by row, and its own derivative (Eq 3.5)."""
+    """Write the Jacobian of tips by some columns, row by row, and its derivative (Eq 3.5)."""
     width, columns = row.columns, support[row.column : row.column + row.columns]
     fill(value[row.start : row.start + row.size], 0.0)
     for i in range(row.rows):
@@ -226,7 +226,7 @@ def _place(columns: Integers, column: int) -> int:
 def _write_mixture(
     row: Any, table: Records, parts: Records, value: Floats, jacobian: Floats
 ) -> None:
-    """Weighted sums of other rows, defined where all of them are."""
+    """Write the weighted sum of other rows, which is defined if all of them are."""
     fill(value[row.start : row.start + row.size], 0.0)
     for i in range(row.rows):
         fill(jacobian[row.row + i], 0.0)
@@ -244,7 +244,7 @@ def _write_mixture(
 def _write_forces(
     row: Any, parts: Records, loads: Floats, feeling: Booleans, value: Floats, frames: Floats
 ) -> None:
-    """Each cell's force along its normal; a measurement while all of them feel contact."""
+    """Write each cell's force along its normal; measured while all cells are in contact."""
     for i in range(row.parts):
         part = parts[row.part + i]
         frame, along = frames[part.frame], 0.0
@@ -260,7 +260,7 @@ def _write_forces(
 
 @compiled
 def _write_displaced(row: Any, table: Records, parts: Records, value: Floats) -> None:
-    """A row displaced by a constant one; as new, as large and as defined as the former."""
+    """Write a row displaced by a constant one, with stamp, radius and state of the former."""
     base, offset = table[parts[row.part].source], table[parts[row.part + 1].source]
     row.defined, row.stamp, row.radius = base.defined, base.stamp, base.radius
     displace_value(
@@ -273,13 +273,13 @@ def _write_displaced(row: Any, table: Records, parts: Records, value: Floats) ->
 
 @compiled
 def displace_value(base: Floats, offset: Floats, angular: bool, result: Floats) -> None:
-    """Displace a value (m,) in the world frame: components are added, a rotation is turned.
+    """Displace a value (m,) in the world frame: add components, multiply rotations.
 
     Args:
-        base: the value.
-        offset: of its form.
-        angular: whether the last nine components are a rotation.
-        result: becomes the displaced value.
+        base: Value to displace.
+        offset: Displacement in the form of the value.
+        angular: True if the last nine components are a rotation.
+        result: Output: displaced value.
     """
     linear = len(base) - 9 if angular else len(base)
     for i in range(linear):

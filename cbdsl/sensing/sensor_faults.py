@@ -1,4 +1,4 @@
-"""Numbers of sensors that nothing can be computed with."""
+"""Detection of sensor values that are not finite or too large."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ Floats = NDArray[np.float64]
 
 
 class SensorError(Exception):
-    """A sensor gave NaN or infinity; the message names it."""
+    """NaN or infinity from a sensor, which the message names."""
 
 
 def require_finite(
     observation: Observation, wrenches: Floats, robot: RobotDocument, joints: tuple[str, ...]
 ) -> None:
-    """Refuse an observation with a number that is not finite, or too large to compute with.
+    """Raise an error for an observation with a number that is not finite or too large.
 
     Args:
-        observation: of one tick.
-        wrenches: all of its loads, N and N m, shape (k, 6).
-        robot: whose sensors they are.
-        joints: names in the order of the observation.
+        observation: Observation of one tick.
+        wrenches: All loads of the observation, N and N m, shape (k, 6).
+        robot: Document of the robot with these sensors.
+        joints: Joint names in the order of the observation.
 
     Raises:
-        SensorError: it names the sensor.
+        SensorError: A number is not finite or too large; the message names the sensor.
     """
     if _have_squares(observation.positions, observation.velocities, wrenches):
         return
@@ -46,14 +46,14 @@ def require_finite(
 
 
 def _owner(joint: str, robot: RobotDocument) -> str:
-    """A joint, and the resource that it belongs to."""
+    """Return a description of a joint with the effector that it belongs to."""
     effectors = robot.effectors.items()
     return next(f"joint {joint} of {name}" for name, each in effectors if joint in each.joints)
 
 
 @compiled_once
 def _have_squares(positions: Floats, velocities: Floats, wrenches: Floats) -> bool:
-    """Whether all numbers are finite, and small enough to compute with."""
+    """Return whether all numbers are finite and their squares have a finite sum."""
     squares = _square(positions) + _square(velocities)
     for wrench in wrenches:
         squares += _square(wrench)

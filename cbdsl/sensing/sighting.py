@@ -1,4 +1,4 @@
-"""Sightings: the lines of sight to the regions of an image."""
+"""Sightings: lines of sight to the regions of an image."""
 
 from __future__ import annotations
 
@@ -15,16 +15,15 @@ Floats = NDArray[np.float64]
 
 
 class Sighting(NamedTuple):
-    """The line of sight to a region.
+    """Line of sight to a region.
 
     Attributes:
-        region: in the image.
-        ray: the line of sight to its centroid, as long as it is to the plane x = 1 m of the
-            camera's frame.
-        scale: how much the pinhole enlarges areas there, as ``line_of_sight`` has it.
-        focal_length: of the camera, px.
-        time: when, s.
-        image: number of the image.
+        region: Region in the image.
+        ray: Line of sight to the centroid, up to the plane x = 1 m of the camera's frame.
+        scale: Factor by which the pinhole enlarges areas there, as in ``line_of_sight``.
+        focal_length: Focal length of the camera, px.
+        time: Time of the image, s.
+        image: Number of the image.
     """
 
     region: Region
@@ -35,10 +34,10 @@ class Sighting(NamedTuple):
     image: int
 
     def distance(self, point: Floats) -> float:
-        """Distance of a point from the line, m; infinite behind the camera.
+        """Return the distance of a point from the line, m; infinite behind the camera.
 
         Args:
-            point: m, world frame, shape (3,).
+            point: Point, m, world frame, shape (3,).
         """
         origin, direction, length = self.ray
         x, y, z = point.tolist()
@@ -51,6 +50,6 @@ class Sighting(NamedTuple):
         return math.sqrt(max(x * x + y * y + z * z - along * along, 0.0))
 
     def radius(self, point: Floats) -> float:
-        """Radius of a ball at a point that would look as large as the region, m."""
+        """Return the radius of a ball at a point with the apparent size of the region, m."""
         offset = (point - self.ray.origin) / self.focal_length
         return math.sqrt(self.region.area * self.scale * float(offset.dot(offset)) / math.pi)

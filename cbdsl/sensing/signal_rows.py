@@ -1,4 +1,4 @@
-"""Rows of the signal table that are known by a key, what they are made of, and who reads them."""
+"""Rows of the signal table with their keys, dependencies and readers."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Reader = Callable[[], Reading | None]
 
 
 class Selection(NamedTuple):
-    """Rows that are kept up to date together.
+    """Rows that are refreshed together.
 
     Attributes:
-        compiled: those that ``refresh`` writes, those that others are made of first, shape (r,).
-        read: those that Python reads, and how.
+        compiled: Numbers of the rows that ``refresh`` writes, dependencies first, shape (r,).
+        read: Numbers of the rows that Python reads, with their readers.
     """
 
     compiled: Integers
@@ -29,13 +29,13 @@ class Selection(NamedTuple):
 
 
 class SignalRows:
-    """Rows of one table.
+    """Rows of one signal table.
 
     Args:
-        joints: number of actuated joints, n.
+        joints: Number of actuated joints, n.
 
     Attributes:
-        table: the rows.
+        table: Table of the rows.
     """
 
     def __init__(self, joints: int) -> None:
@@ -45,10 +45,10 @@ class SignalRows:
         self._made_of: dict[int, tuple[int, ...]] = {}
 
     def bound(self, key: tuple[object, ...], bind: Callable[[], int]) -> int:
-        """The row that is known by a key.
+        """Return the number of the row with a key; bind the row at the first call.
 
         Args:
-            bind: makes it the first time.
+            bind: Function that binds the row.
         """
         number = self._numbers.get(key)
         if number is None:
@@ -56,10 +56,10 @@ class SignalRows:
         return number
 
     def bind(self, form: Form, made_of: Sequence[int] = ()) -> int:
-        """A row of a form.
+        """Bind a row of a form and return its number.
 
         Args:
-            made_of: numbers of other rows, which are brought up to date before it.
+            made_of: Numbers of other rows that are refreshed before this one.
         """
         number = self.table.bind(form)
         below = (row for each in made_of for row in (*self._made_of.get(each, ()), each))
@@ -67,24 +67,24 @@ class SignalRows:
         return number
 
     def bind_written(self, size: int) -> int:
-        """A row of one's own, to be written with ``table.write``."""
+        """Bind a row that the caller writes with ``table.write``; return its number."""
         return self.table.bind(Form(WRITTEN, size, size))
 
     def bind_read(self, size: int, reader: Reader) -> int:
-        """A row that Python reads."""
+        """Bind a row that Python reads; return its number."""
         number = self.bind_written(size)
         self._readers[number] = reader
         return number
 
     def release(self, number: int) -> None:
-        """Take back a row, which nothing else may be made of."""
+        """Free a row; no other row may depend on it."""
         self.table.unbind(number)
         self._readers.pop(number, None)
         self._made_of.pop(number, None)
         self._numbers = {key: row for key, row in self._numbers.items() if row != number}
 
     def select(self, rows: Iterable[int]) -> Selection:
-        """Rows, and those that they are made of, as ``refresh`` wants them."""
+        """Return rows and their dependencies, in the order for ``refresh``."""
         ordered: dict[int, None] = {}
         for number in rows:
             ordered.update(dict.fromkeys((*self._made_of.get(number, ()), number)))
@@ -93,7 +93,7 @@ class SignalRows:
         return Selection(np.array(compiled, dtype=np.int64), read)
 
     def refresh_read(self, selection: Selection) -> None:
-        """Bring those rows up to date that Python reads."""
+        """Refresh the rows that Python reads."""
         for number, read in selection.read:
             reading = read()
             if reading is None:

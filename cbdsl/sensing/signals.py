@@ -1,4 +1,4 @@
-"""Signals: the value and Jacobian of every resource, from what was observed."""
+"""Signals: value and Jacobian of every resource, from the observations."""
 
 from __future__ import annotations
 
@@ -74,23 +74,24 @@ Reader = Callable[[], Reading | None]
 
 
 class Signals:
-    """Resources as rows of a signal table, from what was observed tick by tick.
+    """Resources as rows of a signal table, updated by an observation a tick.
 
-    A row is undefined where there is nothing to read: a channel without a region, a hand without
-    contact.
+    A row is undefined if it has no measurement, such as for a channel without a region or a hand
+    without contact.
 
     Args:
-        robot: what can be sensed.
-        kinematics: of the same robot.
-        resources: whose channels the cameras look for.
+        robot: Robot document with the sensors.
+        kinematics: Kinematics of the same robot.
+        resources: Resources with the channels that the cameras look for.
 
     Attributes:
-        robot: the robot's document.
-        table: the rows.
-        kinematic_rows: binds those that the joint positions alone tell.
-        positions: of the actuated joints, rad, shape (n,); each observation writes over them.
-        clock: counts the postures, shape (1,).
-        time: of the newest observation, s.
+        robot: Robot document.
+        table: Table of the rows.
+        kinematic_rows: Factory of the rows that follow from joint positions alone.
+        positions: Positions of the actuated joints, rad, shape (n,); each observation overwrites
+            them.
+        clock: Count of the postures, shape (1,).
+        time: Time of the newest observation, s.
     """
 
     def __init__(
@@ -144,15 +145,15 @@ class Signals:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the episode before."""
+        """Forget the previous episode."""
         self.touch.reset()
         self._forget()
 
     def resume(self, before: Signals) -> None:
-        """Begin an episode where another one ended; see ``Touch.resume``.
+        """Begin an episode at the end of another one; see ``Touch.resume``.
 
         Args:
-            before: signals of that one; they may be these.
+            before: Signals of that episode; may be this object.
         """
         self.touch.resume(before.touch)
         self._forget()
@@ -168,10 +169,10 @@ class Signals:
         self.clock[0] = 0
 
     def update(self, observation: Observation) -> None:
-        """Take in one tick's observation.
+        """Update all sensors from one tick's observation.
 
         Raises:
-            SensorError: a joint or load cell is not finite.
+            SensorError: A joint or load cell value is not finite.
         """
         wrenches = self.touch.gathered(observation.loads)
         require_finite(observation, wrenches, self.robot, self.joints.names)
@@ -194,14 +195,15 @@ class Signals:
                 self.vision.untouched()
 
     def bind(self, resource: Resource, chains: tuple[Chain, ...] | None = None) -> int:
-        """The number of a resource's row, which it gets the first time.
+        """Return the number of a resource's row; bind the row at the first call.
 
         Args:
-            resource: the resource.
-            chains: of casts, that its Jacobian is compiled from; all that lead to joints without.
+            resource: Resource of the row.
+            chains: Chains of casts from which its Jacobian is compiled; by default, all that lead to
+                joints.
 
         Raises:
-            CastError: no row of such a source executes one of them.
+            CastError: No row of such a source executes one of the chains.
         """
         key = type(resource.source), resource.source
         if chains is None or chains == chains_of(resource):
@@ -209,15 +211,15 @@ class Signals:
         return self._rows.bound((*key, chains), lambda: self._bind(resource, chains))
 
     def bind_written(self, size: int) -> int:
-        """A row of one's own, to be written with ``table.write``."""
+        """Bind a row that the caller writes with ``table.write``; return its number."""
         return self._rows.bind_written(size)
 
     def bind_displaced(self, resource: Resource, offset: Floats) -> int:
-        """The row of a resource that is displaced in the world frame.
+        """Bind a row of a resource that is displaced in the world frame; return its number.
 
         Args:
-            resource: the resource.
-            offset: in the form of its rows: for an orientation a rotation, row by row.
+            resource: Resource to displace.
+            offset: Displacement in the form of its rows; for an orientation, a rotation row by row.
         """
         base, constant = self.bind(resource), self.bind_written(len(offset))
         self.table.write(constant, Reading(offset, None, 0))
@@ -227,33 +229,33 @@ class Signals:
         return self._rows.bind(form, (base, constant))
 
     def bind_normal_forces(self, source: FingerForces | NetForces) -> int:
-        """The row of forces along normals, N, which can be read without contact, too."""
+        """Return the row of forces along normals, N, which is readable without contact, too."""
         return self._rows.bound(
             ("normal", type(source), source), lambda: self._bind_normal_forces(source)
         )
 
     def release(self, number: int) -> None:
-        """Take back a row, which nothing else may be made of."""
+        """Free a row; no other row may depend on it."""
         self._rows.release(number)
 
     def select(self, rows: Iterable[int]) -> Selection:
-        """Rows, and those that they are made of, as ``refresh`` wants them."""
+        """Return rows and their dependencies, in the order for ``refresh``."""
         return self._rows.select(rows)
 
     def refresh(self, selection: Selection) -> None:
-        """Bring rows up to date."""
+        """Refresh the rows of a selection."""
         self._rows.refresh_read(selection)
         self.kinematics.place()
         if len(selection.compiled):
             refresh(selection.compiled, self.tips.stamp, *self.arrays)
 
     def refresh_read(self, selection: Selection) -> None:
-        """Bring those rows up to date that Python reads."""
+        """Refresh the rows that Python reads."""
         self._rows.refresh_read(selection)
 
     @property
     def arrays(self) -> tuple[Any, ...]:
-        """Arrays that ``refresh`` reads and writes, behind the stamp."""
+        """Array arguments of ``refresh`` after the stamp."""
         table, touch, kinematics = self.table, self.touch, self.kinematics
         return (
             self.positions, touch.loads, touch.feeling,
@@ -262,11 +264,11 @@ class Signals:
         )  # fmt: skip
 
     def read(self, resource: Resource) -> Reading | None:
-        """The resource's value now, or ``None`` while it is undefined; it stays as it is."""
+        """Return a copy of the resource's current reading, or ``None`` while it is undefined."""
         return self.reading(self.bind(resource), resource.type.name)
 
     def reading(self, number: int, kind: str = "") -> Reading | None:
-        """A row's value now, in the form of a type, or ``None`` while it is undefined."""
+        """Return a row's current reading in the form of a type, ``None`` while it is undefined."""
         self.refresh(self.select([number]))
         if not self.table.is_defined(number):
             return None
@@ -290,7 +292,7 @@ class Signals:
         return self._rows.bind_read(resource.type.size, lambda: read(source))
 
     def _affordance(self, source: AffordanceProbability) -> Reading | None:
-        """Pr(reward | f, a) by the features now; undefined while one of them is."""
+        """Return Pr(reward | f, a) for the current features, ``None`` while one is undefined."""
         values = []
         for feature in source.features:
             reading = self.read(feature)
@@ -310,7 +312,7 @@ class Signals:
         return number
 
     def sampler(self, resource: Resource, rng: np.random.Generator) -> Sampler:
-        """Draws from an internal model or a surface."""
+        """Return a sampler of an internal model or a surface."""
         source = resource.source
         if isinstance(source, SurfacePoint):
             return SurfaceSampler(self.surfaces.by_channel[source.channel], rng)
@@ -325,7 +327,7 @@ class Signals:
 
 
 def _channels_of(resource: Resource) -> tuple[str, ...]:
-    """Channels that the cameras have to look for, of a resource."""
+    """Return the channels of a resource that the cameras have to look for."""
     source = resource.source
     if isinstance(source, RELATIVE):
         return source.channel, source.other
@@ -335,7 +337,7 @@ def _channels_of(resource: Resource) -> tuple[str, ...]:
 
 
 def _with_features(resources: Iterable[Resource]) -> Iterator[Resource]:
-    """Resources, and those that probabilities among them are made of."""
+    """Yield resources, and the features of the affordance probabilities among them."""
     for resource in resources:
         yield resource
         if isinstance(resource.source, AffordanceProbability):
