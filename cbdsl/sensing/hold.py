@@ -48,8 +48,8 @@ class Hold(NamedTuple):
         """Return the displacement of a held object since the previous tick, m, shape (3,).
 
         Args:
-            begun: Hold at the tick in which these hands took the object.
-            before: Hold in the previous tick.
+            begun: State of the hold at the tick in which these hands took the object.
+            before: State of the hold in the previous tick.
             position: Position of the object in that tick, m, world frame, shape (3,).
         """
         if len(self.tips) > 1:

@@ -321,7 +321,7 @@ class Kinematics:
         return frames, np.array(offsets).reshape(len(offsets), 3)
 
     def _need(self, numbers: Sequence[int]) -> None:
-        """Add joints to those that ``place`` places."""
+        """Add joints to the set that ``place`` updates."""
         self._needed = np.union1d(self._needed, np.array(numbers, dtype=np.int64) - 1)
 
     def _find(self, name: str) -> Link:

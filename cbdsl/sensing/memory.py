@@ -32,8 +32,8 @@ class PositionMemory:
 
     The centroid of a half-hidden region is not the centre of the object. A sighting therefore
     counts only if the apparent size, corrected for distance, is as large as the largest seen so far
-    in every camera. An object is remembered as long as its absence from the images is explained,
-    for example by a hand that occludes it or a head that looks elsewhere. Otherwise it is soon
+    in every camera. An object is remembered as long as its absence is explained, such as by an
+    occluding hand or a head turned away. Otherwise it is soon
     forgotten.
 
     Attributes:

@@ -32,7 +32,7 @@ class PostureHistory:
             self._ticks.popleft()
 
     def at(self, time: float) -> Floats:
-        """Return the joint positions, shape (n,), of the last tick up to a time, s, or the oldest."""
+        """Return joint positions, shape (n,), of the last tick up to a time, s, or the oldest."""
         ticks = self._ticks
         while len(ticks) > 1 and ticks[1][0] <= time + _SLACK:
             ticks.popleft()

@@ -199,8 +199,7 @@ class Signals:
 
         Args:
             resource: Resource of the row.
-            chains: Chains of casts from which its Jacobian is compiled; by default, all that lead to
-                joints.
+            chains: Chains of casts that give its Jacobian; by default, all that lead to joints.
 
         Raises:
             CastError: No row of such a source executes one of the chains.

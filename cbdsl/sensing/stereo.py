@@ -1,4 +1,4 @@
-"""Stereo triangulation (Eq 3.14): two lines of sight meet in a position."""
+"""Stereo triangulation of a position from two lines of sight (Eq 3.14)."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ Floats = NDArray[np.float64]
 
 
 class Ray(NamedTuple):
-    """A line of sight in the world frame.
+    """Line of sight in the world frame.
 
     Attributes:
-        origin: the camera's optical centre, m, shape (3,).
-        direction: shape (3,).
-        length: of the direction.
+        origin: Optical centre of the camera, m, shape (3,).
+        direction: Direction of the line, shape (3,).
+        length: Length of the direction.
     """
 
     origin: Floats
@@ -28,11 +28,11 @@ class Ray(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """Where two lines of sight come nearest to each other.
+    """Point at which two lines of sight come nearest to each other.
 
     Attributes:
-        position: the middle between the nearest points, m, shape (3,).
-        gap: the distance between the nearest points, m.
+        position: Middle between the nearest points, m, shape (3,).
+        gap: Distance between the nearest points, m.
     """
 
     position: Floats
@@ -40,7 +40,7 @@ class Crossing(NamedTuple):
 
 
 def triangulate(left: Ray, right: Ray) -> Crossing | None:
-    """Cross two lines of sight; ``None`` where they are parallel or cross behind a camera."""
+    """Cross two lines of sight; return ``None`` if they are parallel or cross behind a camera."""
     position = np.empty(3)
     gap = cross_rays(*left, *right, position)
     return None if math.isnan(gap) else Crossing(position, gap)
@@ -56,7 +56,7 @@ def cross_rays(
     right_length: float,
     position: Floats,
 ) -> float:
-    """Fill in the position of a crossing; returns its gap, NaN where there is no crossing."""
+    """Write the position of a crossing; return its gap, m, or NaN without a crossing."""
     cosine = along_left = along_right = 0.0
     for i in range(3):
         left_unit, right_unit = left_direction[i] / left_length, right_direction[i] / right_length

@@ -1,4 +1,4 @@
-"""Strain: torques that contacts anywhere on the robot cause on its joints."""
+"""Strain: joint torques due to contacts anywhere on the robot."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ Floats = NDArray[np.float64]
 class Strain:
     """Torques that the joints' drives exert beyond the weight of the links, low-pass filtered.
 
-    What is held counts as a contact, and so do accelerations, which the filter and the threshold of
-    the robot's document keep below a guard. It is computed only once somebody needs it.
+    A held object counts as a contact, and so do accelerations. The filter and the threshold in the
+    robot document keep accelerations below a guard. Strain is computed only if it is needed.
 
     Attributes:
-        torques: that the robot exerts on the world, N m, shape (n,).
-        needed: whether anybody asks for them.
+        torques: Joint torques that the robot exerts on the world, N m, shape (n,).
+        needed: True if the torques are used.
     """
 
     def __init__(self, settings: JointTorques | None, kinematics: Kinematics) -> None:
@@ -32,12 +32,12 @@ class Strain:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the episode before."""
+        """Forget the previous episode."""
         self.torques[:] = 0.0
         self._time = math.nan
 
     def update(self, observation: Observation) -> None:
-        """Take in one tick's torques; the kinematics have its posture."""
+        """Update from one tick's torques; the kinematics must have its posture."""
         if not self.needed or self._settings is None or observation.efforts is None:
             return
         passed, self._time = observation.time - self._time, observation.time

@@ -1,9 +1,9 @@
 """Surfaces: level planes that fill images, from their outlines in two of them.
 
-What fills an image has no centre, and what is of one colour nothing else to match. Its outline
-has: a sweep over level planes finds the height at which the outline that one camera sees falls on
-the one that the other sees (plane sweep stereo, Collins 1996). An outline along the baseline does
-so at any height, and tells nothing.
+A surface that fills an image has no centre, and its uniform colour offers only the outline to
+match. A sweep over level planes finds the height at which the outlines in both images coincide
+(plane sweep stereo, Collins 1996). An outline along the baseline matches at
+any height and gives no information.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from cbdsl.sensing.kinematics import Frame
 
 Floats = NDArray[np.float64]
 
-# Planes are tried from this far below the cameras down to that far, m, in steps of so much: an
-# outline's image moves by a pixel or less from one to the next.
+# Nearest and farthest plane below the cameras, and step between planes, m: an outline's image moves
+# by at most a pixel a step.
 _NEAREST, _FARTHEST, _STEP = 0.3, 1.6, 0.01
 _FINE = 0.001
-# Distance of the points of an outline, and from where on they are outliers, such as those of what
-# hides a part of the surface, px.
+# Distance between the points of an outline, and least distance of outliers, such as points of an
+# occluding object, px.
 _SPACING, _OUTLIER = 4.0, 3.0
-# A plane has to match this many points of the outline; with a mean squared distance of no more than
-# this, px^2; and every plane that matches half as well has to be no farther away than this, m.
+# Least number of matched points of the outline; largest mean squared distance, px^2; largest
+# distance of any plane that matches at least half as well, m.
 _LEAST_POINTS, _MISFIT, _AMBIGUOUS = 20, 1.5, 0.03
-# Planes nearer to each other than this are the same surface, m.
+# Largest distance between heights of the same surface, m.
 _SAME = 0.03
-# The mean of as many sightings is the height.
+# Number of sightings that the height is averaged over.
 _SIGHTINGS = 10
 
 
 class SurfaceView(NamedTuple):
-    """A surface in the image of one camera."""
+    """Surface in the image of one camera."""
 
     camera: Camera
     frame: Frame
@@ -46,25 +46,25 @@ class SurfaceView(NamedTuple):
 
 
 class LevelSurface:
-    """A level surface as both cameras have seen it.
+    """Level surface that both cameras have seen.
 
     Attributes:
-        height: m, world frame, or ``None`` while undefined.
-        points: on what was seen of it last, m, world frame, shape (k, 3).
+        height: Height, m, world frame, or ``None`` while undefined.
+        points: Points on its last visible part, m, world frame, shape (k, 3).
     """
 
     def __init__(self) -> None:
         self.reset()
 
     def reset(self) -> None:
-        """Forget it."""
+        """Forget the surface."""
         self.height: float | None = None
         self.points: Floats = np.empty((0, 3))
         self._sightings = 0
 
     def see(self, left: SurfaceView, right: SurfaceView) -> None:
-        """Take in what both cameras see, if that tells the height, or it is known."""
-        # What does not move is measured often enough at some time.
+        """Update height and points from the views of both cameras."""
+        # A static surface needs only a limited number of measurements.
         settled = self._sightings >= _SIGHTINGS
         height = None if settled else find_height(left, right)
         if height is not None:
@@ -81,19 +81,19 @@ class LevelSurface:
 
 
 class SurfaceSampler:
-    """Draws points that are spread evenly over the image of a surface."""
+    """Sampler of points that are spread evenly over the image of a surface."""
 
     def __init__(self, surface: LevelSurface, rng: np.random.Generator) -> None:
         self._surface, self._rng = surface, rng
 
     def draw(self) -> Floats | None:
-        """The next point, m, shape (3,), or ``None`` while there is none."""
+        """Return the next point, m, shape (3,), or ``None`` while there is none."""
         points = self._surface.points
         return self._rng.choice(points) if len(points) else None
 
 
 def find_height(left: SurfaceView, right: SurfaceView) -> float | None:
-    """The height of the level plane that both outlines fit, m, or ``None`` if there is not one."""
+    """Return the height of the level plane that fits both outlines, m, ``None`` unless unique."""
     points, segments = _sampled(left.extent.outline), np.array(right.extent.outline)
     if len(points) < _LEAST_POINTS or not len(segments):
         return None
@@ -109,7 +109,7 @@ def find_height(left: SurfaceView, right: SurfaceView) -> float | None:
 
 
 def _sampled(outline: tuple[tuple[float, float, float, float], ...]) -> Floats:
-    """Points along the segments of an outline, px, shape (k, 2)."""
+    """Return points along the segments of an outline, px, shape (k, 2)."""
     points = [np.empty((0, 2))]
     for segment in outline:
         ends = np.array(segment).reshape(2, 2)
@@ -119,7 +119,7 @@ def _sampled(outline: tuple[tuple[float, float, float, float], ...]) -> Floats:
 
 
 def _lines(view: SurfaceView, points: Floats) -> Floats:
-    """Lines of sight of pixels, world frame, shape (k, 3)."""
+    """Return lines of sight of pixels, world frame, shape (k, 3)."""
     camera = view.camera
     middle = np.array((camera.width, camera.height)) / 2
     slopes = (middle - points) / camera.focal_length
@@ -128,7 +128,7 @@ def _lines(view: SurfaceView, points: Floats) -> Floats:
 
 
 def _on_level(view: SurfaceView, points: Floats, height: float) -> Floats:
-    """Where lines of sight that lead down meet a level plane, m, shape (k, 3)."""
+    """Return the points at which downward lines of sight meet a level plane, m, shape (k, 3)."""
     lines = _lines(view, points)
     lines = lines[lines[:, 2] < -1e-3]
     depth = (height - view.frame.position[2]) / lines[:, 2]
@@ -159,16 +159,16 @@ def _sweep(
     heights: Floats,
     costs: Floats,
 ) -> None:
-    """Find how far an outline falls from another one, by way of level planes.
+    """Compute the mean squared distance of two outlines for each of several level planes.
 
     Args:
-        eye: the camera that sees the one, m, shape (3,).
-        lines: of sight to its points, shape (n, 3).
-        other_eye, rotation: the camera that sees the other, shapes (3,) and (3, 3).
-        lens: its focal length, width and height, px, shape (3,).
-        segments: of the outline that it sees, px, shape (k, 4).
-        heights: of the planes, m, shape (m,).
-        costs: become mean squared distances, px^2, infinite where few points meet, shape (m,).
+        eye: Position of the camera that sees the first outline, m, shape (3,).
+        lines: Lines of sight to the points of this outline, shape (n, 3).
+        other_eye, rotation: Position, m, and rotation of the other camera, shapes (3,) and (3, 3).
+        lens: Focal length, width and height of the other camera, px, shape (3,).
+        segments: Segments of the outline that the other camera sees, px, shape (k, 4).
+        heights: Heights of the planes, m, shape (m,).
+        costs: Output: mean squared distances, px^2, infinite if too few points match, shape (m,).
     """
     offset, point = np.empty(3), np.empty(3)
     for which in range(len(heights)):
@@ -189,7 +189,7 @@ def _sweep(
                 continue
             column = 0.5 * lens[1] - lens[0] * point[1] / point[0]
             row = 0.5 * lens[2] - lens[0] * point[2] / point[0]
-            # What is at the border may be matched by what is beyond it.
+            # A point at the border may match a part of the outline beyond it.
             if not (3.0 < column < lens[1] - 3.0 and 3.0 < row < lens[2] - 3.0):
                 continue
             nearest = _OUTLIER * _OUTLIER

@@ -1,4 +1,4 @@
-"""Surfaces of the channels that a program samples points of."""
+"""Surfaces of the channels from which a program samples points."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from cbdsl.types.resource import Resource, SurfacePoint
 
 
 class Surfaces:
-    """Surfaces by channel, which are remembered until the episode ends: none of them moves.
+    """Static surfaces by channel, which are remembered until the episode ends.
 
     Args:
-        robot: has two cameras.
-        vision: what they see.
-        resources: that are read.
+        robot: Robot document with two cameras.
+        vision: Regions in the images of the cameras.
+        resources: Resources of the program.
     """
 
     def __init__(
@@ -33,12 +33,12 @@ class Surfaces:
         }
 
     def reset(self) -> None:
-        """Forget the episode before."""
+        """Forget the previous episode."""
         for surface in self.by_channel.values():
             surface.reset()
 
     def update(self, observation: Observation) -> None:
-        """Look at the newest images; vision must be up to date."""
+        """Update the surfaces from the newest images; vision must be up to date."""
         if not (observation.images or observation.regions):
             return
         for channel, surface in self.by_channel.items():

@@ -1,4 +1,4 @@
-"""The signal table: a row per resource, with its value and Jacobian in this tick."""
+"""Signal table: one row per resource, with its value and Jacobian in this tick."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Integers = NDArray[np.int64]
 
 
 class RowPart(NamedTuple):
-    """One part of a row, as ``refresh.PART`` has it."""
+    """One part of a row, as in ``refresh.PART``."""
 
     frame: int = 0
     origin: Sequence[float] | Floats = (0.0, 0.0, 0.0)
@@ -30,17 +30,17 @@ class RowPart(NamedTuple):
 
 
 class Form(NamedTuple):
-    """The form of a row.
+    """Form of a row.
 
     Attributes:
-        kind: as of ``refresh``.
-        size: components of its value.
-        rows: of its Jacobian.
-        parts: that it is made of.
-        columns: the actuated joints that it reads, or whose Jacobian it is.
-        linear, angular: which motions of a tip.
-        facing: number of the row whose radius a tip stands off from; -1 for none.
-        standoff: clearance, least and most, m.
+        kind: Kind of the row, one of the constants of ``refresh``.
+        size: Number of components of the value.
+        rows: Number of rows of the Jacobian.
+        parts: Parts of the row.
+        columns: Actuated joints that the row reads, or those of its Jacobian.
+        linear, angular: True if the row has this motion of a tip.
+        facing: Number of the row with the radius that a tip stands off from; -1 for none.
+        standoff: Clearance, least and most distance, m.
     """
 
     kind: int
@@ -55,19 +55,19 @@ class Form(NamedTuple):
 
 
 def records_of(parts: Sequence[RowPart]) -> NDArray[Any]:
-    """Parts as ``refresh`` takes them; where their support is listed is for the table to say."""
+    """Return parts as records for ``refresh``; the table sets the place of their support."""
     return np.array([(*each[:3], 0, len(each.support), *each[4:]) for each in parts], PART)
 
 
 class _Room:
-    """Places in an array of a kind, which are taken and given back in blocks."""
+    """Allocator of blocks of places in an array."""
 
     def __init__(self) -> None:
         self._free: list[tuple[int, int]] = []
         self.end = 0
 
     def take(self, size: int) -> int:
-        """The first place of a free block."""
+        """Allocate a block and return its first place."""
         for number, (start, free) in enumerate(self._free):
             if free >= size:
                 self._free[number] = start + size, free - size
@@ -76,7 +76,7 @@ class _Room:
         return start
 
     def give_back(self, start: int, size: int) -> None:
-        """Let a block be taken again."""
+        """Free a block."""
         blocks = sorted([*self._free, (start, size)])
         self._free = []
         for begin, free in blocks:
@@ -87,21 +87,21 @@ class _Room:
 
 
 class SignalTable:
-    """Rows of resources: values, Jacobians, stamps, and whether they are defined.
+    """Rows of resources: values, Jacobians, stamps and states.
 
-    A row keeps its number for as long as it is bound. Its arrays are others once one of them had to
-    grow: whoever holds on to them compares ``version``.
+    A row keeps its number while it is bound. The arrays are replaced if one of them has to grow;
+    users that keep references compare ``version``.
 
     Args:
-        joints: number of actuated joints, n.
+        joints: Number of actuated joints, n.
 
     Attributes:
-        records: the rows, shape (capacity,) of ``refresh.ROW``.
-        parts: shape (capacity,) of ``refresh.PART``.
-        support: joints and columns of rows and parts, shape (capacity,).
-        value: of all rows, one after another, in SI units, shape (capacity,).
-        jacobian: the same per joint, shape (capacity, n).
-        version: changes when the arrays do.
+        records: Records of the rows, shape (capacity,) of ``refresh.ROW``.
+        parts: Parts of the rows, shape (capacity,) of ``refresh.PART``.
+        support: Joints and columns of rows and parts, shape (capacity,).
+        value: Values of all rows in sequence, SI units, shape (capacity,).
+        jacobian: Jacobian rows of all rows in sequence, SI units, shape (capacity, n).
+        version: Count of the replacements of arrays.
     """
 
     def __init__(self, joints: int) -> None:
@@ -117,7 +117,7 @@ class SignalTable:
         }
 
     def bind(self, form: Form) -> int:
-        """Give a resource a row; returns its number."""
+        """Allocate a row of a form and return its number."""
         number = self._take("records", 1)
         start, row = self._take("value", form.size), self._take("jacobian", form.rows)
         part, column = self._take("parts", len(form.parts)), self._list(form.columns)
@@ -135,7 +135,7 @@ class SignalTable:
         return number
 
     def unbind(self, number: int) -> None:
-        """Take a row back, with all that it was made of."""
+        """Free a row and its parts."""
         record = self.records[number]
         for part in self.parts[record["part"] : record["part"] + record["parts"]]:
             self._rooms["support"].give_back(int(part["support"]), int(part["joints"]))
@@ -151,7 +151,7 @@ class SignalTable:
         self._parts.pop(number, None)
 
     def write(self, number: int, reading: Reading) -> None:
-        """Write a row that Python has read; a Jacobian of ``None`` stays as it is."""
+        """Write a reading to a row; ``None`` leaves the Jacobian unchanged."""
         values, rows = self._row(number)
         values[:] = reading.value.ravel()
         if reading.jacobian is not None:
@@ -160,23 +160,23 @@ class SignalTable:
         self._defined[number] = DEFINED if reading.measured else READABLE
 
     def forget(self, number: int) -> None:
-        """Let a row be undefined."""
+        """Set a row to undefined."""
         self._defined[number] = UNDEFINED
 
     def is_defined(self, number: int) -> bool:
-        """Whether a row holds a measurement."""
+        """Return whether a row holds a measurement."""
         return bool(self._defined[number] == DEFINED)
 
     def values(self, number: int) -> Floats:
-        """The value of a row, a part of the table, shape (size,)."""
+        """Return the value of a row, a view of the table, shape (size,)."""
         return self._row(number)[0]
 
     def rows(self, number: int) -> Floats:
-        """The Jacobian of a row, a part of the table, shape (rows, n)."""
+        """Return the Jacobian of a row, a view of the table, shape (rows, n)."""
         return self._row(number)[1]
 
     def _row(self, number: int) -> tuple[Floats, Floats]:
-        """Value and Jacobian of a row, parts of the arrays as they are now."""
+        """Return value and Jacobian of a row, views of the current arrays."""
         parts = self._parts.get(number)
         if parts is None:
             record = self.records[number]
@@ -186,20 +186,20 @@ class SignalTable:
         return parts
 
     def _list(self, numbers: Sequence[int] | Integers) -> int:
-        """Keep numbers of joints or columns; returns where they begin."""
+        """Store numbers of joints or columns; return their first place."""
         first = self._take("support", len(numbers))
         self.support[first : first + len(numbers)] = numbers
         return first
 
     def _renew(self) -> None:
-        """Take parts of the arrays anew, which are others now."""
+        """Renew the views after the arrays were replaced."""
         self.version += 1
         self._parts: dict[int, tuple[Floats, Floats]] = {}
         self._stamp, self._radius = self.records["stamp"], self.records["radius"]
         self._defined = self.records["defined"]
 
     def _take(self, name: str, size: int) -> int:
-        """Take a block of an array, which grows where it has to."""
+        """Allocate a block of an array, which grows if necessary."""
         start = self._rooms[name].take(size)
         array: NDArray[Any] = getattr(self, name)
         if self._rooms[name].end > len(array):

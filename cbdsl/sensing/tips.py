@@ -1,4 +1,4 @@
-"""Tips: where the ends of the arms are, and how the joints move them (Eq 3.11 to 3.13)."""
+"""Tips: placements and Jacobians of the ends of the arms (Eq 3.11 to 3.13)."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ Floats = NDArray[np.float64]
 
 
 class Tips:
-    """The tips of effectors in the newest posture.
+    """Tips of effectors in the newest posture.
 
     Attributes:
-        clock: counts the postures, shape (1,).
+        clock: Count of the postures, shape (1,).
     """
 
     def __init__(self, robot: RobotDocument, kinematics: Kinematics) -> None:
@@ -34,19 +34,19 @@ class Tips:
         return int(self.clock[0])
 
     def point(self, effector: str) -> Point:
-        """The control point of an effector."""
+        """Return the control point of an effector."""
         return self._kinematics.point(*self._tips[effector])
 
     def frame(self, effector: str) -> Frame:
-        """The frame of the link that carries an effector's tip."""
+        """Return the frame of the link that carries an effector's tip."""
         return self._kinematics.frame(self._tips[effector][0])
 
     def normal(self, effector: str) -> Floats:
-        """The +z axis of a tip, the direction in which a palm faces, world frame, shape (3,)."""
+        """Return the +z axis of a tip, in which a palm faces, world frame, shape (3,)."""
         return self.frame(effector).rotation[:, 2]
 
     def part(self, effector: str) -> RowPart:
-        """An effector's control point as a part of a row of the signal table."""
+        """Return an effector's control point as a part of a row of the signal table."""
         name, offset = self._tips[effector]
         link = self._kinematics.link(name)
         origin = link.position + link.rotation.dot(np.array(offset))

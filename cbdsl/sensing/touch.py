@@ -1,4 +1,4 @@
-"""Touch: the forces on the hands' load cells, and how the joints change them (Eq 3.9)."""
+"""Touch: forces on the hands' load cells, and their Jacobians (Eq 3.9)."""
 
 from __future__ import annotations
 
@@ -26,15 +26,16 @@ _PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}
 
 
 class Touch:
-    """Reads the load cells, whose first values are taken as zero; see ``CellZeros``.
+    """Reader of the load cells, whose first values are the zeros; see ``CellZeros``.
 
-    Where a signal's Jacobian is asked for, it is the cast force -> displacement (Eq 3.37 to 3.39):
-    things are taken to be springs of the stiffness that the robot's document states.
+    The Jacobian of a signal is the cast force -> displacement (Eq 3.37 to 3.39). Objects are
+    modelled as springs with the stiffness in the robot document.
 
     Attributes:
-        cells: the load cells, as (hand, finger), in the robot document's order.
-        loads: of the load cells without weight and bias, N and N m, world frame, shape (cells, 6).
-        feeling: whether each of them is in contact, shape (cells,).
+        cells: Load cells, as (hand, finger), in the order of the robot document.
+        loads: Wrenches of the load cells without weight and bias, N and N m, world frame, shape
+            (cells, 6).
+        feeling: True for each load cell in contact, shape (cells,).
     """
 
     def __init__(self, robot: RobotDocument, kinematics: Kinematics, tips: Tips) -> None:
@@ -44,23 +45,23 @@ class Touch:
         self.cells = tuple(
             (hand, finger) for hand, fingers in robot.load_cells.items() for finger in fingers
         )
-        #: By hand, which of the cells are its own.
+        #: Slices of the cells, by hand.
         self._own = {hand: self._span(hand) for hand in robot.load_cells}
-        #: By hand, indices of the joints that flex its fingers.
+        #: Indices of the joints that flex the fingers, by hand.
         self.flexing = {
             hand: kinematics.joints.pick([cell.joint for cell in fingers.values()])
             for hand, fingers in robot.load_cells.items()
         }
-        #: By link, the normal of its load cell in its own frame, of unit length.
+        #: Unit normal of a link's load cell in the link's frame, by link.
         self._normals = {
             cell.link: np.array(cell.normal) / math.hypot(*cell.normal)
             for fingers in robot.load_cells.values()
             for cell in fingers.values()
         }
-        #: By hand, whether its fingers close as their joints' positions grow, 1, or fall, -1.
+        #: Sign of the joint velocity with which the fingers close, 1 or -1, by hand.
         self.closing = {hand: self._closing(hand) for hand in robot.load_cells}
         self._flexions = {hand: self._flexion(hand) for hand in robot.load_cells}
-        #: By hand, the effector whose tip carries it.
+        #: Effector whose tip carries the hand, by hand.
         self.carriers = {
             hand: carrier
             for hand in robot.load_cells
@@ -76,18 +77,18 @@ class Touch:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the episode before."""
+        """Forget the previous episode."""
         self._zeros.reset()
         self._forget()
 
     def resume(self, before: Touch) -> None:
-        """Begin an episode where another one ended.
+        """Begin an episode at the end of another one.
 
-        The load cells are tared anew only where nothing was felt: what is in a hand goes on to be
-        felt.
+        The load cells are tared again only if none was in contact, so that a held object is still
+        measured.
 
         Args:
-            before: felt the last tick of the episode before; it may be this one.
+            before: Touch at the last tick of the previous episode; may be this object.
         """
         if before.touching_anything():
             self._zeros.resume(before._zeros)
@@ -101,18 +102,18 @@ class Touch:
         self._touching = False
 
     def gathered(self, loads: Mapping[Cell, Floats]) -> Floats:
-        """Wrenches in the order of the robot's document, shape (cells, 6)."""
+        """Return wrenches in the order of the robot document, shape (cells, 6)."""
         if isinstance(loads, Loads) and loads.cells == self.cells:
             return loads.wrenches
         wrenches = [loads[cell] for cell in self.cells]
         return np.array(wrenches).reshape(len(wrenches), 6)
 
     def update(self, wrenches: Floats, time: float) -> None:
-        """Take in one tick's wrenches; the kinematics have its posture.
+        """Update from one tick's wrenches; the kinematics must have its posture.
 
         Args:
-            wrenches: as ``gathered`` has them, N and N m, world frame, shape (cells, 6).
-            time: s.
+            wrenches: Wrenches from ``gathered``, N and N m, world frame, shape (cells, 6).
+            time: Time of the tick, s.
         """
         before = self._touching
         self._touching = self._zeros.remove(wrenches, time, self.loads, self.feeling)
@@ -120,19 +121,19 @@ class Touch:
             self._in_contact = self.feeling.tolist()
 
     def touching_anything(self) -> bool:
-        """Whether any fingertip of any hand feels more than the contact threshold."""
+        """Return whether any fingertip of any hand measures more than the contact threshold."""
         return self._touching
 
     def touching(self, hand: str) -> bool:
-        """Whether any fingertip of a hand feels more than the contact threshold."""
+        """Return whether any fingertip of a hand measures more than the contact threshold."""
         return True in self._in_contact[self._own[hand]]
 
     def all_touching(self, hand: str) -> bool:
-        """Whether every fingertip of a hand feels more than the contact threshold."""
+        """Return whether every fingertip of a hand measures more than the contact threshold."""
         return False not in self._in_contact[self._own[hand]]
 
     def all_holding(self, group: str) -> bool:
-        """Whether every hand of a group touches something that is no fingertip of another one."""
+        """Return whether every hand of a group touches more than another hand's fingertips."""
         hands = self.hands(group)
         if not all(self.touching(hand) for hand in hands):
             return False
@@ -147,7 +148,7 @@ class Touch:
         return True
 
     def _touching_tips(self, hand: str) -> Floats:
-        """Origins of the fingertips of a hand that are in contact, m, shape (k, 3)."""
+        """Return origins of the fingertips of a hand that are in contact, m, shape (k, 3)."""
         links = [cell.link for cell in self._fingers(hand).values()]
         in_contact = self._in_contact[self._own[hand]]
         return np.array(
@@ -159,33 +160,33 @@ class Touch:
         )
 
     def hands(self, name: str) -> tuple[str, ...]:
-        """The hands of a group, or the one that is named itself."""
+        """Return the hands of a group; a hand is a group of itself."""
         return self._robot.members(name)
 
     def shares(self, hand: str) -> Floats:
-        """Each finger's share of a force reference, shape (fingers,)."""
+        """Return each finger's share of a force reference, shape (fingers,)."""
         return np.array([cell.share for cell in self._fingers(hand).values()])
 
     def finger_load(self, source: FingerLoad) -> Reading | None:
-        """The load of one finger, or ``None`` without contact."""
+        """Return the load of one finger, or ``None`` without contact."""
         if not self._in_contact[self.cells.index((source.hand, source.finger))]:
             return None
         return self._load(source.hand, source.finger, source.part)
 
     def net_load(self, source: NetLoad) -> Reading | None:
-        """The sum over a hand's fingers, or ``None`` without any contact."""
+        """Return the net load of a hand's fingers, or ``None`` without any contact."""
         if not self.touching(source.hand):
             return None
         return self._net(source.hand, source.part)
 
     def net_forces(self, source: NetForces) -> Reading | None:
-        """The net force of each hand, or ``None`` unless all of them hold something."""
+        """Return the net force of each hand, or ``None`` unless all of them hold an object."""
         if not self.all_holding(source.group):
             return None
         return stacked([self._net(hand, "force") for hand in self.hands(source.group)])
 
     def finger_forces(self, source: FingerForces) -> Reading | None:
-        """The force of every finger, or ``None`` unless all of them touch something."""
+        """Return the force of every finger, or ``None`` unless all of them are in contact."""
         if not self.all_touching(source.hand):
             return None
         forces = self.loads[self._own[source.hand], :3]
@@ -198,10 +199,10 @@ class Touch:
         return Reading(forces.ravel(), np.vstack(rows), self._tips.stamp)
 
     def pads(self, hand: str) -> tuple[Sequence[RowPart], Floats]:
-        """Parts and Jacobian of a row of the forces along the normals of a hand's load cells.
+        """Return parts and Jacobian of the row of forces along a hand's load cell normals.
 
-        Such forces are defined without contact too, as a measured zero, so that a hand can close on
-        something. A finger's force follows the joint that flexes it.
+        These forces are defined without contact too, as a measured zero, so that a hand can close
+        on an object. A finger's force depends on the joint that flexes it.
         """
         parts = []
         for place, cell in enumerate(self._fingers(hand).values(), self._own[hand].start):
@@ -211,21 +212,21 @@ class Touch:
         return parts, self._flexions[hand]
 
     def palm_forces(self, source: NetForces) -> Reading:
-        """Forces of hands along their palms' normals, N; each follows all joints of its arm."""
+        """Return forces of hands along their palms' normals, N, which depend on the arms' joints."""
         hands = self.hands(source.group)
         return stacked([self._palm_force(hand) for hand in hands])._replace(
             measured=self.all_holding(source.group)
         )
 
     def _palm_force(self, hand: str) -> Reading:
-        """The part of a hand's net force along its palm's normal, shape (1,)."""
+        """Return the component of a hand's net force along its palm's normal, shape (1,)."""
         normal, net = self._tips.normal(self.carriers[hand]), self._net(hand, "force")
         assert net.jacobian is not None
         jacobian = normal[None].dot(net.jacobian)
         return Reading(normal[None].dot(net.value), jacobian, self._tips.stamp)
 
     def _net(self, hand: str, part: str) -> Reading:
-        """The sum over a hand's fingers; torques are about ``_centre``."""
+        """Return the net load of a hand's fingers; torques are about ``_centre``."""
         value, jacobian = np.empty(6), np.empty((6, len(self._kinematics.joints)))
         kinematics, where = self._kinematics, _PARTS[part]
         kinematics.place()
@@ -244,9 +245,9 @@ class Touch:
         return tips
 
     def _centre(self, hand: str) -> Floats:
-        """About which a hand's torques are summed up: the tip that carries it, m, world frame.
+        """Return the reference point of a hand's torques, m, world frame.
 
-        Of a hand that no tip carries, the middle of its load cells.
+        It is the tip that carries the hand or, without one, the middle of its load cells.
         """
         carrier = self.carriers.get(hand)
         if carrier is not None:
@@ -263,14 +264,14 @@ class Touch:
         return Reading(value, (yielding * jacobian)[where], self._tips.stamp)
 
     def _flexion(self, hand: str) -> Floats:
-        """Forces along the fingers' normals per joint, N/rad or N/m, shape (fingers, n)."""
+        """Return forces along the fingers' normals per joint, N/rad or N/m, shape (fingers, n)."""
         rows = np.zeros((len(self._fingers(hand)), len(self._kinematics.joints)))
         rows[np.arange(len(rows)), self.flexing[hand]] = self.closing[hand]
         control = self._robot.control
         return rows * np.where(self._kinematics.slides, control.slide_stiffness, control.stiffness)
 
     def _closing(self, hand: str) -> float:
-        """The sign of the joints' motion in which the fingers press on."""
+        """Return the sign of the joint motion with which the fingers close."""
         along = 0.0
         for cell, joint in zip(self._fingers(hand).values(), self.flexing[hand], strict=True):
             normal = self._kinematics.direction(cell.link, self._normals[cell.link])
@@ -281,7 +282,7 @@ class Touch:
         return self._robot.load_cells[hand]
 
     def span(self, hand: str) -> tuple[int, int]:
-        """The first load cell of a hand, and the one after its last."""
+        """Return the number of a hand's first load cell, and that after its last."""
         return self._own[hand].start, self._own[hand].stop
 
     def _span(self, hand: str) -> slice:
@@ -290,7 +291,7 @@ class Touch:
 
 
 def _carrier(robot: RobotDocument, kinematics: Kinematics, hand: str) -> str | None:
-    """The effector whose tip carries a hand: all of its joints move the fingertips."""
+    """Return the effector whose tip carries a hand: all of its joints move the fingertips."""
     cell = next(iter(robot.load_cells[hand].values()))
     moving = kinematics.moving(cell.link)
     return next(

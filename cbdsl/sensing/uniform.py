@@ -1,4 +1,4 @@
-"""Uniform sampling of a box, without leaving gaps."""
+"""Uniform sampling of a box without gaps."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ Floats = NDArray[np.float64]
 
 
 class UniformSampler:
-    """Draws that are uniform each, and even together.
+    """Sampler of individually uniform and jointly even points.
 
-    Independent draws revisit some places before they have been to others, which makes a search
-    by a camera with a narrow view long. An additive recurrence from a random start covers the
-    box evenly while every single draw stays uniformly distributed (Roberts 2018).
+    Independent draws revisit some places before they reach others, which makes a search by a camera
+    with a narrow view long. An additive recurrence from a random start covers the box evenly, and
+    every single draw is still uniformly distributed (Roberts 2018).
 
     Args:
-        lower, upper: corners of the box, shape (n,); infinite for a joint that turns without
-            limits, which is drawn over one turn.
-        rng: gives the random start.
+        lower, upper: Corners of the box, shape (n,); infinite for a joint without limits, which is
+            drawn over one turn.
+        rng: Random number generator for the start.
     """
 
     def __init__(self, lower: Floats, upper: Floats, rng: np.random.Generator) -> None:
@@ -34,7 +34,7 @@ class UniformSampler:
         self._point = rng.random(len(lower))
 
     def draw(self) -> Floats:
-        """The next sample, shape (n,)."""
+        """Return the next sample, shape (n,)."""
         self._point = (self._point + self._step) % 1.0
         sample: Floats = self._lower + self._span * self._point
         return sample

@@ -1,4 +1,4 @@
-"""Vision: what cameras see in, headings and remembered positions out, channel by channel."""
+"""Vision: headings and remembered positions from camera images, channel by channel."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from cbdsl.sensing.stereo import Ray, triangulate
 
 Floats = NDArray[np.float64]
 
-# A camera that turned by less since its last image was still, rad: a 25th of a pixel, so that no
-# edge of a thing that rests moves by enough pixels to be a region.
+# Largest rotation of a still camera between images, rad: a 25th of a pixel, so that no edge of a
+# resting object moves by enough pixels to be a region.
 _STILL = 1e-4
 
 
 class SeenHeading(NamedTuple):
-    """A heading to a region.
+    """Heading to a region.
 
     Attributes:
-        angles: azimuth and elevation, rad, shape (2,).
-        stamp: number of the image in which the region was seen.
+        angles: Azimuth and elevation, rad, shape (2,).
+        stamp: Number of the image in which the region was seen.
     """
 
     angles: Floats
@@ -40,17 +40,17 @@ class SeenHeading(NamedTuple):
 
 
 class Vision:
-    """Sees the wanted channels with every camera.
+    """Regions, headings and memories of the requested channels in all cameras.
 
     Attributes:
-        channels: that it looks for.
-        instances: the things of each channel.
-        field: where the cameras look.
-        headings: those that have been asked for since the newest images, by camera, channel and
-            number of the thing.
-        all_memories: of the things of all channels, with two cameras.
-        images: how many sets of images have been seen since the start of the episode.
-        seen: the regions in the newest images, by camera and channel, the largest first.
+        channels: Channels to look for.
+        instances: Objects of each channel.
+        field: Field of view of the cameras.
+        headings: Cached headings since the newest images, by camera, channel and number of the
+            object.
+        all_memories: Memories of the objects of all channels, with two cameras.
+        images: Number of sets of images since the start of the episode.
+        seen: Regions in the newest images, by camera and channel, the largest first.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class Vision:
 
     @property
     def memories(self) -> Mapping[str, PositionMemory]:
-        """Memory of the thing attended to, by channel, with two cameras."""
+        """Memory of the object attended to, by channel, with two cameras."""
         return {
             name: each.memories[each.attended]
             for name, each in self.instances.items()
@@ -105,28 +105,29 @@ class Vision:
         }
 
     def number(self, channel: str, instance: str) -> int | None:
-        """Number of an instance of a channel, ``None`` while there is none; see ``Instances``."""
+        """Return an instance's number in a channel, ``None`` without one; see ``Instances``."""
         return self.instances[channel].number(instance)
 
     def memory(self, channel: str, number: int | None = None) -> PositionMemory | None:
-        """Memory of a thing; without a number, of the one attended to."""
+        """Return the memory of an object, by default of the one attended to."""
         instances = self.instances.get(channel)
         if instances is None or not instances.memories:
             return None
         return instances.memories[instances.attended if number is None else number]
 
     def region(self, camera: str, channel: str, number: int | None = None) -> Region | None:
-        """The region of a thing in a camera's newest image, of the one attended to if unnamed."""
+        """Return an object's region in a camera's newest image, by default of the attended one."""
         instances = self.instances[channel]
         seen = instances.sightings[self._rows[camera]]
         sighting = seen.get(instances.attended if number is None else number)
         return None if sighting is None else sighting.region
 
     def meeting(self, channel: str) -> Floats | None:
-        """Where the lines of sight to a channel's thing meet in the newest images, m, world frame.
+        """Return where the lines of sight to a channel's object meet now, m, world frame.
 
-        Unlike what is remembered, it is undefined where a camera does not see the thing, and off
-        where a part of it is hidden. ``None``, too, where the lines miss each other.
+        Unlike the remembered position, it is ``None`` if a camera does not see the object, and
+        inaccurate if a part of the object is hidden. It is also ``None`` if the lines miss each
+        other.
         """
         instances = self.instances[channel]
         seen = [each.get(instances.attended) for each in instances.sightings]
@@ -138,7 +139,7 @@ class Vision:
         return crossing.position if crossing is not None and near else None
 
     def update(self, observation: Observation) -> None:
-        """Take in what the cameras saw, if they saw anything; the kinematics must be up to date."""
+        """Update from an observation and its images, if any; kinematics must be up to date."""
         time = observation.time
         for memory in self.all_memories:
             if memory.position is not None:
@@ -154,18 +155,18 @@ class Vision:
         self.headings.clear()
         seen = self.seen = self._seen(observation)
         self._looking = seen.keys()
-        # Most of a search shows nothing, with nothing known yet.
+        # Most images of a search show no region, and no object is known yet.
         if self._expects or any(seen.values()):
             self._look(seen)
             self._expects = self._knows()
 
     def touched(self) -> None:
-        """Take everything remembered to stand still, since a hand is in contact."""
+        """Set the velocity of all remembered objects to zero, because a hand is in contact."""
         for memory in self.all_memories:
             memory.rest()
 
     def untouched(self) -> None:
-        """Forget what a hand has closed on, since no hand is in contact."""
+        """Forget objects at which a hand has closed, because no hand is in contact."""
         for memory in self.all_memories:
             if memory.position is not None and self.field.hands_have_closed_on(
                 memory.position, memory.radius
@@ -173,33 +174,34 @@ class Vision:
                 memory.reset()
 
     def heading(self, camera: str, channel: str, number: int | None = None) -> SeenHeading | None:
-        """The heading to what a camera sees, or saw a moment ago, in its newest image.
+        """Return the heading to an object that a camera sees or saw a moment ago.
 
-        A head that turns while it searches overshoots what it sees first at an image's edge, and
-        would otherwise search on and never get hold of it.
+        A head that turns during a search overshoots an object that appears at an image's edge.
+        Without lingering headings, it would search on and never fixate the object.
 
         Args:
-            number: of the thing; the one attended to if unnamed.
+            number: Number of the object, by default of the one attended to.
         """
         key = camera, channel, self.instances[channel].attended if number is None else number
         seen_heading = self.headings.get(key)
         if seen_heading is None and self._lingering and camera in self._looking:
             seen = self._lingering.get(key)
             if seen is not None:
-                # Where the camera looks now: the head may have turned since the image was taken.
+                # Heading from the current camera axes, because the head may have turned since the
+                # image.
                 angles = heading(self._axes[camera].T.dot(seen.ray.direction))
                 seen_heading = self.headings[key] = SeenHeading(angles, seen.image)
         return seen_heading
 
     def _seen(self, observation: Observation) -> Mapping[str, Mapping[str, Sequence[Region]]]:
-        """The regions of each wanted channel that has any, by camera."""
+        """Return the regions of each requested channel that has any, by camera."""
         by_camera = observation.regions or {
             name: self._filters[name].regions(image) for name, image in observation.images.items()
         }
         return {name: self._large(regions) for name, regions in by_camera.items()}
 
     def _large(self, regions: Mapping[str, Regions]) -> Mapping[str, Sequence[Region]]:
-        """Those of a camera's regions that are large enough, by wanted channel."""
+        """Return the sufficiently large regions of a camera, by requested channel."""
         least, large = self._settings.least_area, {}
         for channel in self.channels:
             several = regions.get(channel)
@@ -209,7 +211,7 @@ class Vision:
         return large
 
     def _knows(self) -> bool:
-        """Whether images tell something even if they show nothing."""
+        """Return whether even images without regions change the state of vision."""
         return (
             bool(self._lingering)
             or "motion" in self.channels
@@ -229,11 +231,11 @@ class Vision:
             if "motion" in self.channels and self._moved(name, frame):
                 turned.add(name)
             for channel, regions in seen[name].items():
-                # A turning camera sees everything move, which says nothing about the world.
+                # A turning camera sees everything move, so its motion channel is ignored.
                 if channel == "motion":
                     if name in turned:
                         continue
-                    # One thing that moves changes the image where it was and where it is.
+                    # One moving object changes the image at its previous and at its current place.
                     regions = regions[:1]
                 by_channel[channel][row] = [
                     self._sighted(name, frame, region) for region in regions
@@ -245,9 +247,9 @@ class Vision:
         self._linger(turned)
 
     def _linger(self, turned: Collection[str]) -> None:
-        """Keep the sightings of the newest images, and those of a moment ago.
+        """Keep the sightings of the newest images and of the linger time before.
 
-        What moved is taken to be there while a camera turns, which cannot see it.
+        A moving object is kept while a camera turns, because that camera cannot detect motion.
         """
         for channel, instances in self.instances.items():
             for camera, sightings in zip(self._cameras, instances.sightings, strict=True):
@@ -272,7 +274,7 @@ class Vision:
         return Sighting(region, ray, scale, focal_length, self._image_time, self.images)
 
     def _moved(self, camera: str, frame: Frame) -> bool:
-        """Whether a camera has turned since its last image; also before its first."""
+        """Return whether a camera has turned since its last image, or has none."""
         before = self.field.frames.get(camera)
         return before is None or not np.allclose(frame.rotation, before.rotation, atol=_STILL)
 

@@ -1,4 +1,4 @@
-"""Visual signals: headings to what the cameras see, and where it is (Eq 3.10, 3.14 and 3.15)."""
+"""Visual signals: headings to objects and their positions (Eq 3.10, 3.14 and 3.15)."""
 
 from __future__ import annotations
 
@@ -33,15 +33,16 @@ from cbdsl.types.resource import Heading, Headings, StereoPosition
 Floats = NDArray[np.float64]
 Step = Callable[[Any], Any]
 Thing = tuple[str, int]
-"""A channel, and the number of a thing in it."""
+"""Channel, and number of an object in it."""
 
 
 class VisualSignals:
-    """Reads headings and positions; what a hand holds moves with the hand, all else stands still.
+    """Reader of headings and positions; held objects move with the hand, others stand still.
 
-    A seen thing counts as held if it lies between the fingertips that touch when all fingers of a
-    hand, or several hands, come into contact, and for as long as they stay so. It then moves as if
-    fixed to the one hand, or as far as the tips of several hands all do (Eq 3.42 and 3.43).
+    A seen object counts as held if it lies between the touching fingertips at the start of a hold.
+    A hold starts when all fingers of a hand, or several hands, come into contact, and lasts as long
+    as they stay so. The object then moves as if fixed to the one hand, or by the common
+    displacement of the tips of several hands (Eq 3.42 and 3.43).
     """
 
     def __init__(
@@ -67,13 +68,13 @@ class VisualSignals:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the episode before."""
+        """Forget the previous episode."""
         self._hold: Hold | None = None
         self._begun: Hold | None = None
         self._content = Content(self._find_middle)
 
     def update(self) -> None:
-        """Carry things that are held along with the hands; tips and touch must be up to date."""
+        """Displace held objects with the hands; tips and touch must be up to date."""
         before, self._hold = self._hold, self._find_hold()
         if self._hold is None:
             return
@@ -100,12 +101,12 @@ class VisualSignals:
         return Hold(hands, position, rotation, tips)
 
     def _tips_of(self, hands: int) -> Floats:
-        """Tips of the hands that hold, a bit for each, m, shape (k, 3)."""
+        """Return tips of the hands in a bit mask, m, world frame, shape (k, 3)."""
         holding = [arm for i, arm in enumerate(self._carriers) if hands >> i & 1]
         return np.array([self._tips.point(arm).position for arm in holding])
 
     def _find_middle(self) -> Floats:
-        """The middle between the fingertips that touch, or the mean over hands, m, shape (3,)."""
+        """Return the middle between touching fingertips, or the mean over hands, m, shape (3,)."""
         assert self._hold is not None
         middles = []
         for hand, (links, (start, end)) in enumerate(
@@ -119,11 +120,11 @@ class VisualSignals:
         return middle
 
     def heading(self, source: Heading, chains: tuple[Chain, ...]) -> Reading | None:
-        """The heading in one camera, or the mean over those that see the channel.
+        """Return the heading in one camera, or the mean over the cameras that see the object.
 
         Args:
-            source: the heading.
-            chains: of casts, whose Jacobians add up to its own; none for its value alone.
+            source: Source of the heading.
+            chains: Chains of casts with Jacobians that are summed; none for the value alone.
         """
         names = self._robot.cameras if source.camera == CYCLOPEAN else (source.camera,)
         number = self._vision.number(source.channel, source.instance)
@@ -137,13 +138,13 @@ class VisualSignals:
         return mean(seen) if seen else None
 
     def headings(self, source: Headings, chains: tuple[Chain, ...]) -> Reading | None:
-        """The headings in both cameras, or ``None`` unless both see the same whole region.
+        """Return the headings in both cameras, or ``None`` unless both see the object whole.
 
-        Where the arm that holds a thing hides it from a camera, the heading to where it is held.
+        If the arm that holds an object occludes it, the heading leads to the held position.
 
         Args:
-            source: the headings.
-            chains: of casts, whose Jacobians add up to their own; none for their values alone.
+            source: Source of the headings.
+            chains: Chains of casts with Jacobians that are summed; none for the values alone.
         """
         number = self._vision.number(source.channel, source.instance)
         if number is None:
@@ -160,11 +161,11 @@ class VisualSignals:
         return stacked(headings) if self._meet(headings) else None
 
     def position(self, source: StereoPosition, chains: tuple[Chain, ...]) -> Reading | None:
-        """The remembered position of a thing.
+        """Return the remembered position of an object.
 
         Args:
-            source: the position.
-            chains: of casts, whose Jacobians add up to its own; none for its value alone.
+            source: Source of the position.
+            chains: Chains of casts with Jacobians that are summed; none for the value alone.
         """
         number = self._vision.number(source.channel, source.instance)
         memory = None if number is None else self._vision.memory(source.channel, number)
@@ -177,7 +178,7 @@ class VisualSignals:
         return Reading(memory.position, jacobian, self._vision.images, memory.radius)
 
     def cameras(self) -> tuple[Frame, ...]:
-        """The cameras' frames in that of the first, which moves with them."""
+        """Return the cameras' frames relative to the first camera's frame."""
         frames = [self._kinematics.frame(camera.link) for camera in self._robot.cameras.values()]
         first = frames[0]
         return tuple(
@@ -189,7 +190,7 @@ class VisualSignals:
         )
 
     def _meet(self, headings: Sequence[Reading]) -> bool:
-        """Whether the lines of sight meet in front of the cameras."""
+        """Return whether the lines of sight meet in front of the cameras."""
         left, right = (
             Ray(frame.position, frame.rotation.dot(direction(reading.value)))
             for frame, reading in zip(self.cameras(), headings, strict=True)
@@ -197,7 +198,7 @@ class VisualSignals:
         return triangulate(left, right) is not None
 
     def _hidden_heading(self, camera: str, thing: Thing) -> SeenHeading | None:
-        """The heading to what is held, where a camera would see it if nothing were in the way."""
+        """Return the heading to a held object that a camera would see without occlusion."""
         memory = self._vision.memory(*thing)
         if memory is None or memory.position is None or not self._holds(memory):
             return None
@@ -211,7 +212,7 @@ class VisualSignals:
     def _moving_heading(
         self, camera: str, thing: Thing, seen: SeenHeading, chains: tuple[Chain, ...]
     ) -> Reading:
-        """A heading as the head moves it, and the hands that hold what it leads to."""
+        """Return a heading and its Jacobian by the head and by hands that hold the object."""
         link, memory = self._robot.cameras[camera].link, self._vision.memory(*thing)
         steps: dict[str, Step] = {
             CAMERA.name: lambda _: heading_jacobian(seen.angles).dot(
@@ -225,13 +226,13 @@ class VisualSignals:
         return Reading(seen.angles, sum(own[1:], own[0]) if own else self._still[:2], seen.stamp)
 
     def _sight(self, link: str, position: Floats) -> Step:
-        """How a heading moves with what it leads to."""
+        """Return the step from an object's motion to that of its heading."""
         frame = self._kinematics.frame(link)
         point = frame.rotation.T.dot(position - frame.position)
         return lambda motion: sighting_jacobian(point).dot(frame.rotation.T.dot(motion))
 
     def _hold_steps(self, position: Floats) -> dict[str, Step]:
-        """How what is held moves with the tips of the hands, and those with the joints."""
+        """Return the steps from joints to tips of hands and from tips to a held object."""
         assert self._hold is not None
         holding = [arm for i, arm in enumerate(self._carriers) if self._hold.hands >> i & 1]
         return {
@@ -240,7 +241,7 @@ class VisualSignals:
         }
 
     def motion(self, memory: PositionMemory) -> Floats | None:
-        """Displacement of a held thing per joint, shape (3, n); ``None`` for what is not held."""
+        """Return a held object's displacement per joint, shape (3, n), ``None`` if not held."""
         if memory.position is None or not self._holds(memory):
             return None
         steps = self._hold_steps(memory.position)
@@ -248,5 +249,5 @@ class VisualSignals:
         return motion
 
     def _holds(self, memory: PositionMemory) -> bool:
-        """Whether the touching hands hold a remembered thing."""
+        """Return whether the touching hands hold a remembered object."""
         return self._hold is not None and self._content.holds(memory)
