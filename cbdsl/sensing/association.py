@@ -1,9 +1,9 @@
 """Stereo correspondences between the regions in the images of two cameras (Eq 3.14).
 
 Lines of sight to one object nearly meet, and its apparent sizes fit its distances from both
-cameras. Several objects may meet both conditions with several others. They then stand side by side
-on one plane through both cameras, which see them in the same order. If their numbers differ between
-the images, the correspondences are ambiguous and are not resolved.
+cameras. If several regions of one image match several of the other, the objects stand side by side
+on one plane through both cameras, which see them in the same order. If the numbers of regions
+differ, the correspondences are ambiguous and are not resolved.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 # Least ratio of the sizes of an object in two cameras, which see different sides of a box.
 _ALIKE = 0.65
-# Largest gap, m, for clipped regions: lines of sight to their middles miss by more.
+# Largest gap, m, for clipped regions: lines of sight to their middles miss each other by more.
 _CLIPPED_GAP = 0.1
 
 

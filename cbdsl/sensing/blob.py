@@ -14,13 +14,13 @@ from cbdsl.sensing.channels import Region
 
 Floats = NDArray[np.float64]
 
-# A blob whose axes are nearer to each other than this has no orientation: a ball's image is an
-# ellipse of 1.07 in a corner of the image, and pixels make one of 1.1 of a small ball.
+# Least ratio of the axes of a blob with an orientation: a ball appears as an ellipse of ratio 1.07
+# in a corner of the image, and pixels turn a small ball into an ellipse of ratio 1.1.
 _LEAST_RATIO = 1.15
 
 
 class Blob(NamedTuple):
-    """The ellipse with the same second moments as a region.
+    """Ellipse with the same second moments as a region.
 
     Attributes:
         extent: Semi-axes du and dv, the longer one first, rad, shape (2,).

@@ -1,4 +1,4 @@
-"""The pinhole camera: pixels, lines of sight and headings."""
+"""Pinhole camera: pixels, lines of sight and headings."""
 
 from __future__ import annotations
 
@@ -109,8 +109,8 @@ def line_of_sight(
         direction: Output: line up to the plane x = 1 m of the camera's frame, shape (3,).
 
     Returns:
-        Length of the line, and the factor by which a pinhole enlarges areas there: the cosine cubed
-            of the angle off the camera's axis.
+        Length of the line, and the factor by which a pinhole enlarges areas there, which is the
+        cosine cubed of the angle off the camera's axis.
     """
     y, z = (lens[0] / 2 - column) / lens[2], (lens[1] / 2 - row) / lens[2]
     square = 1.0 + y * y + z * z

@@ -36,7 +36,7 @@ _LOADS = frozenset({(_COMPLIANCE,)})
 _TURNS = frozenset({(each.name,) for each in CAMERA_TURNS})
 _HELD = RIGID_HOLD.name, MANIPULATOR
 
-#: Chains, as names of casts, whose Jacobians rows can be compiled from, by kind of source.
+#: Chains of casts, by name, from which rows compile their Jacobians, by kind of source.
 EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
     EffectorConfiguration: _JOINTS,
     Posture: _JOINTS,
@@ -58,7 +58,7 @@ EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
 
 
 class CastError(Exception):
-    """A chain of casts that no row executes; the message names it."""
+    """Chain of casts that no row can execute, which the message names."""
 
 
 def require_executed(resource: Resource, chains: tuple[Chain, ...]) -> None:

@@ -1,4 +1,4 @@
-"""From pixels to regions: the hue, saturation, intensity and motion channels (Eq 3.10)."""
+"""Regions of the hue, saturation, intensity and motion channels in images (Eq 3.10)."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ _INSIDE = 0.75
 
 
 class FieldOfView:
-    """Model of the places that the cameras see, and of their occlusion.
+    """Visibility and occlusion of places in the newest images.
 
     Attributes:
         frames: Camera frames at their newest images, by name.

@@ -1,4 +1,4 @@
-"""Forward kinematics of a tree of joints, and how its points move (Eq 3.11 to 3.13); compiled."""
+"""Forward kinematics of a joint tree, and Jacobians of its points (Eq 3.11 to 3.13); compiled."""
 
 from __future__ import annotations
 

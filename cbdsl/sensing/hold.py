@@ -71,7 +71,7 @@ def _common(displacements: Floats) -> Floats:
 class Content:
     """Objects of a hold: those between the fingers when it begins.
 
-    Objects that the hands approach later are not held. An object first seen later is decided then.
+    Objects that the hands approach later are not held. An object first seen later is judged then.
 
     Args:
         middle: Function that returns the middle between the fingertips in contact, m, world frame,

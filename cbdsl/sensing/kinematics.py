@@ -138,7 +138,7 @@ class Kinematics:
         self._origins: dict[tuple[tuple[str, ...], ...], tuple[Integers, Floats]] = {}
         self._together: dict[tuple[str, ...], tuple[Integers, Floats, Floats]] = {}
         self._needed: Integers = np.zeros(0, dtype=np.int64)
-        # Numbers of joints placed in the newest and in the other posture; -1 for a new posture.
+        # Counts of joints placed in the newest and in the other posture; -1 for a new posture.
         self._placed = self._other_placed = -1
         self._weighing: tuple[Any, list[Any]] | None = None
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
@@ -146,7 +146,7 @@ class Kinematics:
     def _resting(self) -> Floats:
         """Return the model's configuration where all actuated joints are at 0.
 
-        Passive joints are at their offsets, and joints that nothing drives rest.
+        Passive joints are at their offsets, and joints without a drive at their rest positions.
         """
         still: Floats = pinocchio.neutral(self._model)
         joints = self.joints
@@ -256,9 +256,9 @@ class Kinematics:
             rows: Number of rows: 6, or 3 for the linear velocity alone.
 
         Returns:
-            Derivative, shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry
-            (k, i) per
-            joint j, linear above angular velocity.
+            Derivative, shape (rows, n, n), linear above angular velocity. Entry (k, i, j) is the
+            change
+            of the Jacobian's entry (k, i) per joint j.
         """
         support, joints = self.link(link).support, len(self.lower)
         curvature = np.zeros((rows, joints, joints))

@@ -33,15 +33,14 @@ class PositionMemory:
     The centroid of a half-hidden region is not the centre of the object. A sighting therefore
     counts only if the apparent size, corrected for distance, is as large as the largest seen so far
     in every camera. An object is remembered as long as its absence is explained, such as by an
-    occluding hand or a head turned away. Otherwise it is soon
-    forgotten.
+    occluding hand or a head turned away. Otherwise it is soon forgotten.
 
     Attributes:
         position: Position, m, world frame, shape (3,), or ``None`` while undefined.
         radius: Radius of a ball of the same apparent size, m; ``0`` while undefined.
         since: Time of discovery, s.
         last: Time, s, and place, m, world frame, shape (3,), of the last sighting before the object
-            was forgotten; ``None`` before.
+            was forgotten; ``None`` before that.
     """
 
     def __init__(self, settings: Regions) -> None:
@@ -77,10 +76,10 @@ class PositionMemory:
     def has_shrunk(self, sizes: Sequence[float], aside: Sequence[float]) -> bool:
         """Return whether an object looks smaller than before, without a partial occlusion.
 
-        If only one camera's apparent size shrinks while the other still sees the object at its
-        remembered position, the object is partly occluded in the first. An object that moved may
-        have turned, but is seen whole, so that both cameras see similar sizes. The visible part
-        beside a forearm does not look alike to both.
+        The object is partly occluded in one camera if only its size shrinks there, and the other
+        camera still sees it at its remembered position. An object that moved may have turned, but
+        is seen whole, so that both cameras see similar sizes. The visible part beside a forearm
+        does not look alike to both.
 
         Args:
             sizes: Apparent area times squared distance in each camera, m^2.
@@ -162,7 +161,7 @@ class PositionMemory:
             self._move(time - period, self._velocity * period)
 
     def miss(self, time: float, *, explained: bool) -> None:
-        """Handle a missing sighting; forget the object if none is explained for too long."""
+        """Handle a missing sighting; forget an object whose absence stays unexplained too long."""
         if explained:
             self._accounted = time
         elif time - self._accounted > self._settings.hold:
@@ -203,7 +202,6 @@ class PositionMemory:
 
         The first gains are those of a straight line fitted to all sightings, because the settled
         filter reacts too slowly to a motion.
-
         """
         settled = self._settings.gains
         together = sightings * (sightings + 1)

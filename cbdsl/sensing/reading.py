@@ -1,4 +1,4 @@
-"""Readings: a resource's value in one tick."""
+"""Readings: values of resources in one tick."""
 
 from __future__ import annotations
 
@@ -12,12 +12,11 @@ Floats = NDArray[np.float64]
 
 
 class Reading(NamedTuple):
-    """A resource's value in one tick.
+    """Value and Jacobian of a resource in one tick.
 
     Attributes:
         value: Value, SI units, shape (m,); an orientation is a rotation matrix, shape (3, 3), and a
-            pose a
-            homogeneous transform from tip to world, shape (4, 4).
+            pose a homogeneous transform from tip to world, shape (4, 4).
         jacobian: Change of the value per joint, shape (m, n) over all actuated joints. For an
             orientation, it is the angular velocity in world axes, shape (3, n); for a pose, linear
             above angular velocity, shape (6, n). ``None`` if the joints do not change the value.

@@ -42,6 +42,6 @@ class Strain:
             return
         passed, self._time = observation.time - self._time, observation.time
         if not passed > 0.0:
-            return  # before the first step no drive has exerted anything
+            return  # no drive has exerted a torque before the first step
         share = 1.0 - math.exp(-passed / self._settings.filter) if self._settings.filter else 1.0
         self.torques += share * (observation.efforts - self._kinematics.weight() - self.torques)

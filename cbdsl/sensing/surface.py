@@ -1,9 +1,9 @@
-"""Surfaces: level planes that fill images, from their outlines in two of them.
+"""Level surfaces that fill images, located by their outlines in two images.
 
 A surface that fills an image has no centre, and its uniform colour offers only the outline to
 match. A sweep over level planes finds the height at which the outlines in both images coincide
-(plane sweep stereo, Collins 1996). An outline along the baseline matches at
-any height and gives no information.
+(plane sweep stereo, Collins 1996). An outline along the baseline matches at any height and gives no
+information.
 """
 
 from __future__ import annotations

@@ -138,7 +138,7 @@ class Touch:
         if not all(self.touching(hand) for hand in hands):
             return False
         if len(hands) == 1:
-            return True  # there is no other hand to touch
+            return True  # a single hand cannot touch another one
         nearest, tips = self._robot.contact.self_contact, [self._touching_tips(h) for h in hands]
         for place, own in enumerate(tips):
             others = np.vstack([each for i, each in enumerate(tips) if i != place])
@@ -160,7 +160,7 @@ class Touch:
         )
 
     def hands(self, name: str) -> tuple[str, ...]:
-        """Return the hands of a group; a hand is a group of itself."""
+        """Return the hands of a group, or the named hand itself."""
         return self._robot.members(name)
 
     def shares(self, hand: str) -> Floats:
@@ -212,7 +212,7 @@ class Touch:
         return parts, self._flexions[hand]
 
     def palm_forces(self, source: NetForces) -> Reading:
-        """Return forces of hands along their palms' normals, N, which depend on the arms' joints."""
+        """Return forces of hands along their palms' normals, N, with Jacobians by arm joints."""
         hands = self.hands(source.group)
         return stacked([self._palm_force(hand) for hand in hands])._replace(
             measured=self.all_holding(source.group)
@@ -282,7 +282,7 @@ class Touch:
         return self._robot.load_cells[hand]
 
     def span(self, hand: str) -> tuple[int, int]:
-        """Return the number of a hand's first load cell, and that after its last."""
+        """Return the number of a hand's first load cell and the number after its last."""
         return self._own[hand].start, self._own[hand].stop
 
     def _span(self, hand: str) -> slice:
