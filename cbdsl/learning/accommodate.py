@@ -21,26 +21,26 @@ from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.program.transition import Transition
 from cbdsl.types.state import ANY
 
-# Of learned values; what lies beyond says nothing.
+# Decimals of learned values; further ones are not significant.
 _DECIMALS = 6
 
 
 class Accommodate:
     """Q-learning with epsilon-greedy exploration, and densities of rewarded configurations.
 
-    Equal experience in equal order leaves equal knowledge, to the last bit.
+    The same experience in the same order leads to bitwise identical knowledge.
 
-    The states that a program among the actions passes are worth nothing of their own: see
-    ``Decisions``.
+    The intermediate states of a program among the actions have no value of their own: see
+        ``Decisions``.
 
     Args:
-        actions: what can be chosen.
-        constants: of the algorithm.
-        programs: the actions that are programs, by the place of their predicates in a state.
+        actions: Names of the actions.
+        constants: Constants of the algorithm.
+        programs: Actions that are programs, by the place of their predicates in a state.
 
     Attributes:
-        values: Phi of Algorithm 1.
-        counts: the transitions that were observed.
+        values: Action values Phi of Algorithm 1.
+        counts: Counts of the observed transitions.
     """
 
     Constants = AccommodateConstants
@@ -59,7 +59,7 @@ class Accommodate:
         self._episodes = 0
 
     def see(self, transition: Transition) -> None:
-        """Take in one transition; a rewarded one ends its episode (line 7)."""
+        """Learn from one transition; a rewarded one ends its episode (line 7)."""
         self.counts.add(transition.state, transition.action, transition.next_state)
         over = self._decisions.over(transition)
         if over is not None:
@@ -67,17 +67,17 @@ class Accommodate:
             self.values.update(over.state, over.action, over.reward, over.next_state, ended=ended)
 
     def ends(self, decision: Transition) -> bool:
-        """Whether nothing follows a decision that is worth anything."""
+        """Return whether the state after a decision has no value."""
         return decision.reward > 0
 
     def remember(self, experience: Experience) -> None:
-        """Take in the rewarded configurations of a finished episode (line 19)."""
+        """Learn from the rewarded configurations of a finished episode (line 19)."""
         self._episodes += 1
         for effector, configuration in experience.rewarded.items():
             self._samples.setdefault(effector, []).append(configuration)
 
     def densities(self) -> dict[str, Kernel | Gaussian]:
-        """Densities of the configurations in which controllers were rewarded, by effector."""
+        """Return densities of the rewarded configurations, by effector."""
         constants = self._constants
         return {
             effector: learned_density(
@@ -87,17 +87,18 @@ class Accommodate:
         }
 
     def policy(self, rng: np.random.Generator) -> Explorer:
-        """Epsilon-greedy policy of the next episode, by what is known then."""
+        """Return the epsilon-greedy policy of the next episode, from the present knowledge."""
         exploring = self._constants.exploring_episodes
         explores = exploring is None or self._episodes < exploring
         epsilon = self._constants.epsilon if explores else 0.0
         return Explorer(self.values, epsilon, rng, self._decisions.running)
 
     def greedy(self) -> dict[str, str]:
-        """Best action of every state that was met, and of all others in one line.
+        """Return the best action of every visited state, and one default for all other states.
 
-        Of equally good ones it is the first in the order of the program's actions, as all of them
-        are in a state that was never met. Where a program runs, it is that program.
+        Among equally good actions, the first in the order of the program's actions is chosen. All
+        actions are equally good in a state that was never visited. While a program runs, it is
+        chosen.
         """
         known = {
             state: self._decisions.running(state) or self.values.best(state)[0]
@@ -106,7 +107,7 @@ class Accommodate:
         return known | {ANY * len(state): self.values.actions[0] for state in known}
 
     def documents(self, summary: TrialSummary) -> list[Document]:
-        """Internal models, and the greedy policy with its values and transitions."""
+        """Return the internal models, and the greedy policy with its values and transitions."""
         values = {
             state: {action: round(value, _DECIMALS) for action, value in values.items()}
             for state, values in self.values.items()
@@ -118,13 +119,14 @@ class Accommodate:
 
 
 class Explorer:
-    """Epsilon-greedy policy, in every state, known or not.
+    """Epsilon-greedy policy for visited and unvisited states.
 
     Args:
-        values: what is known of each action.
-        epsilon: share of the actions that are chosen at random.
-        rng: gives the choices.
-        running: the program that runs in a state, and is not left; ``None`` where none does.
+        values: Learned action values.
+        epsilon: Share of the actions that are chosen at random.
+        rng: Random generator of the choices.
+        running: Function from a state to the program that runs in it and cannot be left, or
+            ``None``.
     """
 
     def __init__(
@@ -138,7 +140,7 @@ class Explorer:
         self._running = running
 
     def choose(self, state: str, *, changed: bool) -> str:
-        """The next action; after one that changed nothing, too."""
+        """Return the next action, also after an action that changed nothing."""
         return self._running(state) or choose(
             self._values.best(state), self._values.actions, self._epsilon, self._rng
         )

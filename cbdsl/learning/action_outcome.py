@@ -1,21 +1,21 @@
-"""Outcomes of the actions of an exploration, and the features that they are told by."""
+"""Outcomes of the actions of an exploration, and the features that predict them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import NamedTuple
 
-#: The action that costs nothing and tells nothing.
+#: Action without cost and without information.
 NOOP = "noop"
 
 
 class FeatureForm(NamedTuple):
-    """A feature as a model sees it.
+    """Form of a feature in an affordance model.
 
     Attributes:
-        name: in the catalog.
-        unit: of its components.
-        size: how many it has.
+        name: Name in the catalog.
+        unit: Unit of the components.
+        size: Number of components.
     """
 
     name: str
@@ -27,14 +27,14 @@ class ActionOutcome(NamedTuple):
     """Outcome of one action.
 
     Attributes:
-        action: its name.
-        rewarded: whether it was rewarded by Eq 4.4.
-        features: components of the features that were defined at its activation, in SI, by name.
-        opened: actions that it made possible, such as the inspection of a mark that was seen.
-        ahead: features of each known action that were defined when it was over.
-        ending: how it ended, as a sentence.
-        failed: whether it could not be run.
-        sim_seconds: how long it took.
+        action: Name of the action.
+        rewarded: True if the action was rewarded by Eq 4.4.
+        features: Components of the features that were defined at its activation, in SI, by name.
+        opened: Actions that became possible, such as the inspection of a mark that was seen.
+        ahead: Features of each known action that were defined when this action ended.
+        ending: Description of the end, as a sentence.
+        failed: True if the action could not be run.
+        sim_seconds: Simulated duration, s.
     """
 
     action: str

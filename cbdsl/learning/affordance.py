@@ -1,4 +1,4 @@
-"""Affordance: an action of an exploration, and what is known of it (Section 6.1)."""
+"""Affordance: an action of an exploration with its learned model (Section 6.1)."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ Floats = NDArray[np.float64]
 class Affordance:
     """An action of an exploration, and its model.
 
-    Which features its model is over is decided by the first reward: those that were defined then.
+    The first reward selects the features of the model: those defined at that time.
 
     Attributes:
-        forms: the features that it may have.
-        features: those that its model has, by name; empty before the first reward.
-        model: of them; ``None`` before.
-        tried, successes: counts.
-        change: of the variance when it was last rewarded; ``None`` before.
-        failed: whether it can no longer be run.
-        ahead: its features as they were seen last, before it is taken again.
+        forms: Forms of the possible features.
+        features: Names of the model's features; empty before the first reward.
+        model: Model of these features; ``None`` before the first reward.
+        tried, successes: Numbers of trials and of rewarded trials.
+        change: Change of the variance at the last reward; ``None`` before the first one.
+        failed: True if the action can no longer be run.
+        ahead: Most recently observed features, before the action is taken again.
     """
 
     forms: tuple[FeatureForm, ...]
@@ -42,7 +42,7 @@ class Affordance:
     _before: list[ActionOutcome] = field(default_factory=list)
 
     def note(self, outcome: ActionOutcome, constants: ExplorationConstants) -> float:
-        """Take in an outcome; returns how much it changed the variance of the model."""
+        """Learn from an outcome and return the change of the model's variance."""
         self.tried += 1
         self.successes += outcome.rewarded
         self.failed |= outcome.failed
@@ -75,19 +75,19 @@ class Affordance:
         self.model = model
 
     def distance(self) -> float:
-        """Mahalanobis distance of what is seen ahead from the features with reward; 0 unknown."""
+        """Return the Mahalanobis distance from the features ahead to the rewarded ones, or 0."""
         seen = self.vector(self.ahead) if self.model is not None and self.ahead else None
         return 0.0 if seen is None or self.model is None else self.model.distance(seen)
 
     def reward_probability(self) -> float:
-        """Pr(reward | f, a) by what is seen ahead; Pr(reward | a) where that tells nothing."""
+        """Return Pr(reward | f, a) by the features ahead, or Pr(reward | a) without them."""
         if self.model is None:
             return (self.successes + 1) / (self.tried + 2)
         seen = self.vector(self.ahead)
         return self.model.reward_probability if seen is None else self.model.reward_given(seen)
 
     def vector(self, features: Mapping[str, tuple[float, ...]]) -> Floats | None:
-        """Components of the model's features, ``None`` where one is undefined."""
+        """Return the components of the model's features, or ``None`` if one is undefined."""
         if not all(name in features for name in self.features):
             return None
         return np.array([value for name in self.features for value in features[name]])

@@ -1,4 +1,4 @@
-"""Allocation tree: which resources to try first in which context, from what was tried (Eq 5.4)."""
+"""Allocation tree: the resources to try first in each context, learned from trials (Eq 5.4)."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.schema import Ranking
 from cbdsl.types.decision_tree import Leaf, Split, Tree
 
-# Evidence that a question needs, nats. One that is asked in vain costs little: its leaves choose
-# the same, and become one again; one that is not asked costs all contexts on one side of it.
+# Evidence that a question needs, nats. A superfluous question costs little: its leaves choose the
+# same allocation and are merged. A missing question costs all contexts on one side of it.
 _NEEDED = -1.0
 
 
 class TriedContext(NamedTuple):
-    """A context, and the allocations that were tried in it.
+    """Context with the allocations that were tried in it.
 
     Attributes:
-        features: by name.
-        outcomes: whether each that was tried was rewarded, in their order.
-        counts: whether what was tried tells something although none was rewarded.
+        features: Features by name.
+        outcomes: Whether each tried allocation was rewarded, in the order of the trials.
+        counts: True if the trials are informative although none was rewarded.
     """
 
     features: Mapping[str, float]
@@ -32,42 +32,42 @@ class TriedContext(NamedTuple):
     counts: bool = False
 
     def first_alone(self) -> TriedContext:
-        """The same with the first that was tried, as far as it could have done: later ones find
-        things where it has left them.
-        """
+        """Return the context with its first trial alone.
+        Later trials find objects where the first one has left them."""
         return TriedContext(self.features, dict([*self.outcomes.items()][:1]), counts=True)
 
     @property
     def rewarded(self) -> bool:
-        """Whether any was."""
+        """Whether any allocation was rewarded."""
         return any(self.outcomes.values())
 
 
 class Tally(NamedTuple):
-    """How often each allocation was rewarded in similar contexts, and how often not.
+    """Numbers of rewarded and unrewarded trials of each allocation in similar contexts.
 
     Attributes:
-        successes, failures: in the order of their names.
+        successes, failures: Numbers in the order of the allocations' names.
     """
 
     successes: tuple[float, ...]
     failures: tuple[float, ...]
 
     def and_(self, other: Tally) -> Tally:
-        """Both together."""
+        """Return the sum of both tallies."""
         successes = map(add, self.successes, other.successes)
         failures = map(add, self.failures, other.failures)
         return Tally(tuple(successes), tuple(failures))
 
     def ranking(self, names: Sequence[str]) -> Ranking:
-        """Those that were rewarded, the most promising one first (Laplace's rule)."""
+        """Return the allocations that were rewarded, the most promising first (Laplace's rule)."""
         some = [i for i, number in enumerate(self.successes) if number]
         return tuple(names[i] for i in sorted(some, key=lambda i: -self._chance(i)))
 
     def drawn(self, names: Sequence[str], rng: np.random.Generator) -> Ranking:
-        """All of them, by chances that are drawn from what is known of each.
+        """Return all allocations, ordered by chances that are drawn from their posteriors.
 
-        Each comes first as often as it is likely to be the best (Thompson, On the likelihood that
+        Each allocation comes first as often as it is likely to be the best (Thompson, On the
+        likelihood that
         one unknown probability exceeds another, 1933).
         """
         chances = rng.beta(np.add(self.successes, 1.0), np.add(self.failures, 1.0))
@@ -83,17 +83,16 @@ def grow_tallies(
     least: int,
     resolutions: Mapping[str, float] = MappingProxyType({}),
 ) -> Tree[Tally]:
-    """The tree that has similar contexts together, with what was tried in them.
+    """Return the tree that groups similar contexts, with the tally of each group.
 
-    Where the first allocation that was tried is rewarded, nobody knows of the others: they count
-    neither as rewarded nor as failed. Where none was, none can be preferred, unless the context
-    counts all the same.
+    If the first allocation that was tried is rewarded, the others are unknown: they count neither
+        as rewarded nor as failed. A context without reward is ignored unless ``counts`` is set.
 
     Args:
-        contexts: in which something was tried.
-        names: of all allocations.
-        least: fewest contexts of a leaf.
-        resolutions: by feature, differences that are none.
+        contexts: Contexts with trials.
+        names: Names of all allocations.
+        least: Fewest contexts of a leaf.
+        resolutions: Differences that are insignificant, by feature.
     """
     kept = [each for each in contexts if each.rewarded or each.counts]
     if not kept:
@@ -113,7 +112,7 @@ def grow_tallies(
 
 
 def rankings(tree: Tree[Tally], names: Sequence[str]) -> Tree[Ranking]:
-    """The same tree with the allocations to try, without what only tells which to try second."""
+    """Return the tree of ranked allocations, without questions that only affect later ranks."""
     together = _joined(tree, names)
     if isinstance(together, Leaf):
         return Leaf(together.answer.ranking(names))
@@ -122,7 +121,7 @@ def rankings(tree: Tree[Tally], names: Sequence[str]) -> Tree[Ranking]:
 
 
 def _joined(tree: Tree[Tally], names: Sequence[str]) -> Tree[Tally]:
-    """Leaves of one question with the same first allocation as one."""
+    """Merge the leaves of a question that have the same first allocation."""
     if isinstance(tree, Leaf):
         return tree
     above, below = _joined(tree.above, names), _joined(tree.below, names)

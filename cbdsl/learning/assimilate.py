@@ -1,4 +1,4 @@
-"""ASSIMILATE: which resources an action needs in which context (Algorithm 2)."""
+"""ASSIMILATE: the resources that an action needs in each context (Algorithm 2)."""
 
 from __future__ import annotations
 
@@ -31,11 +31,12 @@ from cbdsl.program.transition import Transition
 from cbdsl.types.decision_tree import Leaf, Tree, decide
 from cbdsl.types.policy import Policy
 
-# Of positions, velocities and volumes that are seen, by unit: what is finer than that is noise, of
-# which a tree would make questions.
+# Resolution of perceived positions, velocities and volumes, by unit. Finer differences are noise,
+# from which a tree would derive questions.
 _RESOLUTION = {"m": 0.01, "m/s": 0.02, "m^3": 0.001}
-# What is said to be hopeless is never tried again, so that a false alarm is not put right, as a
-# vain attempt is: of a gap in which nothing was seen, this share counts as worth an attempt.
+# A context that is predicted to be unrewarded is never tried again, so that a false alarm is not
+# corrected. An unrewarded attempt is. This share of a gap without samples counts as worth an
+# attempt.
 _TRUST = 0.7
 
 
@@ -60,9 +61,9 @@ class Assimilate:
     """Decision trees of which allocation leads to reward, and of where any does.
 
     Args:
-        actions: what can be chosen.
-        constants: of the algorithm.
-        programs: the actions that are programs.
+        actions: Names of the actions.
+        constants: Constants of the algorithm.
+        programs: Actions that are programs, by the place of their predicates in a state.
     """
 
     Constants = AssimilateConstants
@@ -78,15 +79,15 @@ class Assimilate:
         self._contexts: list[TriedContext] = []
 
     def adopt(self, program: CheckedProgram) -> None:
-        """Take up the schema whose allocations are learned."""
+        """Set the schema whose allocations are learned."""
         assert program.schema is not None
         self._program = program
 
     def see(self, transition: Transition) -> None:
-        """Wait for the end of the episode: until then an attempt may still be rewarded."""
+        """Ignore the transition, because an attempt may be rewarded until the episode ends."""
 
     def remember(self, experience: Experience) -> None:
-        """Take in the attempts of a finished episode (lines 18 and 25)."""
+        """Learn from the attempts of a finished episode (lines 18 and 25)."""
         schema = self._program.schema if self._program is not None else None
         if schema is None:
             return
@@ -101,21 +102,21 @@ class Assimilate:
 
     @property
     def contexts(self) -> tuple[TriedContext, ...]:
-        """Contexts in which something was tried, by episode."""
+        """Contexts with trials, by episode."""
         return tuple(self._contexts)
 
     def recall(self, contexts: Iterable[TriedContext]) -> None:
-        """Take in what was tried before, instead of running it again."""
+        """Add contexts of earlier trials, instead of running them again."""
         self._contexts.extend(contexts)
 
     def policy(self, rng: np.random.Generator) -> Policy:
-        """Declarative policy with epsilon-greedy allocations, by what is known then."""
+        """Return the declarative policy with exploring allocations, from present knowledge."""
         if self._program is None or self._program.schema is None:
             return _Always(self._first)
         return SchemaPolicy(self._program, self.ranking(rng), gives_up=False)
 
     def ranking(self, rng: np.random.Generator) -> Rank:
-        """Choice of allocations that explores, by what is known now (Eq 5.4)."""
+        """Return an exploring choice of allocations, from the present knowledge (Eq 5.4)."""
         tallies, names, constants = self._tallies(), self._names, self._constants
 
         def rank(features: Features) -> Ranking:
@@ -137,7 +138,7 @@ class Assimilate:
 
     @property
     def _resolutions(self) -> Mapping[str, float]:
-        """Differences of features that are none, by component."""
+        """Insignificant differences of features, by component."""
         assert self._program is not None and self._program.schema is not None
         schema = self._program.schema
         units = {name: _unit(name, schema) for name in schema.components}
@@ -151,14 +152,14 @@ class Assimilate:
         return grow_tallies(contexts, self._names, least, self._resolutions)
 
     def choice(self) -> Tree[Ranking]:
-        """The tree of allocations that were rewarded (Eq 5.4)."""
+        """Return the tree of allocations that were rewarded (Eq 5.4)."""
         return rankings(self._tallies(), self._names)
 
     def reward(self) -> Tree[float]:
-        """The tree of Pr(reward | pi, f), by Laplace's rule of succession.
+        """Return the tree of Pr(reward | pi, f), by Laplace's rule of succession.
 
-        The policy includes its choice of allocations: an episode without reward in which that was
-        not tried, as it may be while exploring, does not tell that there is none.
+        The policy includes its choice of allocations. An unrewarded episode in which the preferred
+        allocation was not tried, as happens during exploration, is no evidence against reward.
         """
         choice = self.choice()
         contexts = [each for each in self._contexts if each.rewarded or self._tried(each, choice)]
@@ -173,28 +174,28 @@ class Assimilate:
         return grow(samples, outcomes, likely, least, self._resolutions, _TRUST)
 
     def _tried(self, context: TriedContext, choice: Tree[Ranking]) -> bool:
-        """Whether what is chosen first in a context could show there whether it works."""
+        """Return whether the allocation that is chosen first in a context was tried in it."""
         made = context.first_alone() if self._constants.blames_first else context
         first = (decide(choice, context.features) or ())[:1]
         return made.outcomes.keys() >= {*first}
 
     def greedy(self) -> dict[str, str]:
-        """The declarative policy, which stays as it is."""
+        """Return the declarative policy, which is not learned."""
         return dict(self._program.policy) if self._program else {}
 
     def densities(self) -> dict[str, Kernel | Gaussian]:
-        """No internal models."""
+        """Return no densities, because internal models are not learned."""
         return {}
 
     def documents(self, summary: TrialSummary) -> list[Document]:
-        """The schema."""
+        """Return the learned schema with its learning curve and provenance."""
         learned = {"curve": curve_of(summary.experiences), "provenance": summary.provenance}
         description = "Learned by ASSIMILATE; provenance says from what, and how to learn it again."
         schema = self.document(summary.name, summary.program)
         return [schema.model_copy(update={"description": description, **learned})]
 
     def document(self, name: str, program: CheckedProgram) -> SchemaDocument:
-        """A schema of all that is known by now, without a word of how it was learned."""
+        """Return a schema of the present knowledge, without curve and provenance."""
         assert self._program is not None and self._program.schema is not None
         schema, parameters = self._program.schema, program.parameters
         units = {name: _unit(name, schema) for name in schema.components}
@@ -216,22 +217,22 @@ class Assimilate:
 
 
 class _Always:
-    """The policy of a learner that has no schema to allocate.
+    """Constant policy of a learner without a schema.
 
     Args:
-        action: what it chooses.
+        action: Action that is always chosen.
     """
 
     def __init__(self, action: str) -> None:
         self._action = action
 
     def choose(self, state: str, *, changed: bool) -> str:
-        """See ``Policy.choose``."""
+        """Return the constant action (see ``Policy.choose``)."""
         return self._action
 
 
 def _distinct(features: Features, schema: Schema) -> Features:
-    """Features to what can be told apart."""
+    """Round the features to their resolution."""
     return {
         name: round(value / _RESOLUTION[unit]) * _RESOLUTION[unit]
         if (unit := _unit(name, schema)) in _RESOLUTION
@@ -245,13 +246,13 @@ def _unit(component: str, schema: Schema) -> str:
 
 
 def _text(name: str, parameters: Mapping[str, str]) -> str:
-    """A resource's name with the values of parameters replaced by the parameters."""
+    """Replace values of parameters in a resource's name by references to the parameters."""
     by_value = {value: f"${key}" for key, value in parameters.items()}
     return ".".join(by_value.get(part, part) for part in name.split("."))
 
 
 def _use(look: PriorLook, parameters: Mapping[str, str]) -> Use:
-    """The program that looks for a feature, as documents have it."""
+    """Return the document section of the program that searches for a feature."""
     values = {key: _text(value, parameters) for key, value in look.values.items()}
     written = {"program": look.name, "policy": look.policy, "with": values}
     return Use.model_validate({key: value for key, value in written.items() if value})
@@ -281,13 +282,13 @@ def _written(
     question: type[ChoiceQuestion | RewardQuestion],
     answer: Callable[[Any], Any],
 ) -> Any:
-    """A tree as documents have it.
+    """Return a tree in the form of documents.
 
     Args:
-        tree: what was grown.
-        units: of its features.
-        question: the section that holds a question.
-        answer: writes the answer of a leaf.
+        tree: Grown tree.
+        units: Units by component of the features.
+        question: Section type of a question.
+        answer: Function that converts the answer of a leaf.
     """
     if isinstance(tree, Leaf):
         return answer(tree.answer)

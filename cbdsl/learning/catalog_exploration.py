@@ -43,13 +43,13 @@ class CatalogExploration(Exploration):
         return max(settings.temperature * settings.decay ** len(self.steps), settings.coldest)
 
     def choose(self, rng: np.random.Generator) -> str:
-        """See ``Exploration.choose``."""
+        """Return the next action (see ``Exploration.choose``)."""
         names = self.actions
         values = np.array([self.values.get(name, 0.0) for name in names])
         weights = np.exp((values - values.max()) / self.temperature)
         return names[int(rng.choice(len(names), p=weights / weights.sum()))]
 
     def learn(self, step: ExplorationStep) -> None:
-        """See ``Exploration.learn``."""
+        """Update the action's value (see ``Exploration.learn``)."""
         value = self.values.get(step.action, 0.0)
         self.values[step.action] = value + self._settings.alpha * (step.reward - value)

@@ -1,4 +1,4 @@
-"""Concurrent learner: abstract actions and their resources at once (Section 5.3.1.1)."""
+"""Concurrent learner: abstract actions and their resources simultaneously (Section 5.3.1.1)."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
 
 class Concurrent:
-    """Q-learning over abstract actions, and ASSIMILATE over what they are allocated with.
+    """Q-learning over abstract actions, and ASSIMILATE over their allocations.
 
     Args:
-        schema: the program with all its allocations.
-        constants: of the choice of abstract actions.
-        allocating: of the choice of allocations.
+        schema: Program with all its allocations.
+        constants: Constants of the choice of abstract actions.
+        allocating: Constants of the choice of allocations.
 
     Attributes:
-        accommodate, assimilate: the two parts.
+        accommodate, assimilate: Learners of the actions and of the allocations.
     """
 
     is_constrained = False
@@ -51,7 +51,7 @@ class Concurrent:
         self.assimilate = Assimilate(names, allocating)
 
     def begin(self) -> None:
-        """Tell progress from failure by what the states are worth now."""
+        """Update the state values that distinguish progress from failure."""
         assert self._schema.schema is not None
         greedy, counts = self.accommodate.greedy(), dict(self.accommodate.counts.items())
         worth = state_values(greedy, counts) if greedy else {}
@@ -60,7 +60,7 @@ class Concurrent:
         self.assimilate.adopt(self._known)
 
     def plan(self, rng: np.random.Generator) -> EpisodePlan:
-        """See ``HandednessLearner.plan``."""
+        """Return the program and policy of the episode (see ``HandednessLearner.plan``)."""
         policy = SchemaPolicy(
             self._known,
             self.assimilate.ranking(rng),
@@ -71,11 +71,11 @@ class Concurrent:
         return EpisodePlan(self._known, policy)
 
     def see(self, transition: Transition) -> None:
-        """Take in the abstract action of a transition."""
+        """Learn from the abstract action of a transition."""
         action = self._abstract.get(transition.action, transition.action)
         self.accommodate.see(replace(transition, action=action))
 
     def remember(self, experience: Experience) -> None:
-        """See ``HandednessLearner.remember``."""
+        """Learn from a finished episode (see ``HandednessLearner.remember``)."""
         self.accommodate.remember(experience)
         self.assimilate.remember(experience)

@@ -1,25 +1,25 @@
-"""Context letters: what is seen of a thing, as predicates of a state (Section 5.3.1.1)."""
+"""Context letters: perceived features of an object, as predicates of a state (Section 5.3.1.1)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 
-#: How many letters a state has for the context.
+#: Number of letters of the context in a state.
 LETTERS = 3
 
-# What counts as large, m^3, is halfway in size between the largest small thing and the smallest
-# large one of the stage; half of the speed of what moves counts as moving, m/s.
+# The volume that counts as large, m^3, is halfway between the largest small object and the smallest
+# large object of the stage. The speed that counts as moving, m/s, is half of a moving object's.
 _LARGE, _MOVING = 0.012, 0.025
 _UNKNOWN = "?"
 
 
 def context_letters(features: Mapping[str, float]) -> str:
-    """Where a thing goes, on which side it is and how large: ``l``, ``r``, ``s`` and ``L``.
+    """Return letters for an object's motion, side and size: ``l``, ``r``, ``s`` and ``L``.
 
     Args:
-        features: ``place.y``, ``velocity.y`` and ``volume``, in SI; NaN or left out where they are
-            undefined, of which the letter is a question mark.
+        features: ``place.y``, ``velocity.y`` and ``volume``, in SI; a feature that is NaN or
+            missing gives a question mark.
     """
     speed, side, size = (
         features.get(name, math.nan) for name in ("velocity.y", "place.y", "volume")

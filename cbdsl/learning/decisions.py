@@ -1,4 +1,4 @@
-"""Decisions: transitions between choices, where programs are among the actions (Section 4.3)."""
+"""Decisions: transitions between choices if programs are among the actions (Section 4.3)."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ from cbdsl.types.state import Predicate
 class Decisions:
     """Filter that turns the transitions of a program into decisions.
 
-    A program among the actions is one temporally extended action: it is not left before it ends,
-    and the states that it passes meanwhile are no decisions.
+    A program among the actions is one temporally extended action. It cannot be left before it ends,
+    and its intermediate states are no decisions.
 
     Args:
-        programs: the actions that are programs, by the place of their predicates in a state.
+        programs: Actions that are programs, by the place of their predicates in a state.
     """
 
     def __init__(self, programs: Mapping[int, str]) -> None:
         self._programs = programs
-        # Where the action began that runs, or the last one that ran.
+        # State in which the current or last action began.
         self._origin = ""
 
     def running(self, state: str) -> str | None:
-        """Program that runs in a state, ``None`` where an action can be chosen."""
+        """Return the program that runs in a state, or ``None`` if an action can be chosen."""
         return next(
             (name for place, name in self._programs.items() if state[place] == Predicate.TRANSIENT),
             None,
         )
 
     def over(self, transition: Transition) -> Transition | None:
-        """Decision that a transition completes, from the state in which it was made.
+        """Return the decision that a transition completes, from the state in which it was made.
 
-        ``None`` while a program runs.
+        Return ``None`` while a program runs.
         """
         if self.running(transition.state) is None:
             self._origin = transition.state

@@ -1,4 +1,4 @@
-"""Decisive learner: ACCOMMODATE for which an action that changes nothing leads nowhere."""
+"""Decisive learner: ACCOMMODATE in which an action without effect ends the decision sequence."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from cbdsl.program.transition import Transition
 
 
 class Decisive(Accommodate):
-    """Q-learning in which what follows an action without a change of state is worth nothing.
+    """Q-learning in which the state after an action without change of state has no value.
 
-    The loop of Algorithm 1 waits for a change of state, and never ends without one. Where it does,
-    after a time, the state is worth what it was; if that counted, an action that fails would keep
-    nearly all of its value, and be repeated until the transitions are used up.
+    The loop of Algorithm 1 waits for a change of state, without a time limit. With a time limit,
+    the state after a failed action has its former value. If that value counted, a failing action
+    would keep most of its own value. It would be repeated until the transitions are used up.
     """
 
     def ends(self, decision: Transition) -> bool:
-        """See ``Accommodate.ends``."""
+        """Return whether the state after a decision has no value (see ``Accommodate.ends``)."""
         return super().ends(decision) or decision.state == decision.next_state

@@ -10,13 +10,13 @@ import numpy as np
 def choose(
     best: Sequence[str], actions: Sequence[str], epsilon: float, rng: np.random.Generator
 ) -> str:
-    """One of the best actions, or with probability ``epsilon`` any action; evenly in both cases.
+    """Return a uniform choice among the best actions, or with probability ``epsilon`` among all.
 
     Args:
-        best: the actions of the largest value.
-        actions: all actions, the best ones among them.
-        epsilon: in [0, 1].
-        rng: the only source of chance.
+        best: Actions of the largest value.
+        actions: All actions, including the best ones.
+        epsilon: Probability of exploration, in [0, 1].
+        rng: Random generator.
     """
     among = actions if rng.random() < epsilon else best
     return among[int(rng.integers(len(among)))]

@@ -10,16 +10,16 @@ from cbdsl.program.transition import Transition
 
 @dataclass(frozen=True)
 class Experience:
-    """Finished episode, as learners see it.
+    """Finished episode in the form that learners use.
 
     Attributes:
-        context: of its stage.
-        seed: of the episode.
-        transitions: of the program that is learned, in their order.
-        rewarded: by effector, the configuration in which it was when a controller that moves it
-            earned the reward, rad.
-        ticks: control ticks.
-        sim_seconds: simulated time.
+        context: Name of the stage's context.
+        seed: Random seed of the episode.
+        transitions: Transitions of the learned program, in order.
+        rewarded: Configuration of each effector when a controller that moves it earned the reward,
+            rad.
+        ticks: Number of control ticks.
+        sim_seconds: Simulated time, s.
     """
 
     context: str

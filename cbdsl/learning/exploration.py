@@ -1,4 +1,4 @@
-"""Exploration of affordances: which action to take next, and what is known of each (Chapter 6)."""
+"""Exploration of affordances: choice of actions and models of their outcomes (Chapter 6)."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class ExplorationStep(NamedTuple):
     """Evaluation of an outcome by an exploration.
 
     Attributes:
-        action: that was taken.
-        rewarded: whether it was rewarded.
-        change: of its model's variance, in units of the prior's.
-        reward: by Eq 6.2, the change relative to the largest until then, minus the cost.
+        action: Action that was taken.
+        rewarded: True if the action was rewarded.
+        change: Change of the model's variance, in units of the prior's.
+        reward: Reward by Eq 6.2: the change relative to the largest so far, minus the cost.
     """
 
     action: str
@@ -30,18 +30,18 @@ class ExplorationStep(NamedTuple):
 
 
 class Exploration(ABC):
-    """Chooses actions by what they are expected to tell, and models what they afford.
+    """Choice of actions by their expected information, and models of their affordances.
 
-    All it knows follows from the outcomes that it noted, in their order.
+    All knowledge follows from the noted outcomes, in their order.
 
     Args:
-        actions: forms of their features, by name; ``noop`` is added.
-        constants: of the algorithm.
+        actions: Forms of the actions' features, by name; ``noop`` is added.
+        constants: Constants of the algorithm.
 
     Attributes:
-        affordances: what is known of each action but noop, by name.
-        steps: what was done so far.
-        constants: of the algorithm.
+        affordances: Affordance of each action except noop, by name.
+        steps: Steps so far.
+        constants: Constants of the algorithm.
     """
 
     Constants: type[ExplorationConstants] = ExplorationConstants
@@ -63,19 +63,19 @@ class Exploration(ABC):
 
     @abstractmethod
     def choose(self, rng: np.random.Generator) -> str:
-        """The next action."""
+        """Return the next action."""
 
     @abstractmethod
     def learn(self, step: ExplorationStep) -> None:
-        """Take in the reward of a step, whose models are up to date."""
+        """Learn from the reward of a step after the models were updated."""
 
     def add(self, actions: Mapping[str, Sequence[FeatureForm]]) -> None:
-        """Add actions that were not known, such as those that another made possible."""
+        """Add unknown actions, such as actions that another one made possible."""
         for name, forms in actions.items():
             self.affordances.setdefault(name, Affordance(tuple(forms)))
 
     def note(self, outcome: ActionOutcome) -> ExplorationStep:
-        """Take in what became of an action (Algorithm 3, lines 10 to 21)."""
+        """Learn from the outcome of an action (Algorithm 3, lines 10 to 21)."""
         if outcome.action == NOOP:
             step = ExplorationStep(NOOP, False, 0.0, 0.0)
         else:
@@ -93,12 +93,12 @@ class Exploration(ABC):
         return step
 
     def change_of(self, name: str) -> float | None:
-        """The last change of a model's variance relative to the largest so far, or ``None``."""
+        """Return a model's last variance change relative to the largest so far, or ``None``."""
         change = self.affordances[name].change
         return None if change is None or not self._largest else change / self._largest
 
     def is_habituated(self, name: str) -> bool:
-        """Whether an action was tried often enough, and its model changes no more."""
+        """Return whether an action was tried often enough and its model hardly changes any more."""
         affordance = self.affordances[name]
         change = self.change_of(name)
         calm = change is None or change < self.constants.habituated

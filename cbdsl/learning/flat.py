@@ -1,4 +1,4 @@
-"""Flat learner: every allocation an action, the context in the state (Section 5.3.1.1)."""
+"""Flat learner: each allocation an action, the context in the state (Section 5.3.1.1)."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class Flat:
     """Q-learning over all allocated actions, in states that end with letters of the context.
 
     Args:
-        program: with its allocations side by side.
-        constants: of the algorithm.
+        program: Program with its allocations side by side.
+        constants: Constants of the algorithm.
     """
 
     is_constrained = False
@@ -41,21 +41,21 @@ class Flat:
         self._before: Transition | None = None
 
     def begin(self) -> None:
-        """See ``HandednessLearner.begin``."""
+        """Begin an episode (see ``HandednessLearner.begin``)."""
         self._before = None
 
     def plan(self, rng: np.random.Generator) -> EpisodePlan:
-        """See ``HandednessLearner.plan``."""
+        """Return the program and policy of the episode (see ``HandednessLearner.plan``)."""
         return EpisodePlan(self._program, FlatPolicy(self.accommodate.policy(rng)))
 
     def see(self, transition: Transition) -> None:
-        """Take in the transition before, of which only now the context is known that it led to."""
+        """Learn from the preceding transition, now that the context after it is known."""
         letters = context_letters(transition.features)
         self._flush(letters)
         self._before = replace(transition, state=transition.state + letters)
 
     def remember(self, experience: Experience) -> None:
-        """Take in the last transition, after which nothing was looked at."""
+        """Learn from the last transition, after which nothing was observed."""
         if self._before is not None:
             self._flush(context_letters(experience.transitions[-1].features))
         self.accommodate.remember(experience)
@@ -68,13 +68,13 @@ class Flat:
 
 
 class FlatPolicy:
-    """A policy of states with letters of the context.
+    """Policy over states with context letters.
 
     Args:
-        policy: chooses by them.
+        policy: Policy that chooses by the extended states.
 
     Attributes:
-        reason, withdraws: see ``ContextPolicy``.
+        reason, withdraws: Attributes of ``ContextPolicy``.
     """
 
     reason, withdraws = "", False
@@ -84,9 +84,9 @@ class FlatPolicy:
         self.begin(dict)
 
     def begin(self, read: Callable[[], Mapping[str, float]]) -> None:
-        """See ``ContextPolicy.begin``."""
+        """Set the reader of the context (see ``ContextPolicy.begin``)."""
         self._read = read
 
     def choose(self, state: str, *, changed: bool) -> str | None:
-        """See ``ContextPolicy.choose``."""
+        """Return the next action (see ``ContextPolicy.choose``)."""
         return self._policy.choose(state + context_letters(self._read()), changed=changed)

@@ -1,4 +1,4 @@
-"""Learners of handedness: which action, with which arm (Section 5.3.1.1)."""
+"""Learners of handedness: the action and the arm to use (Section 5.3.1.1)."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 class EpisodePlan(NamedTuple):
-    """A program with the policy that chooses its actions."""
+    """Program with the policy that chooses its actions."""
 
     program: CheckedProgram
     policy: Policy
 
 
 class HandednessLearner(Protocol):
-    """Learner that chooses actions and their resources; equal experience, equal knowledge."""
+    """Learner of actions and their resources; the same experience gives the same knowledge."""
 
     @property
     def is_constrained(self) -> bool:
@@ -29,24 +29,24 @@ class HandednessLearner(Protocol):
         ...
 
     def begin(self) -> None:
-        """Begin an episode with what is known now."""
+        """Begin an episode with the present knowledge."""
         ...
 
     def plan(self, rng: np.random.Generator) -> EpisodePlan:
-        """Program and policy of the episode that was begun; it may explore."""
+        """Return the program and the possibly exploring policy of the current episode."""
         ...
 
     def see(self, transition: Transition) -> None:
-        """Take in one transition, before the next action is chosen."""
+        """Learn from one transition, before the next action is chosen."""
         ...
 
     def remember(self, experience: Experience) -> None:
-        """Take in a finished episode, besides its transitions."""
+        """Learn from a finished episode, in addition to its transitions."""
         ...
 
 
 def replay(learner: HandednessLearner, experience: Experience) -> None:
-    """Have a learner take in an episode that was finished before."""
+    """Let a learner learn from an earlier episode."""
     learner.begin()
     for transition in experience.transitions:
         learner.see(transition)

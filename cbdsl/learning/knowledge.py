@@ -1,4 +1,4 @@
-"""Knowledge of a trial as documents: a policy, and internal models beside it."""
+"""Knowledge of a trial as documents: a policy and its internal models."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cbdsl.learning.learner import TrialSummary
 def model_documents(
     summary: TrialSummary, densities: Mapping[str, Kernel | Gaussian]
 ) -> list[ModelDocument]:
-    """Internal models Pr(tau | sigma, reward), named ``<policy>_<effector>``."""
+    """Return the internal models Pr(tau | sigma, reward), named ``<policy>_<effector>``."""
     program = summary.program
     return [
         ModelDocument(
@@ -33,12 +33,12 @@ def model_documents(
 def policy_document(
     summary: TrialSummary, policy: Mapping[str, str], **learned: Any
 ) -> PolicyDocument:
-    """Policy with its learning curve and provenance.
+    """Return the policy with its learning curve and provenance.
 
     Args:
-        summary: the trial.
-        policy: action by state or pattern.
-        learned: further keys of the document, such as ``values``.
+        summary: Finished trial.
+        policy: Actions by state or pattern.
+        learned: Further keys of the document, such as ``values``.
     """
     program = summary.program
     learner = summary.provenance.algorithm.upper()
@@ -58,7 +58,7 @@ def policy_document(
 
 
 def curve_of(experiences: Sequence[Experience]) -> Curve:
-    """The learning curve of some episodes."""
+    """Return the learning curve of a sequence of episodes."""
     return Curve(
         context=tuple(each.context for each in experiences),
         reward=tuple(each.reward for each in experiences),

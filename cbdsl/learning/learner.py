@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 
 class TrialSummary(NamedTuple):
-    """Finished trial, as the documents of its knowledge need it.
+    """Finished trial with the data that its documents need.
 
     Attributes:
-        name: of the policy; other documents have names that begin with it.
-        program: what was learned.
-        models: by internal model of the program that starts uniform, the effector that it is of.
-        experiences: all episodes.
-        provenance: what the outcome depends on.
+        name: Name of the policy, and prefix of the other documents' names.
+        program: Learned program.
+        models: Effector of each internal model of the program that starts uniform.
+        experiences: All episodes.
+        provenance: Inputs that determine the outcome.
     """
 
     name: str
@@ -37,48 +37,48 @@ class TrialSummary(NamedTuple):
 
 
 class Learner(Protocol):
-    """Learning algorithm with its knowledge; equal experience leaves equal knowledge.
+    """Learning algorithm with its knowledge; the same experience gives the same knowledge.
 
-    All chance comes from the generators that it is given.
+    All randomness comes from the given generators.
     """
 
     def see(self, transition: Transition) -> None:
-        """Take in one transition, before the next action is chosen."""
+        """Learn from one transition, before the next action is chosen."""
         ...
 
     def remember(self, experience: Experience) -> None:
-        """Take in a finished episode, besides its transitions."""
+        """Learn from a finished episode, in addition to its transitions."""
         ...
 
     def policy(self, rng: np.random.Generator) -> Policy:
-        """Policy of the next episode, which may explore."""
+        """Return the policy of the next episode, which may explore."""
         ...
 
     def greedy(self) -> dict[str, str]:
-        """Best known action, by state or pattern of states."""
+        """Return the best known action, by state or pattern of states."""
         ...
 
     def densities(self) -> dict[str, Kernel | Gaussian]:
-        """Internal models by effector, from which the program's controllers draw references."""
+        """Return internal models by effector, from which controllers draw references."""
         ...
 
     def documents(self, summary: TrialSummary) -> list[Document]:
-        """Knowledge, each document before those that name it; the policy is last."""
+        """Return the knowledge, each document before its dependants; the policy is last."""
         ...
 
 
 def replay(learner: Learner, experience: Experience) -> None:
-    """Have a learner take in an episode that was finished before."""
+    """Let a learner learn from an earlier episode."""
     for transition in experience.transitions:
         learner.see(transition)
     learner.remember(experience)
 
 
 class LearnerClass(Protocol):
-    """Class of learners, registered under the name that ``cb learn --learner`` takes.
+    """Class of learners, registered under a name for ``cb learn --learner``.
 
     Attributes:
-        Constants: its constants: a section with defaults and a docstring for each.
+        Constants: Section of the constants, with a default and a docstring for each.
     """
 
     Constants: type[Section]
@@ -86,18 +86,18 @@ class LearnerClass(Protocol):
     def __call__(
         self, actions: Sequence[str], constants: Any, programs: Mapping[int, str]
     ) -> Learner:
-        """Learner that knows nothing yet.
+        """Return a learner without knowledge.
 
         Args:
-            actions: what can be chosen.
-            constants: an instance of ``Constants``.
-            programs: those actions that are programs, by the place of their predicate in a state.
+            actions: Names of the actions.
+            constants: Instance of ``Constants``.
+            programs: Actions that are programs, by the place of their predicates in a state.
         """
         ...
 
 
 def first_line(learner: LearnerClass) -> str:
-    """First line of a learner's docstring."""
+    """Return the first line of a learner's docstring."""
     return (learner.__doc__ or "").strip().partition("\n")[0]
 
 
@@ -105,7 +105,7 @@ _METHODS = ("see", "remember", "policy", "greedy", "densities", "documents")
 
 
 def _learner_class(_: str, offered: Any) -> LearnerClass:
-    """Class with all methods of ``Learner`` and constants that have defaults."""
+    """Return the class if it has all methods of ``Learner`` and constants with defaults."""
     lacking = [method for method in _METHODS if not callable(getattr(offered, method, None))]
     if lacking:
         raise PluginError(f"lacks the methods {', '.join(lacking)}")
@@ -121,10 +121,10 @@ def _learner_class(_: str, offered: Any) -> LearnerClass:
 
 @runtime_checkable
 class SchemaLearner(Protocol):
-    """Learner of how a schema allocates its actions."""
+    """Learner of a schema's allocations."""
 
     def adopt(self, program: CheckedProgram) -> None:
-        """Take up the schema before its first episode."""
+        """Set the schema before its first episode."""
         ...
 
 

@@ -43,7 +43,7 @@ class ModelExploration(Exploration):
 
     @property
     def state(self) -> str:
-        """One letter a model: X unknown, - undefined, 0 changing, 1 habituated (Eq 6.6)."""
+        """One letter per model: X unknown, - undefined, 0 changing, 1 habituated (Eq 6.6)."""
         return "".join(map(self._predicate, self.affordances))
 
     def _predicate(self, name: str) -> str:
@@ -59,11 +59,11 @@ class ModelExploration(Exploration):
 
     @property
     def values(self) -> dict[str, float]:
-        """Reward to expect of each action in the state now."""
+        """Expected reward of each action in the present state."""
         return self._row(self.state)
 
     def _row(self, state: str) -> dict[str, float]:
-        """Values in a state: of what was not tried in it, what a model promises."""
+        """Return values in a state; actions not tried in it have the value their model promises."""
         promises = {
             name: self._settings.promise if letter in "X0" else 0.0
             for name, letter in zip(self.affordances, state, strict=False)
@@ -71,7 +71,7 @@ class ModelExploration(Exploration):
         return {NOOP: 0.0, **promises, **self.table.get(state, {})}
 
     def choose(self, rng: np.random.Generator) -> str:
-        """See ``Exploration.choose``; of equal values each is as likely."""
+        """Return the next action; equal values are equally likely (see ``Exploration.choose``)."""
         names, self._last = self.actions, self.state
         if rng.random() < self._settings.epsilon:
             return names[int(rng.integers(len(names)))]
@@ -81,12 +81,12 @@ class ModelExploration(Exploration):
         return equal[int(rng.integers(len(equal)))]
 
     def note(self, outcome: ActionOutcome) -> ExplorationStep:
-        """See ``Exploration.note``."""
+        """Learn from the outcome of an action (see ``Exploration.note``)."""
         self._last = self.state
         return super().note(outcome)
 
     def learn(self, step: ExplorationStep) -> None:
-        """See ``Exploration.learn``."""
+        """Update the action's value (see ``Exploration.learn``)."""
         value = self._row(self._last)[step.action]
         ahead = self._row(self.state)
         best = max(ahead[name] for name in self.actions)

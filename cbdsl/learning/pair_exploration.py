@@ -1,4 +1,4 @@
-"""Exploration of pairs: which thing to bring to which one next (Section 7.3)."""
+"""Exploration of pairs: the next object to bring to another one (Section 7.3)."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from cbdsl.learning.catalog_exploration import CatalogExploration
 
 
 class PairExploration(CatalogExploration):
-    """EXPLORECATALOG over pairs, of which those come first that were hardly tried.
+    """EXPLORECATALOG over pairs, where the least-tried pairs come first.
 
-    A pair that never stood changes no model and has no value: without that, chance alone would
-    say whether it was ever tried.
+    A pair that never stood changes no model and has no value. Without this rule, only chance would
+    decide whether it is ever tried.
     """
 
     def choose(self, rng: np.random.Generator) -> str:
-        """See ``Exploration.choose``."""
+        """Return the next action (see ``Exploration.choose``)."""
         tried = {name: self.affordances[name].tried for name in self.actions if name != NOOP}
         least = min(tried.values(), default=self.constants.least)
         if least >= self.constants.least:

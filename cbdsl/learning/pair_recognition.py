@@ -1,4 +1,4 @@
-"""Recognition of pairs: which of those that are known two things look like (Section 7.3.1)."""
+"""Recognition of pairs: the known pair that two objects resemble most (Section 7.3.1)."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from cbdsl.numeric.affordance import AffordanceModel
 
 Floats = NDArray[np.float64]
 
-# Share of a Gaussian's samples that are nearer to its mean than what it is not taken for.
+# Share of a Gaussian's samples within the recognition distance.
 _BELIEVED = 0.999
 
 
 class Recognition(NamedTuple):
-    """Likeness of two things to a known pair.
+    """Similarity of two objects to a known pair.
 
     Attributes:
-        pair: name of the pair that they look most like; ``None`` where they look like none.
-        distance: Mahalanobis distance from that pair's features; infinite where there is no model.
+        pair: Name of the most similar pair; ``None`` if none is similar enough.
+        distance: Mahalanobis distance from that pair's features; infinite without a model.
     """
 
     pair: str | None
@@ -30,11 +30,11 @@ class Recognition(NamedTuple):
 
 
 def recognise(models: Mapping[str, AffordanceModel], features: Floats) -> Recognition:
-    """The pair that features belong to most likely, by the models of those that stayed.
+    """Return the most likely pair of the features, by the models of pairs that stayed.
 
     Args:
-        models: of pairs by name, over the same features.
-        features: of two things, shape (d,).
+        models: Models of pairs by name, over the same features.
+        features: Features of two objects, shape (d,).
     """
     known = {name: model for name, model in models.items() if model.rewarded.weight > 0}
     if not known:
@@ -45,7 +45,7 @@ def recognise(models: Mapping[str, AffordanceModel], features: Floats) -> Recogn
 
 
 def _bound(size: int) -> float:
-    """Distance within which that share of a Gaussian's samples is, by the chi-squared law."""
-    from scipy.special import gammaincinv  # which takes its time to import
+    """Return the distance that contains this share of a Gaussian, by the chi-squared law."""
+    from scipy.special import gammaincinv  # slow to import
 
     return math.sqrt(2.0 * float(gammaincinv(size / 2.0, _BELIEVED)))

@@ -13,15 +13,15 @@ from cbdsl.learning.constants import Form
 def learned_density(
     samples: Sequence[Sequence[float]], form: Form, bandwidth: float, prior: float
 ) -> Kernel | Gaussian:
-    """The density of rewarded configurations, mixed with the uniform one that it started as.
+    """Return the density of rewarded configurations, mixed with the initial uniform density.
 
-    What was never rewarded stays possible, and becomes the less likely, the more is known.
+    Configurations without reward stay possible, and become less likely with more samples.
 
     Args:
-        samples: the configurations, rad, at least one, each with one angle a joint.
-        form: a Gaussian kernel around each of them, or one Gaussian a joint.
-        bandwidth: standard deviation of the kernels, and the smallest one of a Gaussian, rad.
-        prior: as how many samples the uniform density counts.
+        samples: Configurations, rad, shape (n, joints), n >= 1.
+        form: ``kernel`` for a Gaussian around each configuration, ``gaussian`` for one per joint.
+        bandwidth: Standard deviation of the kernels, smallest one of a Gaussian, rad.
+        prior: Weight of the uniform density, in samples.
     """
     uniform = prior / (prior + len(samples))
     angles = np.array(samples, dtype=float)
@@ -35,5 +35,5 @@ def learned_density(
 
 
 def _rounded(angles: Sequence[float] | np.ndarray) -> tuple[float, ...]:
-    """To microradians, so that what is written and what was drawn from while learning agree."""
+    """Round to microradians, so that written and sampled densities agree."""
     return tuple(round(float(angle), 6) for angle in angles)

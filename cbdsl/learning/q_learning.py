@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 
 
 class QLearning:
-    """Action values, which start at zero.
+    """Action values with zero as initial value.
 
     Args:
-        actions: what can be chosen in every state.
-        gamma: discount of what follows, in [0, 1).
-        alpha: learning rate, in (0, 1].
+        actions: Actions of every state.
+        gamma: Discount factor, in [0, 1).
+        alpha: Learning rate, in (0, 1].
     """
 
     def __init__(self, actions: Sequence[str], gamma: float, alpha: float) -> None:
@@ -20,11 +20,11 @@ class QLearning:
         self._values: dict[str, dict[str, float]] = {}
 
     def value(self, state: str, action: str) -> float:
-        """Expected discounted reward of an action in a state, zero where it is unknown."""
+        """Return the expected discounted reward of an action in a state, zero if unknown."""
         return self._values.get(state, {}).get(action, 0.0)
 
     def best(self, state: str) -> tuple[str, ...]:
-        """The actions of the largest value, more than one where they are equal."""
+        """Return the actions of the largest value, several if they are equal."""
         values = [self.value(state, action) for action in self.actions]
         most = max(values)
         return tuple(a for a, value in zip(self.actions, values, strict=True) if value == most)
@@ -32,21 +32,21 @@ class QLearning:
     def update(
         self, state: str, action: str, reward: float, next_state: str, *, ended: bool
     ) -> None:
-        """Take in one transition.
+        """Learn from one transition.
 
         Args:
-            state: before.
-            action: what was done.
-            reward: what it earned.
-            next_state: after.
-            ended: whether nothing can follow, so that the next state is worth nothing.
+            state: State before the action.
+            action: Action that was taken.
+            reward: Reward of the action.
+            next_state: State after the action.
+            ended: True if nothing can follow, so that the next state has no value.
         """
         value = self.value(state, action)
         target = reward if ended else reward + self._gamma * self._most(next_state)
         self._values.setdefault(state, {})[action] = value + self._alpha * (target - value)
 
     def items(self) -> Iterator[tuple[str, dict[str, float]]]:
-        """The values of the actions that were tried, by state, in the order of first trial."""
+        """Yield the values of the tried actions by state, in the order of first trial."""
         for state, values in self._values.items():
             yield state, {action: values[action] for action in self.actions if action in values}
 

@@ -1,9 +1,9 @@
-"""Names of relations between two things, told from their impedance (Section 7.2.3).
+"""Names of relations between two objects, derived from their impedance (Section 7.2.3).
 
-The tree asks for the mean impedance of one direction each, of both ways the larger one, by evidence
-of profiles whose relations are known. All relations count alike, however many pairs show them.
-Impedances are compared by their logarithms: a hand that is twice as stiff, or a thing that is twice
-as heavy, shifts all of them alike.
+Each question tests the larger mean impedance of both senses of one direction. Questions are chosen
+by the evidence of profiles with known relations. All relations have equal weight, independent of
+their number of pairs. Impedances are compared by their logarithms, because a stiffer hand or a
+heavier object shifts all of them alike.
 """
 
 from __future__ import annotations
@@ -19,31 +19,31 @@ from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile
 from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.types.decision_tree import Leaf, Tree, decide
 
-# Less than that, N/m or N m/rad, is no impedance.
+# Smallest impedance that counts, N/m or N m/rad.
 _LEAST = 1e-2
-# Fewest profiles that a leaf stands for.
+# Fewest profiles of a leaf.
 _PROFILES = 2
 
 
 class NamedProfile(NamedTuple):
-    """A profile whose relation is known."""
+    """Profile with a known relation."""
 
     profile: ImpedanceProfile
     relation: str
 
 
 def grow_relations(known: Sequence[NamedProfile]) -> Tree[str]:
-    """The tree that profiles with known relations speak for.
+    """Return the tree that explains profiles with known relations best.
 
     Raises:
-        ValueError: there is no profile, or one of them is not whole.
+        ValueError: If there is no profile, or one of them is incomplete.
     """
     if not known or not all(each.profile.is_whole for each in known):
         raise ValueError("relations are learned from whole profiles, one at least")
     names = sorted({each.relation for each in known})
     relations = [each.relation for each in known]
     numbers = Counter(relations)
-    # Whole numbers, as evidence counts.
+    # Evidence needs integer weights.
     weights = np.array([[round(max(numbers.values()) / numbers[each])] for each in relations])
     is_named = np.array([[name == each for name in names] for each in relations])
 
@@ -56,12 +56,12 @@ def grow_relations(known: Sequence[NamedProfile]) -> Tree[str]:
 
 
 def name_relation(tree: Tree[str], profile: ImpedanceProfile) -> str | None:
-    """The name of a profile's relation; ``None`` where a test that the tree asks for is missing."""
+    """Return the name of a profile's relation, or ``None`` if a required test is missing."""
     return decide(tree, features(profile))
 
 
 def features(profile: ImpedanceProfile) -> Mapping[str, float]:
-    """Decimal logarithms of the impedances by direction; what was tested one way is left out."""
+    """Return log10 of the impedances by direction, without directions tested in one sense only."""
     impedances = profile.features()
     return {
         direction: math.log10(max(impedances[f"{direction}+"], impedances[f"{direction}-"], _LEAST))
@@ -71,7 +71,7 @@ def features(profile: ImpedanceProfile) -> Mapping[str, float]:
 
 
 def tree_as_data(tree: Tree[str]) -> object:
-    """A tree for JSON or YAML, as schemas write theirs."""
+    """Return a tree for JSON or YAML, in the form of schemas."""
     if isinstance(tree, Leaf):
         return tree.answer
     return {

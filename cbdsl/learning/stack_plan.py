@@ -1,4 +1,4 @@
-"""Plans of stacks: the surest paths through what is known to stand on what (Figure 7.17)."""
+"""Plans of stacks: the most probable paths through known support relations (Figure 7.17)."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 
 class StackPlan(NamedTuple):
-    """Things to be stacked.
+    """Plan of a stack of objects.
 
     Attributes:
-        order: of the things, from below.
-        probability: that all of them stand, taken to be independent of each other.
+        order: Names of the objects, from bottom to top.
+        probability: Probability that all objects stand, assuming independence.
     """
 
     order: tuple[str, ...]
@@ -26,14 +26,14 @@ class StackPlan(NamedTuple):
 
 
 def plan_stack(support: SupportGraph, height: int) -> StackPlan:
-    """The surest stack of some height.
+    """Return the most probable stack of a height.
 
     Args:
-        support: what stands on what, see ``support_graph``.
-        height: number of things, 2 at least.
+        support: Graph of objects that stood on others, see ``support_graph``.
+        height: Number of objects, at least 2.
 
     Raises:
-        ValueError: nothing that stood on another one makes such a stack.
+        ValueError: If no known support relations make such a stack.
     """
     plans = plan_stacks(support, height)
     if not plans:
@@ -43,7 +43,7 @@ def plan_stack(support: SupportGraph, height: int) -> StackPlan:
 
 
 def plan_stacks(support: SupportGraph, height: int) -> list[StackPlan]:
-    """All stacks of some height that can be made, the surest first."""
+    """Return all possible stacks of a height, the most probable first."""
     plans = [
         StackPlan(tuple(path), _probability(support, path))
         for lowest in support
@@ -54,7 +54,7 @@ def plan_stacks(support: SupportGraph, height: int) -> list[StackPlan]:
 
 
 def pairs_of(support: SupportGraph, order: Sequence[str]) -> list[str]:
-    """Names of the pairs that a stack is made of, from below."""
+    """Return the names of the pairs in a stack, from bottom to top."""
     return [support.edges[edge]["pair"] for edge in pairwise(order)]
 
 

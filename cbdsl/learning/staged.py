@@ -1,4 +1,4 @@
-"""Staged learner: first what to do, then with what (Section 5.3.1.1)."""
+"""Staged learner: first the actions, then their resources (Section 5.3.1.1)."""
 
 from __future__ import annotations
 
@@ -16,18 +16,17 @@ if TYPE_CHECKING:
 
 
 class Staged(Concurrent):
-    """ACCOMMODATE with the program's own arm, then ASSIMILATE with all that it can be allocated.
+    """ACCOMMODATE with the program's own arm, then ASSIMILATE with all allocations.
 
-    From the second stage on the abstract actions are those that are worth most. What they are worth
-    is still learned, without exploring: of two that have earned the same with one arm, one may not
-    do with others.
+    From the second stage on, the abstract actions are greedy. Their values are still learned,
+    without exploration: two actions of equal value with one arm may differ with others.
 
     Args:
-        schema: the program with all its allocations.
-        own: the program with its own.
-        constants: of the choice of abstract actions.
-        allocating: of the choice of allocations.
-        episodes: of the first stage.
+        schema: Program with all its allocations.
+        own: Program with its own allocation.
+        constants: Constants of the choice of abstract actions.
+        allocating: Constants of the choice of allocations.
+        episodes: Number of episodes of the first stage.
     """
 
     def __init__(
@@ -44,17 +43,17 @@ class Staged(Concurrent):
 
     @property
     def is_constrained(self) -> bool:  # type: ignore[override]
-        """See ``HandednessLearner.is_constrained``."""
+        """Whether the first stage goes on (see ``HandednessLearner.is_constrained``)."""
         return self._left > 0
 
     def plan(self, rng: np.random.Generator) -> EpisodePlan:
-        """See ``HandednessLearner.plan``."""
+        """Return the program and policy of the episode (see ``HandednessLearner.plan``)."""
         if self.is_constrained:
             return EpisodePlan(self._own, self.accommodate.policy(rng))
         return super().plan(rng)
 
     def remember(self, experience: Experience) -> None:
-        """See ``HandednessLearner.remember``."""
+        """Learn from a finished episode (see ``HandednessLearner.remember``)."""
         if self.is_constrained:
             self.accommodate.remember(experience)
             self._left -= 1

@@ -1,4 +1,4 @@
-"""Graph of a meta-catalog: things, and what was brought to what (Figures 7.10 and 7.17)."""
+"""Graph of a meta-catalog: objects, and the pairs that were tried (Figures 7.10 and 7.17)."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 def thing_graph(catalog: MetaCatalogDocument) -> ThingGraph:
-    """A meta-catalog as a graph, with its provenance.
+    """Return a meta-catalog as a graph, with its provenance.
 
     Returns:
-        Things by name, each with its ``feature`` and, if it has one, its ``catalog``. Pairs are
-        edges from the lower thing to the upper one, by relation, each with its ``pair``, how often
-        it was ``tried`` and ``rewarded``, and the ``probability`` that it stays. Attributes of the
-        graph are ``name``, ``robot``, and, if known, ``command``, ``stage``, ``seed``, ``actions``.
+        Objects by name, each with its ``feature`` and, if present, its ``catalog``. Pairs are edges
+        from the lower object to the upper one, by relation. An edge holds its ``pair``, the counts
+        ``tried`` and ``rewarded``, and the ``probability`` that it stays. Attributes of the graph
+        are ``name``, ``robot``, and, if known, ``command``, ``stage``, ``seed``, ``actions``.
     """
     graph: ThingGraph = nx.MultiDiGraph(name=catalog.name, robot=catalog.robot)
     if (origin := catalog.provenance) is not None:
@@ -50,11 +50,11 @@ def thing_graph(catalog: MetaCatalogDocument) -> ThingGraph:
 def support_graph(
     catalog: MetaCatalogDocument, things: Collection[str] | None = None
 ) -> SupportGraph:
-    """Graph of what has stood on what: from each thing to each that stayed on it at least once.
+    """Return the graph with an edge from each object to each one that stayed on it at least once.
 
     Args:
-        catalog: of pairs.
-        things: that are there; all that are known without.
+        catalog: Catalog of pairs.
+        things: Names of the present objects [all known ones].
     """
     known = thing_graph(catalog)
     chosen = known if things is None else known.subgraph(things)
@@ -69,5 +69,5 @@ def support_graph(
 
 
 def _probability(pair: PairSection) -> float:
-    """How likely a pair stays, by Laplace's rule; 0 where it never did."""
+    """Return the probability that a pair stays, by Laplace's rule; 0 if it never did."""
     return (pair.rewarded + 1) / (pair.tried + 2) if pair.rewarded else 0.0

@@ -17,6 +17,6 @@ class TransitionCounts:
         after[next_state] = after.get(next_state, 0) + 1
 
     def items(self) -> Iterator[tuple[str, dict[str, dict[str, int]]]]:
-        """Counts by action and next state, by state, each in the order of first occurrence."""
+        """Yield counts by action and next state, by state, in the order of first occurrence."""
         for state, actions in self._counts.items():
             yield state, {action: dict(after) for action, after in actions.items()}

@@ -1,12 +1,11 @@
 """Growth of decision trees by the evidence for their questions (Section 5.3.1.1).
 
-What is asked is which trials succeed. A leaf takes the chance of each kind of trial for unknown and
-any for equally likely; a question takes its threshold for equally likely anywhere between the least
-and the largest number of its feature. The logarithm of the probability of all outcomes under a
-question, less that without it, is the evidence for it (Buntine, Learning classification trees,
-1992). With many samples that is the gain of information of C4.5; with few it prefers thresholds in
-wide gaps, where nothing was seen, to those that set apart single samples. Neighbours that measuring
-does not tell apart have no gap between them.
+A tree predicts which trials succeed. In a leaf, the success probability of each kind of trial has a
+uniform prior. The threshold of a question has a uniform prior between the least and the largest
+value of its feature. The evidence for a question is the log probability of all outcomes with it,
+minus that without it (Buntine, Learning classification trees, 1992). With many samples this is the
+information gain of C4.5. With few samples, it prefers thresholds in wide gaps to thresholds that
+isolate single samples. There is no gap between neighbours within the measurement resolution.
 """
 
 from __future__ import annotations
@@ -24,29 +23,29 @@ from cbdsl.types.decision_tree import Leaf, Split, Tree
 Answer = TypeVar("Answer")
 Floats = NDArray[np.float64]
 
-# Of thresholds: what lies beyond says nothing.
+# Decimals of thresholds; further ones are not significant.
 _DECIMALS = 4
-# Evidence that is rounding alone, nats, and differences that are.
+# Rounding errors of evidence, nats, and of differences.
 _NOTHING = _ROUNDING = 1e-9
 
 
 class Outcomes(NamedTuple):
-    """How trials of several kinds ended, in some samples; what was not tried is in neither.
+    """Numbers of successful and failed trials of several kinds; untried ones are in neither.
 
     Attributes:
-        successes, failures: shape (samples, kinds), or (kinds,) for their sums.
+        successes, failures: Counts, shape (samples, kinds), or (kinds,) for their sums.
     """
 
     successes: Floats
     failures: Floats
 
     def of(self, rows: NDArray[np.intp] | int) -> Outcomes:
-        """Those in some of the samples, or in one."""
+        """Return the outcomes of some samples or of one."""
         return Outcomes(self.successes[rows], self.failures[rows])
 
     @property
     def sums(self) -> Outcomes:
-        """Numbers by kind."""
+        """Sums over the samples, by kind."""
         return Outcomes(self.successes.sum(axis=0), self.failures.sum(axis=0))
 
 
@@ -64,17 +63,17 @@ def grow(
     trust: float = 0.5,
     needed: float = 0.0,
 ) -> Tree[Answer]:
-    """A tree whose questions the outcomes speak for.
+    """Return the tree whose questions are supported by the outcomes.
 
     Args:
-        samples: features by name, the same ones in each.
-        outcomes: of the trials in each.
-        answer: of a leaf, by the indices of the samples in it.
-        least: fewest samples of a leaf.
-        resolutions: by feature, differences that are none; 0 for those that are not named.
-        trust: how much of the gap at a threshold, in which nothing was seen, goes to the side on
-            which more succeeded.
-        needed: evidence that a question needs, nats.
+        samples: Features by name, the same names in each sample.
+        outcomes: Outcomes of the trials in each sample.
+        answer: Function from the indices of the samples in a leaf to its answer.
+        least: Fewest samples of a leaf.
+        resolutions: Insignificant differences, by feature; 0 for features without an entry.
+        trust: Share of the gap without samples at a threshold that goes to the side with the higher
+            success rate.
+        needed: Evidence that a question needs, nats.
     """
     names = tuple(next(iter(samples), ()))
     numbers = np.array([[sample[name] for name in names] for sample in samples])
@@ -95,14 +94,14 @@ def grow(
 def _best(
     numbers: Floats, outcomes: Outcomes, least: int, finest: Floats, trust: float, needed: float
 ) -> _Question | None:
-    """The question with the most evidence; of equal ones that of the first feature, the lowest.
+    """Return the question with the most evidence; ties go to the first feature, lowest threshold.
 
     Args:
-        numbers: of the features, shape (samples, features).
-        outcomes: of the samples.
-        least: fewest samples of a leaf.
-        finest: differences of each feature that are none, shape (features,).
-        trust, needed: see ``grow``.
+        numbers: Values of the features, shape (samples, features).
+        outcomes: Outcomes of the samples.
+        least: Fewest samples of a leaf.
+        finest: Insignificant differences of each feature, shape (features,).
+        trust, needed: Share and evidence, see ``grow``.
     """
     best: _Question | None = None
     least_evidence = needed + _NOTHING
@@ -130,19 +129,19 @@ def _best(
 
 
 def _rate(sums: Outcomes) -> float:
-    """Share of the trials that succeeded, of all kinds together."""
+    """Return the share of successful trials, of all kinds together."""
     successes, failures = (float(each.sum()) for each in sums)
     return successes / (successes + failures) if successes + failures else 0.5
 
 
 def _threshold(low: float, high: float, share: float) -> float:
-    """A short number in a gap, ``share`` of the way from its lower end."""
+    """Return a rounded number in a gap, ``share`` of the way from its lower end."""
     between = round((1.0 - share) * low + share * high, _DECIMALS)
     return between if low <= between < high else low
 
 
 def _evidence(sums: Outcomes) -> Any:
-    """Logarithm of the probability of outcomes whose chances may be any, shape (...)."""
+    """Return the log probability of outcomes under uniform priors, shape (...)."""
     successes, failures = (_log_factorial(each) for each in sums)
     together = _log_factorial(sums.successes + sums.failures + 1)
     return (successes + failures - together).sum(axis=-1)
@@ -156,7 +155,7 @@ def _log_factorial(numbers: Floats) -> Floats:
 
 
 def _pruned(tree: Tree[Answer]) -> Tree[Answer]:
-    """The same decisions without questions whose answers are equal."""
+    """Return the tree without questions whose answers are equal."""
     if isinstance(tree, Leaf):
         return tree
     above, below = _pruned(tree.above), _pruned(tree.below)
