@@ -1,4 +1,4 @@
-"""The arithmetic of the control law, for all levels at once.
+"""Arithmetic of the control law, for all levels together.
 
 It is compiled: in loops over a dozen numbers, calling numpy takes longer than computing.
 """
@@ -24,15 +24,15 @@ from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
 Booleans = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 
-# Rows count as dependent where what is left of them is rounding of the Jacobian. What a larger
-# tolerance would ignore, lower levels would be free to disturb.
+# Rows count as dependent if their remainder is rounding of the Jacobian. Lower levels would be free
+# to disturb rows that a larger tolerance ignores.
 _ROUNDING = 1e-13
 
 # Rows count as orthogonal at this cosine of their angle.
 _ORTHOGONAL = 1e-14
 
-# A handful of sweeps makes rows orthogonal, at a quadratic pace. Rounding may keep two of them
-# beyond the cosine above; no further sweep would bring them nearer.
+# A few sweeps make rows orthogonal, with quadratic convergence. Rounding may keep two of them
+# beyond the cosine above; further sweeps do not help.
 _SWEEPS = 20
 
 # Multiple of the damping's threshold below which a singular value may need the second order.
@@ -146,7 +146,7 @@ def _prepare(
     ends: Integers,
     middle: Floats,
 ) -> bool:
-    """Extrapolate the rows of levels that act; returns whether all numbers are finite."""
+    """Extrapolate the rows of active levels; return whether all numbers are finite."""
     squares = dot(positions, positions)
     start = 0
     for level in range(len(ends)):
@@ -163,7 +163,7 @@ def _prepare(
 
 @compiled
 def _is_singular(values: Floats, count: int, curved: bool, threshold: float) -> bool:
-    """Whether a level cannot achieve all displacements, by its singular values and their number."""
+    """Return whether singular values keep a level from achieving all displacements."""
     if len(values) > 0 and values.min() < threshold:
         return True
     return curved and len(values) < count
@@ -171,7 +171,7 @@ def _is_singular(values: Floats, count: int, curved: bool, threshold: float) -> 
 
 @compiled
 def _is_near(values: Floats, threshold: float) -> bool:
-    """Whether a level is so near to a singularity that bounds may leave a part undone."""
+    """Return whether bounds may leave part of a level undone because a singularity is near."""
     return len(values) > 0 and values.min() < _NEAR_SINGULAR * threshold
 
 
@@ -220,7 +220,7 @@ def _curve(
 def _resist(
     resisted: Floats, basis: Floats, taken: int, sides: Floats, pins: Integers, least: float
 ) -> int:
-    """Add resisted directions to the basis; returns how many rows it has then."""
+    """Add resisted directions to the basis; return its number of rows."""
     for i in range(len(resisted)):
         _project(resisted, i, basis, taken)
     more = taken
@@ -234,7 +234,7 @@ def _resist(
 
 @compiled_once
 def extrapolate_half_tick(rows: Floats, newest: int, ages: Integers, ends: Integers) -> Floats:
-    """Rows half a tick ahead, shape (k, n); those of levels that do not act are 0."""
+    """Return rows half a tick ahead, shape (k, n), 0 for levels that do not act."""
     middle = np.zeros(rows.shape[1:])
     start = 0
     for level in range(len(ends)):
@@ -247,7 +247,7 @@ def extrapolate_half_tick(rows: Floats, newest: int, ages: Integers, ends: Integ
 
 @compiled
 def _extrapolate(rows: Floats, newest: int, age: int, start: int, end: int, middle: Floats) -> None:
-    """Half a tick ahead: on the parabola through three ticks, the line through two, or as it is."""
+    """Extrapolate half a tick ahead from up to three ticks: parabola, line or constant."""
     now, before, earlier = rows[newest], rows[newest - 1], rows[newest - 2]
     for row in range(start, end):
         for joint in range(rows.shape[2]):
@@ -266,7 +266,7 @@ def _extrapolate(rows: Floats, newest: int, age: int, start: int, end: int, midd
 def _bounds(positions: Floats, limits: Floats, steps: Floats) -> Floats:
     """Return the least and the largest displacement of each joint, shape (2, n).
 
-    Limits come before the levels' requests, the largest step before limits.
+    Limits take precedence over the levels' requests, and the largest step over limits.
     """
     bounds = np.empty(limits.shape)
     for joint in range(len(positions)):
@@ -286,7 +286,7 @@ def _shorten(
     share, exceeds = 1.0, False
     for joint in range(len(change)):
         if locked[joint]:
-            change[joint] = 0.0  # not rounding, which could look like passing a bound
+            change[joint] = 0.0  # exact, because rounding could look like passing a bound
         target = total[joint] + change[joint]
         exceeds |= target < bounds[0, joint] or target > bounds[1, joint]
         size = abs(change[joint])
@@ -301,7 +301,7 @@ def _shorten(
 
 @compiled
 def _lock(change: Floats, total: Floats, locked: Booleans, bounds: Floats) -> bool:
-    """Keep joints that would pass a bound where they are, or on their way back inside."""
+    """Lock joints that would pass a bound, at their position or on their way back inside."""
     passes = False
     for joint in range(len(change)):
         target = total[joint] + change[joint]
@@ -313,7 +313,7 @@ def _lock(change: Floats, total: Floats, locked: Booleans, bounds: Floats) -> bo
 
 @compiled
 def _lock_joints(locked: Booleans, basis: Floats, taken: int, sides: Floats, pins: Integers) -> int:
-    """Add the locked joints to the basis; returns how many rows it has then."""
+    """Add the locked joints to the basis; return its number of rows."""
     for i in range(taken, len(basis)):
         fill(sides[i], 0.0)
     for joint in range(len(locked)):
@@ -330,7 +330,7 @@ def _lock_joints(locked: Booleans, basis: Floats, taken: int, sides: Floats, pin
 
 @compiled
 def _task_residual(rows: Floats, wanted: Floats, total: Floats) -> Floats:
-    """The part of the rows' wanted displacement (k,) that the one composed so far leaves undone."""
+    """Return the part of the rows' requested displacement (k,) that is not yet composed."""
     residual = np.empty(len(wanted))
     for i in range(len(wanted)):
         residual[i] = wanted[i] - dot(rows[i], total)
@@ -351,12 +351,12 @@ def _invert(
 ) -> tuple[Floats, int]:
     """Move rows by ``velocity`` at right angles to the first ``taken`` rows of the basis.
 
-    A displacement at right angles to the basis is one that no level above notices. It serves as
-    an exact projector, whatever the ranks and conditions of the rows; I - J^# J does not.
+    A displacement at right angles to the basis does not affect the levels above. The basis gives an
+    exact projector for all ranks and conditions of the rows; I - J^# J does not.
 
     Returns:
-        The displacement, damped along small singular values, shape (n,); how many rows the basis
-        has with the level's directions added to it.
+        The displacement, damped along small singular values, shape (n,); the basis' number of rows
+        with the level's directions.
     """
     rest, squares = np.empty(rows.shape), 0.0
     for i in range(len(rows)):
@@ -381,7 +381,7 @@ def _invert(
 def _gram_schmidt(rest: Floats, basis: Floats, taken: int, least: float) -> Floats:
     """Add orthonormal directions that span the rows to a basis, and subtract them from the rows.
 
-    Gram and Schmidt's way, longest row first, down to rows no longer than ``least``.
+    Gram-Schmidt orthogonalisation, longest row first, down to rows no longer than ``least``.
 
     Returns:
         The rows' parts in these directions, shape (rank, k).
@@ -406,7 +406,7 @@ def _gram_schmidt(rest: Floats, basis: Floats, taken: int, least: float) -> Floa
 
 @compiled
 def jacobi_svd(parts: Floats, directions: Floats) -> None:
-    """Turn rows until they are orthogonal, and directions with them: one-sided Jacobi.
+    """Turn rows until they are orthogonal, together with directions (one-sided Jacobi).
 
     The lengths of the rows are then their singular values, and small ones are as precise as large
     ones.
@@ -422,7 +422,7 @@ def jacobi_svd(parts: Floats, directions: Floats) -> None:
 
 @compiled
 def _turn(parts: Floats, directions: Floats, i: int, j: int) -> bool:
-    """Turn two rows until they are orthogonal; returns whether they were not."""
+    """Turn two rows until they are orthogonal; return whether they were not."""
     first = second = both = 0.0
     for k in range(parts.shape[1]):
         one, other = parts[i, k], parts[j, k]
@@ -443,9 +443,9 @@ def _turn(parts: Floats, directions: Floats, i: int, j: int) -> bool:
 
 @compiled
 def _damped_inverse(value: float, damping: float, threshold: float) -> float:
-    """The damped inverse of a singular value (Levenberg-Marquardt), each by itself.
+    """Return the damped inverse of a singular value (Levenberg-Marquardt).
 
-    It grows from 0 at ``threshold`` to ``damping`` at 0, so that steps stay bounded and
+    The damping grows from 0 at ``threshold`` to ``damping`` at 0. Steps thus stay bounded and
     continuous through singularities, and are exact away from them.
     """
     weight = max(0.0, 1.0 - (value / threshold) ** 2)
@@ -467,7 +467,7 @@ def _project(rows: Floats, place: int, basis: Floats, count: int) -> None:
 def _orthonormalize(basis: Floats, last: int) -> None:
     """Make row ``last``, nearly orthogonal to those above it, orthonormal to them.
 
-    What was subtracted from it before has left rounding, which dividing by its length magnifies.
+    The earlier subtraction left rounding errors, which the division by the row's length magnifies.
     """
     copy(basis[last], basis[last], 1.0 / norm(basis[last]))
     _project(basis, last, basis, last)

@@ -7,7 +7,7 @@ import math
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled
 
-# Sweeps converge at a quadratic pace; more bring rounding no nearer to zero.
+# Sweeps converge quadratically; further ones do not reduce rounding errors.
 _SWEEPS = 12
 
 # Elements count as zero at this share of the diagonal elements beside them.

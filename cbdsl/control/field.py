@@ -1,4 +1,4 @@
-"""A harmonic function on a grid, and the way down from any point to its goal (Eq 3.2)."""
+"""Harmonic function on a grid, and the descent from any point to its goal (Eq 3.2)."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.signal import Floats, SignalError
 
 # Largest residual at a vertex, as a share of 1 - phi there. Next to the flattest saddles of a
-# thousand cells, neighbours differ by a hundred times that.
+# thousand cells, neighbours differ by a hundred times that share.
 _ACCURACY = 1e-5
-# Where 1 - phi is a smaller share of its largest value, it is solved for in units of its own.
+# Below this share of its largest value, 1 - phi is solved for again, with rescaled units.
 _FLOOR = 1e-10
-# Below this the numbers themselves lose precision.
+# Smallest unit, below which the numbers lose precision.
 _LEAST = 1e-280
 
 
@@ -27,14 +27,14 @@ class NoPathError(SignalError):
 
 
 class Slope(NamedTuple):
-    """The field at a point.
+    """Value and direction of the field at a point.
 
     Attributes:
-        potential: phi_h, from 0 at the goal to 1 at obstacles.
-        closeness: 1 - phi_h, exact where phi_h cannot be told from 1.
-        direction: of steepest descent, a unit vector (n,); 0 at the goal.
-        depth: inside of an obstacle or the border, how far it is to where a path leads to the goal,
-            in cells; 0 elsewhere.
+        potential: Harmonic potential phi_h, from 0 at the goal to 1 at obstacles.
+        closeness: Value of 1 - phi_h, exact even if phi_h rounds to 1.
+        direction: Unit vector of steepest descent, shape (n,); 0 at the goal.
+        depth: Distance from a point inside an obstacle or the border to the nearest point with a
+            path to the goal, in cells; 0 elsewhere.
     """
 
     potential: float
@@ -44,29 +44,29 @@ class Slope(NamedTuple):
 
 
 class HarmonicField:
-    """phi_h: 0 at the goal's vertex, 1 on obstacles and the border, harmonic on the rest.
+    """Harmonic potential phi_h: 0 at the goal's vertex, 1 on obstacles and the border.
 
-    What is stored is u, a multiple of 1 - phi_h: the solution for a source at the goal's vertex
-    and 0 at obstacles. So a goal that moves changes no equation but only its right side, and the
-    tiny differences far from the goal keep all their digits.
+    The stored function u is a multiple of 1 - phi_h: the solution for a source at the goal's vertex
+    and 0 at obstacles. A moving goal thus changes only the right side of the equation. The tiny
+    differences far from the goal keep all their digits.
 
-    Between vertices u is a quadratic spline with the vertices' values as coefficients: its
-    gradient is continuous, and on every grid that is shifted by less than a cell it is harmonic
-    like u itself, since it is a mean of shifted copies of u. Within two cells of the goal, where
-    nothing is in the way, the field turns into a cone around the goal itself.
+    Between vertices, u is a quadratic spline with the vertices' values as coefficients. Its
+    gradient is continuous. As a mean of shifted copies of u, it is harmonic like u on every grid
+    that is shifted by less than a cell. Within two cells of the goal, if the line of sight is free,
+    the field turns into a cone around the goal itself.
 
     Args:
-        grid: the vertices.
-        obstacles: what blocks them.
-        goal: where the field leads, shape (n,).
-        start: a field for a similar scene on the same grid, to begin the solution with.
+        grid: Grid of the vertices.
+        obstacles: Obstacles in the workspace.
+        goal: Goal of the field, shape (n,).
+        start: Field of a similar scene on the same grid, as initial solution.
 
     Attributes:
-        u: at the vertices, of the grid's shape.
-        cycles: of multigrid that the solution took.
+        u: Values at the vertices, with the grid's shape.
+        cycles: Number of multigrid cycles of the solution.
 
     Raises:
-        NoPathError: the goal is outside the grid, or too close to an obstacle or the border.
+        NoPathError: If the goal is outside the grid, or too close to an obstacle or the border.
     """
 
     def __init__(
@@ -85,28 +85,28 @@ class HarmonicField:
         self.u: Floats
         self.cycles: int
         self.u, self.cycles = solve(self._reached, self._source, before)
-        # Room for the spline around any vertex.
+        # Padding for the spline around any vertex.
         self._padded = np.pad(self.u, 1)
         self._top = self._spline(grid.position(self._source))[0]
         self._shell = 1.0 - self._mean_around(self._source) / self._top
 
     def suits(self, goal: Floats) -> bool:
-        """Whether the field leads to a goal, shape (n,), as it does to the one it was made for."""
+        """Return whether the field leads to a goal, shape (n,), as it does to its original goal."""
         vertex = self.grid.position(self._source)
         near = float(np.abs(goal - vertex).max()) <= 0.75 * self.grid.spacing
         return near and self._sees(vertex, goal)
 
     def slope(self, point: Floats, goal: Floats) -> Slope:
-        """The potential and the way down.
+        """Return the potential and the direction of descent.
 
-        Inside of an obstacle or the border the way leads out.
+        Inside an obstacle or the border, the direction leads out.
 
         Args:
-            point: shape (n,).
-            goal: where the field ends; it has to suit the field.
+            point: Point, shape (n,).
+            goal: Goal that the field ``suits``, shape (n,).
 
         Raises:
-            NoPathError: no free path leads from the point to the goal.
+            NoPathError: If no free path leads from the point to the goal.
         """
         spacing = self.grid.spacing
         towards = goal - point
@@ -125,7 +125,7 @@ class HarmonicField:
         return Slope(1.0 - closeness, closeness, _unit(gradient))
 
     def _near(self, point: Floats, towards: Floats, distance: float) -> Slope:
-        """A cone around the goal, which becomes the harmonic function between one and two cells."""
+        """Blend a cone around the goal into the harmonic function between one and two cells."""
         cells = distance / self.grid.spacing
         cone = min(cells * self._shell, 1.0)
         straight = _unit(towards)
@@ -139,7 +139,7 @@ class HarmonicField:
         return Slope(potential, 1.0 - potential, direction)
 
     def _spline(self, point: Floats) -> tuple[float, Floats]:
-        """u and its gradient at a point, the latter in a unit of its own."""
+        """Return u and its gradient at a point, the latter in a unit of its own."""
         index = (point - self.grid.lower) / self.grid.spacing
         middle = np.rint(index)
         block = self._block(middle)
@@ -150,7 +150,7 @@ class HarmonicField:
         below, above = 0.5 - offset, 0.5 + offset
         weights = np.array([0.5 * below**2, 0.75 - offset**2, 0.5 * above**2]).T
         slopes = np.array([-below, -2.0 * offset, above]).T
-        block = block / largest  # squares of what is tiny would vanish
+        block = block / largest  # squares of tiny values would underflow
         gradient = [
             _contracted(block, [slopes[a] if a == axis else weights[a] for a in range(len(point))])
             for axis in range(len(point))
@@ -158,26 +158,26 @@ class HarmonicField:
         return largest * _contracted(block, list(weights)), np.array(gradient)
 
     def _block(self, middle: Floats) -> Floats | None:
-        """The values of u around a vertex, 3 along each axis, or ``None`` outside the grid."""
+        """Return u around a vertex, 3 values along each axis, or ``None`` outside the grid."""
         if (middle < 0).any() or (middle >= self.grid.shape).any():
             return None
         return self._padded[tuple(slice(int(i), int(i) + 3) for i in middle)]
 
     def _mean_around(self, vertex: Vertex) -> float:
-        """The mean of the spline over the vertex's neighbours."""
+        """Return the mean of the spline over the vertex's neighbours."""
         here, steps = self.grid.position(vertex), self.grid.spacing * np.eye(len(vertex))
         return float(np.mean([self._spline(here + s)[0] for s in (*steps, *-steps)]))
 
     def _sees(self, point: Floats, goal: Floats) -> bool:
-        """Whether the straight way between nearby points stays in cells that lead to the goal."""
+        """Return whether the segment between near points stays in cells that lead to the goal."""
         shares = np.linspace(0.0, 1.0, 17)[:, None]
         return self.grid.holds(self._reached, point + shares * (goal - point))
 
     def _way_out(self, point: Floats) -> Floats:
-        """To the nearest vertex from which a path leads to the goal.
+        """Return the vector to the nearest vertex from which a path leads to the goal.
 
-        Vertices are looked at in boxes around the point that grow until nothing outside can be
-        nearer: a point is mostly a cell or two inside, while a grid has a hundred thousand.
+        Vertices are searched in boxes around the point that grow until no vertex outside can be
+        nearer. A point is mostly a cell or two inside, while a grid has a hundred thousand cells.
         """
         grid, reach = self.grid, 2.0
         index = (point - grid.lower) / grid.spacing
@@ -206,7 +206,7 @@ class HarmonicField:
         return vertex
 
     def _enclosure(self, vertex: Vertex) -> str:
-        """Barriers that separate a free vertex from the goal."""
+        """Return a message with the barriers that separate a free vertex from the goal."""
         own = self.grid.connected(self._owners == FREE, vertex)
         if self._reached[vertex]:
             return "the way to the goal is too long and narrow for this spacing"
@@ -221,16 +221,16 @@ class HarmonicField:
 
 
 def solve(free: Booleans, source: Vertex, start: Floats | None = None) -> tuple[Floats, int]:
-    """u = 0 where nothing is free, and elsewhere the mean of its neighbours but for a source.
+    """Solve for u, the mean of its neighbours on free vertices but for a source, and 0 elsewhere.
 
     Args:
-        free: vertices that are connected to the source.
-        source: one of them.
-        start: where to begin, of the shape of ``free``.
+        free: Vertices that are connected to the source.
+        source: Vertex of the source.
+        start: Initial solution, with the shape of ``free``.
 
     Returns:
-        u, and the cycles it took. Each u is accurate relative to itself, however small it is: what
-        is tiny compared with the rest is solved for again, with the rest as its boundary.
+        u, and the number of cycles. Each u is accurate relative to itself, however small it is.
+        Values that are tiny compared with the rest are solved for again, with the rest as boundary.
     """
     inflow = np.zeros(free.shape)
     inflow[source] = 1.0

@@ -1,4 +1,4 @@
-"""A regular grid over a box: which of its vertices are free, and which are connected."""
+"""Regular grid over a box, with its free and connected vertices."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ FREE, BORDER = -1, -2
 
 @dataclass(frozen=True)
 class Grid:
-    """Vertices ``lower + spacing * index``; each stands for the cell of points nearest to it.
+    """Vertices ``lower + spacing * index``, each with the cell of points nearest to it.
 
     Attributes:
-        lower: position of the first vertex, shape (n,).
-        spacing: between neighbours along every axis, in the same unit.
-        shape: number of vertices along each axis; the first and the last are the border.
+        lower: Position of the first vertex, shape (n,).
+        spacing: Distance between neighbours along every axis, in the same unit.
+        shape: Number of vertices along each axis; the first and the last are the border.
     """
 
     lower: Floats
@@ -34,10 +34,10 @@ class Grid:
 
     @classmethod
     def between(cls, lower: Floats, upper: Floats, spacing: float) -> Grid:
-        """The largest grid from ``lower``, shape (n,), that does not reach beyond ``upper``.
+        """Return the largest grid from ``lower``, shape (n,), that stays within ``upper``.
 
         Raises:
-            ValueError: there are not 1 to 3 dimensions, or no vertex is inside the border.
+            ValueError: If there are not 1 to 3 dimensions, or no vertex is inside the border.
         """
         if not 1 <= len(lower) == len(upper) <= 3:
             raise ValueError("a grid has one, two or three dimensions")
@@ -49,28 +49,28 @@ class Grid:
         return cls(lower, spacing, tuple(int(n) + 1 for n in cells))
 
     def position(self, vertex: Vertex) -> Floats:
-        """Where a vertex is, shape (n,)."""
+        """Return the position of a vertex, shape (n,)."""
         return self.lower + self.spacing * np.array(vertex)
 
     def nearest(self, point: Floats) -> Vertex | None:
-        """The vertex whose cell contains a point, shape (n,), or ``None`` outside of all cells."""
+        """Return the vertex whose cell contains a point, shape (n,), or ``None`` outside."""
         index = np.rint((point - self.lower) / self.spacing)
         if (index < 0).any() or (index >= self.shape).any():
             return None
         return tuple(int(i) for i in index)
 
     def holds(self, marked: Booleans, points: Floats) -> bool:
-        """Whether the cells around all of the points, shape (k, n), are marked."""
+        """Return whether the cells around all of the points, shape (k, n), are marked."""
         index = np.rint((points - self.lower) / self.spacing).astype(int)
         if (index < 0).any() or (index >= self.shape).any():
             return False
         return bool(marked[tuple(index.T)].all())
 
     def owners(self, obstacles: Sequence[Obstacle]) -> Owners:
-        """Blocker of each vertex: the first obstacle that its cell touches.
+        """Return the blocker of each vertex: the first obstacle that its cell touches.
 
         Returns:
-            an obstacle's index, ``BORDER``, or ``FREE``, of the grid's shape.
+            Index of an obstacle, ``BORDER``, or ``FREE``, with the grid's shape.
         """
         owners = np.full(self.shape, FREE, np.int32)
         for number, obstacle in reversed(list(enumerate(obstacles))):
@@ -93,7 +93,7 @@ class Grid:
         owners[tuple(region)][distances <= obstacle.radius**2] = number
 
     def connected(self, free: Booleans, start: Vertex) -> Booleans:
-        """The free vertices that can be reached from one of them, from neighbour to neighbour.
+        """Return the free vertices that are connected to a vertex through neighbours.
 
         The border must not be free.
         """
@@ -107,13 +107,13 @@ class Grid:
             near = (front[:, None] + steps).ravel()
             near = near[left[near]]
             left[near] = False
-            # Each once, without sorting: the one of its copies that was written last.
+            # Remove duplicates without sorting: keep the copy that was written last.
             order = np.arange(len(near))
             last[near] = order
             front = near[last[near] == order]
         return joined.reshape(self.shape)
 
     def strides(self) -> Iterator[int]:
-        """How far apart neighbours along each axis are in the flattened grid."""
+        """Yield the distance of neighbours along each axis in the flattened grid."""
         for axis in range(len(self.shape)):
             yield int(np.prod(self.shape[axis + 1 :], dtype=int))

@@ -15,17 +15,17 @@ from cbdsl.control.setting import Setting
 from cbdsl.control.signal import Floats
 from cbdsl.program.controller import Controller
 
-# Share of a cell by which obstacles may move before the field is solved for again.
+# Share of a cell by which obstacles may move without a new solution of the field.
 _TOLERANCE = 0.25
-# Where 1 - phi_h is smaller than this, as inside of obstacles, its logarithm is cut off.
+# Lower bound of 1 - phi_h for its logarithm, reached inside of obstacles.
 _LEAST = 1e-300
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
-    """The harmonic potential of a controller, by default between its joints' limits.
+    """Return the harmonic potential of a controller, by default between its joints' limits.
 
     Raises:
-        ValueError: the controller has no field, or its joints have no limits.
+        ValueError: If the controller has no field, or its joints have no limits.
     """
     field = controller.field
     if field is None:
@@ -39,7 +39,7 @@ def build(controller: Controller, setting: Setting) -> Potential:
 def displacement(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """phi and the displacement that ``Harmonic.prepare`` has written to the parameters."""
+    """Return phi and copy the displacement, both prepared in the parameters."""
     for i in range(len(residual)):
         residual[i] = parameters[1 + i]
     phi: float = parameters[0]
@@ -47,27 +47,28 @@ def displacement(
 
 
 class Harmonic:
-    """A bounded displacement along the gradient of phi_h, made 0 by a spring (Eq 7.1 to 7.5).
+    """Bounded displacement along the gradient of phi_h, made 0 by a spring (Eq 7.1 to 7.5).
 
-    phi_h is 0 at the goal, 1 at obstacles and the border of the workspace, and harmonic between,
-    so that it has no other minimum. Its gradient fades with the distance from the goal, so only
-    the direction is used; the displacement is ``scale`` times phi_h long, and never longer than
-    the way that is left. Once the goal has moved to another cell of the grid or an obstacle by a
-    quarter of a cell, phi_h is solved for again, beginning from what it was.
+    The potential phi_h is 0 at the goal, 1 at obstacles and the border of the workspace, and
+    harmonic between. It therefore has no other minimum. Its gradient fades with the distance from
+    the goal, so only the direction is used. The displacement is ``scale`` times phi_h long, but at
+    most the remaining distance. phi_h is solved for again if the goal moves to another cell or an
+    obstacle by a quarter of a cell. The last solution is the initial one.
 
-    The evaluation's ``phi`` is -ln(1 - phi_h): it has the same level sets and is as good as equal
-    near the goal, and falls noticeably where phi_h differs from 1 by less than its rounding, and on
-    the way out of an obstacle. The residual is the displacement, the step half of it (Eq 7.5).
+    The evaluation's ``phi`` is -ln(1 - phi_h). It has the same level sets as phi_h and is nearly
+    equal near the goal. It falls noticeably even if phi_h differs from 1 by less than its rounding,
+    and on the way out of an obstacle. The residual is the displacement, the step half of it (Eq
+    7.5).
 
     Args:
-        lower: lower corner of the workspace, in the unit of the feedback, shape (n,), n <= 3.
-        upper: upper corner.
-        spacing: of the grid that phi_h is computed on, in the same unit.
-        scale: length of the displacement for phi_h = 1.
-        clearance: distance that is kept from obstacles.
+        lower: Lower corner of the workspace, in the unit of the feedback, shape (n,), n <= 3.
+        upper: Upper corner of the workspace, shape (n,).
+        spacing: Spacing of the grid of phi_h, in the same unit.
+        scale: Length of the displacement for phi_h = 1.
+        clearance: Distance that is kept from obstacles.
 
     Raises:
-        ValueError: the workspace has more than three dimensions, no end or no room for a grid.
+        ValueError: If the workspace has more than three dimensions, is unbounded or too small.
     """
 
     def __init__(
@@ -81,7 +82,7 @@ class Harmonic:
 
     @property
     def potential(self) -> Potential:
-        """As the tick evaluates it."""
+        """Potential in the form that the tick evaluates."""
         size = len(self._grid.lower)
         parameters = np.full(1 + size, math.nan)
         return Potential(
@@ -94,14 +95,14 @@ class Harmonic:
         """Compute phi and the displacement.
 
         Args:
-            value: shape (n,).
-            goal: where the field leads, shape (n,).
-            obstacles: what to keep away from.
-            parameters: become phi, then the displacement, shape (1 + n,).
+            value: Feedback, shape (n,).
+            goal: Goal of the field, shape (n,).
+            obstacles: Obstacles to avoid.
+            parameters: Becomes phi, then the displacement, shape (1 + n,).
 
         Raises:
-            NoPathError: no free path leads to the goal, which may be outside of the workspace or
-                inside an obstacle itself.
+            NoPathError: If no free path leads to the goal, which may be outside of the workspace or
+                inside an obstacle.
         """
         slope = self._solved(goal, obstacles).slope(value, goal)
         left = float(np.linalg.norm(goal - value))
@@ -109,7 +110,7 @@ class Harmonic:
         parameters[1:] = min(self._scale * slope.potential, left) * slope.direction
 
     def _solved(self, goal: Floats, obstacles: Sequence[Obstacle]) -> HarmonicField:
-        """The field for a goal and obstacles, solved for only where the one before is too old."""
+        """Return the field for a goal and obstacles, solved again only if the last is outdated."""
         tolerance = _TOLERANCE * self._grid.spacing
         field, before = self._field, self._obstacles
         same = len(before) == len(obstacles) and not any(

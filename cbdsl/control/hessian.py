@@ -1,11 +1,11 @@
 """Hessians of task coordinates from the axes of the joints; compiled.
 
-A joint i before joint j of the same chain turns the lever and the axis of j: the velocity v_j of a
+A joint i before joint j of the same chain turns the lever and the axis of j. The velocity v_j of a
 point changes by w_i x v_j, and the axis w_j by w_i x w_j. In exponential coordinates of a rotation,
 half of the latter is the second derivative. A tip that may turn about its own axis a couples the
 turn about a with the turns across: s . (a x w_j) (a . w_i), for a task coordinate s . w.
-Coordinates that are linear in the signal (springs of configurations, positions, orientations and
-poses, along some axes or all) have the Hessians of the signal's rows.
+Coordinates that are linear in the signal have the Hessians of the signal's rows. These are springs
+of configurations, positions, orientations and poses, along some axes or all.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Records = NDArray[Any]
 
 @compiled
 def has_hessian(slot: Any, table: Records) -> bool:
-    """Whether the task coordinates of a slot's spring bend as the joints move."""
+    """Return whether the task coordinates of a slot's spring bend as the joints move."""
     kind = table[slot.feedback].kind
     return bool(kind in (TIP, MIXTURE) or (kind == WRITTEN and slot.carried))
 
@@ -52,10 +52,10 @@ def write_hessian(
 
     Args:
         slot: Slot of a spring whose feedback ``has_hessian``.
-        table, parts, support, value, jacobian, tree, frames, axes: Those of ``refresh``.
+        table, parts, support, value, jacobian, tree, frames, axes: Arguments of ``refresh``.
         parameters: Parameters of all potentials.
-        columns: Joint that each of the stack's n is, -1 for one that the slot does not move,
-            shape (n,).
+        columns: Joint index of each of the stack's n joints, -1 for a joint that the slot does not
+            move, shape (n,).
         hessian: Becomes the second derivatives, shape (k, n, n).
     """
     feedback = table[slot.feedback]
@@ -110,7 +110,7 @@ def _bend_mixture(
     axes: Floats,
     bends: Floats,
 ) -> None:
-    """Write the change of a weighted sum of tips, as far as its parts are tips."""
+    """Write the change of a weighted sum of tips, for those parts that are tips."""
     for number in range(row.part, row.part + row.parts):
         part = parts[number]
         source = table[part.source]
@@ -188,7 +188,7 @@ def _spin(
     columns: Integers,
     hessian: Floats,
 ) -> None:
-    """Add how a turn about the tip's free axis couples with turns across it."""
+    """Add the coupling of a turn about the tip's free axis with turns across it."""
     first = feedback.rows - 3
     turning = jacobian[feedback.row + first : feedback.row + feedback.rows]
     start = feedback.start + feedback.size - 9

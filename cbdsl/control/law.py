@@ -1,4 +1,4 @@
-"""The prioritised control law: ``c2 ◁ c1`` for any number of levels (Section 3.3.2, Eq 3.26)."""
+"""Prioritised control law: ``c2 ◁ c1`` for any number of levels (Section 3.3.2, Eq 3.26)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cbdsl.control.level import Level
 from cbdsl.control.signal import Floats, SignalError, require_finite
 from cbdsl.control.stack import Stack
 
-# Share of its displacement below which a level gets no nearer to its target.
+# Share of its displacement below which a level counts as stuck.
 _STUCK = 0.02
 
 
@@ -22,11 +22,11 @@ class LawSettings:
     """Guards of the law.
 
     Attributes:
-        joint_step: largest displacement of a joint in one tick, rad.
-        damping: largest damping of a step, in the square of the Jacobians' unit.
-        singular_value: singular value below which damping sets in, in the Jacobians' unit.
-        limit_margin: distance that joints keep from their limits, rad.
-        lead: how far a joint's reference may be from its position, rad.
+        joint_step: Largest displacement of a joint in one tick, rad.
+        damping: Largest damping of a step, in the square of the Jacobians' unit.
+        singular_value: Singular value below which damping sets in, in the Jacobians' unit.
+        limit_margin: Distance that joints keep from their limits, rad.
+        lead: Largest distance of a joint's reference from its position, rad.
     """
 
     joint_step: float
@@ -38,17 +38,17 @@ class LawSettings:
 
 @dataclass(frozen=True)
 class LevelReport:
-    """Why a level moved as it did.
+    """Explanation of a level's motion.
 
     Attributes:
-        name: the controller.
-        share: part of the wanted displacement that the tick achieves to first order: 1 in full,
-            0 where higher levels, limits or singularities leave nothing, negative where higher
-            levels move the task away, above 1 where they carry it further than it wants.
-        rank: independent task coordinates that higher levels and limits leave.
-        singular_value: the smallest singular value among them, 0 where none is left.
-        stuck: True if the level requests a displacement and its free joints bring it no nearer:
-            it is at the nearest point that they and the levels above allow.
+        name: Name of the controller.
+        share: Part of the requested displacement that the tick achieves to first order. 1 is the
+            whole, 0 nothing because of higher levels, limits or singularities. It is negative if
+            higher levels move the task away, and above 1 if they move it further than requested.
+        rank: Number of independent task coordinates that higher levels and limits leave.
+        singular_value: Smallest singular value among them, 0 if there is none.
+        stuck: True if the level requests a displacement and its free joints bring it no nearer. It
+            is at the nearest point that they and the levels above allow.
     """
 
     name: str
@@ -60,14 +60,14 @@ class LevelReport:
 
 @dataclass(slots=True)
 class Step:
-    """The result of one tick, to be read before the next of the same stack.
+    """Result of one tick, valid until the next tick of the same stack.
 
     Attributes:
-        displacement: of the joints, rad, shape (n,).
-        locked: joints that a limit held back, shape (n,).
-        singular_values: of what was left to each level, unsorted and 0 where its rows were
-            dependent, level by level, shape (k,).
-        stack: what was composed.
+        displacement: Displacement of the joints, rad, shape (n,).
+        locked: True for joints that a limit held back, shape (n,).
+        singular_values: Singular values of the rows left to each level, level by level, shape (k,);
+            unsorted, and 0 for dependent rows.
+        stack: Stack of the composed levels.
     """
 
     displacement: Floats
@@ -77,18 +77,18 @@ class Step:
 
     @classmethod
     def of(cls, stack: Stack) -> Step:
-        """Room for the result."""
+        """Return an empty result for a stack."""
         _, rows, joints = stack.rows.shape
         return cls(np.zeros(joints), np.zeros(joints, dtype=np.bool_), np.zeros(rows), stack)
 
     @property
     def levels(self) -> tuple[Level, ...]:
-        """Levels that acted, highest priority first, with the Jacobians that the law went by."""
+        """Levels that acted, highest priority first, with the Jacobians that the law used."""
         return self.stack.extrapolated()
 
     @property
     def reports(self) -> tuple[LevelReport, ...]:
-        """Explains each level, highest priority first."""
+        """Explanations of the levels, highest priority first."""
         values = self.stack.split(self.singular_values)
         return tuple(
             self._report(level, singular[singular > 0.0])
@@ -96,13 +96,13 @@ class Step:
         )
 
     def require_sound(self, q: Floats) -> None:
-        """Say which number of a tick is not finite.
+        """Raise an error that names the number that is not finite.
 
         Args:
-            q: the posture, rad, shape (n,).
+            q: Joint positions, rad, shape (n,).
 
         Raises:
-            SignalError: always; the message names it.
+            SignalError: In every case; the message names the number.
         """
         require_finite(q, "the posture")
         for level in self.levels:
@@ -120,33 +120,33 @@ class Step:
 
 
 class Law:
-    """Composes levels so that no level disturbs one above it.
+    """Composition of levels in which no level disturbs a higher one.
 
-    Each level acts only through joint displacements that no higher level responds to; an
-    orthonormal basis of the rows above makes the projection exact, whatever their ranks. Steps,
-    never the basis, are damped near singularities. Where a level would make the sum too long, its
-    own step is shortened as a whole. A joint that a level would push past a limit is fixed for
-    that level and those below it, and the level is solved again with the other joints, so that a
-    limit takes nothing from higher levels. A joint beyond its limit is moved back, no more than
-    ``settings.joint_step`` a tick, while the other joints make up for it.
+    Each level acts only through joint displacements that do not affect higher levels. An
+    orthonormal basis of the rows above makes the projection exact, for all ranks. Steps are damped
+    near singularities, the basis never. If a level would make the sum too long, its own step is
+    shortened as a whole. A joint that a level would push past a limit is fixed for that level and
+    those below it. The level is then solved again with the other joints, so that a limit takes
+    nothing from higher levels. A joint beyond its limit is moved back by at most
+    ``settings.joint_step`` a tick, while the other joints compensate.
 
-    Where a level cannot achieve its displacement, its step is Newton's, by the Hessians of its
+    If a level cannot achieve its displacement, its step is Newton's, by the Hessians of its
     coordinates and of the levels above (``second_order``). The directions in which it is displaced
-    by the square of a step are kept from the levels below, so that all come to rest.
+    by the square of a step are withheld from the levels below, so that all come to rest.
 
-    Jacobians at the start of a tick let a lower level move those above by the square of its step;
-    those at its middle, by the cube. Jacobians are therefore extrapolated half a tick ahead:
-    linearly from one earlier tick, quadratically from two.
+    With Jacobians at the start of a tick, a lower level moves those above by the square of its
+    step. With Jacobians at its middle, it moves them by the cube. Jacobians are therefore
+    extrapolated half a tick ahead: linearly from one earlier tick, quadratically from two.
 
     Args:
         lower: Lower joint limits, rad, shape (n,); may be infinite.
         upper: Upper joint limits, rad, shape (n,).
-        settings: Guards.
-        steps: Largest displacement of each joint in a tick, rad, shape (n,), where it is less than
+        settings: Guards of the law.
+        steps: Largest displacement of each joint in a tick, rad, shape (n,), if it is less than
             that of the guards.
 
     Raises:
-        ValueError: the margin leaves a joint no room.
+        ValueError: If the margin leaves a joint no room.
     """
 
     def __init__(
@@ -162,30 +162,30 @@ class Law:
 
     @property
     def arrays(self) -> tuple[Floats, Floats, Floats]:
-        """Limits (2, n), largest steps (n,) and guards (3,), as ``reference.move`` takes them."""
+        """Limits (2, n), largest steps (n,) and guards (3,), in the form of ``reference.move``."""
         return self._limits, self._steps, self._guards
 
     def solve(self, levels: Sequence[Level], q: Floats) -> Step:
-        """One tick's displacement for levels that have no past.
+        """Return one tick's displacement for levels without history.
 
         Args:
-            levels: highest priority first.
-            q: joint positions, rad, shape (n,).
+            levels: Levels, highest priority first.
+            q: Joint positions, rad, shape (n,).
 
         Raises:
-            SignalError: the posture or a level is not finite, or a level's shape does not fit.
+            SignalError: If the posture or a level is not finite, or a level's shape does not fit.
         """
         return self.compose(Stack.of(levels, len(q)), q)
 
     def compose(self, stack: Stack, q: Floats) -> Step:
-        """Compose one tick's displacement of a stack, whose levels may have acted before.
+        """Return one tick's displacement of a stack, whose levels may have acted earlier.
 
         Args:
-            stack: Levels of this tick and those before.
+            stack: Levels of this tick and the preceding ones.
             q: Joint positions, rad, shape (n,).
 
         Raises:
-            SignalError: The posture or a level is not finite.
+            SignalError: If the posture or a level is not finite.
         """
         step = Step.of(stack)
         compose(

@@ -1,4 +1,4 @@
-"""One controller's part in the law in one tick."""
+"""Contribution of one controller to the law in one tick."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from cbdsl.control.signal import Floats
 
 
 class LevelArrays(NamedTuple):
-    """Levels of a stack as compiled code takes them: k task coordinates of n joints.
+    """Levels of a stack in the form of compiled code: k task coordinates of n joints.
 
     Attributes:
         rows: Task coordinates per joint in three ticks, highest priority first, shape (3, k, n).
-        ages: Number of ticks for which each level has rows, up to 3; 0 for one that does not act,
-            shape (levels,).
+        ages: Number of ticks for which each level has rows, up to 3; 0 for a level that does not
+            act, shape (levels,).
         requested: Requested displacement of the task coordinates in this tick, shape (k,).
         ends: Index after the last row of each level, shape (levels,).
         fractions: Share of the way to its target that each level requests in a tick, above 0 and

@@ -1,14 +1,14 @@
-"""Guards of loads: bounds on the force of a finger or hand that motion gives way to; compiled.
+"""Guards of loads: bounds on the force of a finger or hand to which motion yields; compiled.
 
-The law composes a tick's displacement as if there were no bound. Where that would press further on
-what is touched than a guard allows, what is left of the tips' motion becomes the level of highest
-priority, and the law composes again, so that whatever the bound leaves is still done in order of
-priority. Towards the bound a hand may approach ever more slowly; beyond it, it backs off, and
-references that press from afar come back to their joints.
+The law composes a tick's displacement as if there were no bound. It may press on the touched object
+further than a guard allows. Then the admissible part of the tips' motion becomes the level of
+highest priority. The law then composes again, so that the remaining motion respects the priorities.
+Towards the bound, a hand approaches ever more slowly. Beyond it, the hand backs off, and references
+that press from afar return to their joints.
 
-A contact anywhere on an arm is felt by its joints: what their drives exert beyond the weight of the
-links. There is no tip then, and no place of contact; the motion of the joints gives way along the
-torques.
+A contact anywhere on an arm is measured by its joints: the torques of their drives in excess of the
+links' weight. There is then no tip and no place of contact; the motion of the joints yields along
+the torques.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, dot, fill, norm, scale
 
-#: Speed with which a hand approaches what it does not press on, and backs off from twice the bound.
+#: Speed of a hand that approaches without contact, and that backs off from twice the bound.
 PACE = 0.04  # m/s
-#: The same of joints that feel a contact somewhere on their arm.
+#: The same speed for joints that detect a contact somewhere on their arm.
 JOINT_PACE = 0.1  # rad/s
-#: Most joints of an arm that is guarded.
+#: Largest number of joints of a guarded arm.
 MOST_JOINTS = 32
 
 # Share of a pressing lead that is left after a tick beyond the bound.
@@ -35,10 +35,11 @@ _KEPT = 0.8
 # Share of the bound below which a guard does nothing.
 _NEAR = 0.5
 
-#: A guard: the first load cell and the one after its last, whose forces add up; the row whose
-#: Jacobian is that of their place; the bound, N; the pace, m per tick; the force in this tick, N,
-#: and whether the motion gave way to it. Where it is one of joints, their number, otherwise 0, and
-#: their torques in this tick, N m; the row is then of their positions, and units are N m and rad.
+#: Guard of load cells or joints. ``first`` and ``last`` are the first load cell and the one after
+#: the last, whose forces add up. ``row`` has the Jacobian of their place. The other fields are the
+#: bound, N; the pace, m per tick; the force in this tick, N; and whether the motion yielded. For a
+#: guard of joints, ``joints`` is their number, otherwise 0, and ``torques`` are their torques in
+#: this tick, N m. The row is then of their positions, and units are N m and rad.
 LOAD_GUARD = np.dtype(
     [
         ("first", np.int64),
@@ -72,17 +73,18 @@ def give_way(
     locked: Booleans,
     values: Floats,
 ) -> None:
-    """Compose a displacement again, below the guards that it would violate.
+    """Compose a displacement again that respects the violated guards.
 
     Args:
-        load_guards: shape (g,) of ``LOAD_GUARD``; each becomes whether it held.
-        loads: of the load cells, N, world frame, shape (cells, 6).
-        table, jacobian: of the signal table.
-        reference: of all joints, rad, shape (all,); leads of pressing joints shrink beyond a bound.
-        here: measured positions of the levels' joints, rad, shape (n,).
-        total: displacement of these, rad, shape (n,); becomes the one that gives way.
+        load_guards: Guards, shape (g,) of ``LOAD_GUARD``; the field ``held`` is updated.
+        loads: Loads of the load cells, N, world frame, shape (cells, 6).
+        table, jacobian: Signal table and its Jacobian.
+        reference: References of all joints, rad, shape (all,); leads of pressing joints shrink
+            beyond a bound.
+        here: Measured positions of the levels' joints, rad, shape (n,).
+        total: Displacement of these, rad, shape (n,); becomes the yielding displacement.
 
-    The others are those of ``reference.move``.
+    The other arguments are those of ``reference.move``.
     """
     joints, held, last, room = len(columns), 0, 0, 0
     for number in range(len(load_guards)):
@@ -100,7 +102,7 @@ def give_way(
         guard.held = share > _NEAR and pressing > most
         if not guard.held:
             continue
-        # Across the force the tip moves as before, or it would slide aside instead.
+        # Across the force the tip moves as requested; otherwise it would slide aside.
         add(way, force, most - pressing)
         normal, allowed[held] = normals[held], most
         for k in range(size):
@@ -110,7 +112,7 @@ def give_way(
             _relieve(reference, here, columns, normal)
     if held == 0:
         return
-    # Two levels: along the forces, and below that all of the tips' motion.
+    # Two levels: along the forces, and below that the whole motion of the tips.
     size, first = len(levels.requested), held + last
     rows, ages = levels.rows, levels.ages
     own_rows = np.zeros((rows.shape[0], first + size, joints))
@@ -123,7 +125,7 @@ def give_way(
     own_wanted, own_values = np.empty(first + size), np.zeros(first + size)
     own_wanted[:held], own_wanted[held:first] = allowed[:held], ways[:last]
     own_wanted[first:] = levels.requested
-    # Guards act for a few ticks and at first order.
+    # First order suffices, because guards act for a few ticks only.
     below = LevelArrays(
         own_rows, own_ages, own_wanted, own_ends, np.ones(2 + len(ages)),
         np.zeros(2 + len(ages), np.bool_), np.zeros((0, joints, joints)),
@@ -134,7 +136,7 @@ def give_way(
 
 @compiled
 def _add_up(guard: Any, loads: Floats, force: Floats) -> None:
-    """Find a guard's force; ``force`` becomes its direction, shape (k,), 0 without any."""
+    """Compute a guard's force; ``force`` becomes its direction, shape (k,), or 0 without force."""
     fill(force, 0.0)
     for joint in range(guard.joints):
         force[joint] = guard.torques[joint]
@@ -147,7 +149,7 @@ def _add_up(guard: Any, loads: Floats, force: Floats) -> None:
 
 @compiled
 def _place(jacobian: Floats, columns: Integers, total: Floats, tip: Floats, way: Floats) -> None:
-    """Find how a tip moves per joint, shape (k, n), and by a displacement, m, shape (k,)."""
+    """Compute a tip's motion per joint, shape (k, n), and by a displacement, m, shape (k,)."""
     for k in range(len(tip)):
         for place in range(len(columns)):
             tip[k, place] = jacobian[k, columns[place]]
@@ -156,7 +158,7 @@ def _place(jacobian: Floats, columns: Integers, total: Floats, tip: Floats, way:
 
 @compiled
 def _relieve(reference: Floats, here: Floats, columns: Integers, normal: Floats) -> None:
-    """Let references that lead their joints come back along a force, where they press."""
+    """Reduce the leads of references along a force if they press."""
     lead, square = 0.0, dot(normal, normal)
     for place in range(len(columns)):
         lead += normal[place] * (reference[columns[place]] - here[place])

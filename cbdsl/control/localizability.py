@@ -1,16 +1,16 @@
-"""The measure of localizability (Section 3.1.3 c, Eq 3.6).
+"""Measure of localizability (Section 3.1.3 c, Eq 3.6).
 
-phi = 1 / sqrt(det(J^T J)), with J the sensitivity of two headings to displacements. The headings
-are those of the source, one angle each (SO(2), Table 3.1): the angles at the two cameras in the
-plane through both and the seen point. J is their derivative by displacements of the point in that
-plane, 2 x 2. With the point's distances r_l and r_r from the cameras and d from the baseline b,
-phi = (r_l r_r)^2 / (b d), in m^2/rad^2. It falls to 0 as the point comes near a camera. (Printed
-is the inverse Jacobian, with which phi would rise instead.) A baseline of 36.5 cm gives the ratios
-of Table 3.2 within 2.2 %; with azimuth and elevation, J of shape (4, 3), no baseline does within 7
-%.
+phi = 1 / sqrt(det(J^T J)), with J the sensitivity of two headings to displacements. As in the
+source, a heading is one angle (SO(2), Table 3.1). It is the angle at a camera in the plane through
+both cameras and the seen point. J is their derivative by displacements of the point in that plane,
+2 x 2. The point has the distances r_l and r_r from the cameras and d from the baseline b. Then phi
+= (r_l r_r)^2 / (b d), in m^2/rad^2. It falls to 0 as the point comes near a camera. (The source
+prints the inverse Jacobian, with which phi would rise instead.) A baseline of 36.5 cm gives the
+ratios of Table 3.2 within 2.2 %. With azimuth and elevation, J of shape (4, 3), no baseline does
+within 7 %.
 
-The feedback has azimuth and elevation of both cameras. They are a function of the point, the middle
-between the lines of sight where these come nearest to each other.
+The feedback consists of azimuth and elevation of both cameras. They determine the point: the middle
+between the lines of sight at their nearest approach.
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ from cbdsl.program.controller import Controller
 from cbdsl.sensing.kinematics import Frame
 from cbdsl.sensing.stereo import cross_rays
 
-# Heights above the baseline, in baselines, that are none: there phi has no bound and no gradient.
+# Smallest height above the baseline, in baselines; on it phi has no bound and no gradient.
 _NO_HEIGHT = 1e-6
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
-    """The localizability of a controller as the robot's cameras see.
+    """Return the localizability of a controller by the robot's cameras.
 
     Raises:
-        ValueError: there are not two cameras, or they are in the same place.
+        ValueError: If there are not two cameras, or they are in the same place.
     """
     return seen_by(setting.cameras)
 
 
 def seen_by(cameras: Sequence[Frame]) -> Potential:
-    """The localizability by a left and a right camera, in one frame that moves with them."""
+    """Return the localizability by a left and a right camera, in one frame that moves with them."""
     if len(cameras) != 2:
         raise ValueError("localizability needs two cameras that keep their distance")
     if not np.linalg.norm(cameras[0].position - cameras[1].position) > 0.0:
@@ -60,7 +60,7 @@ def _refuse(value: Floats, reference: Floats) -> str:
 def uncertainty(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """phi of two headings, rad; parameters: the cameras' positions and rotations."""
+    """Return phi of two headings, rad; parameters: the cameras' positions and rotations."""
     left, right = parameters[:3], parameters[12:15]
     rays, turns, point, gradient = np.empty((2, 3)), np.empty((2, 3)), np.empty(3), np.empty(3)
     for eye in range(2):
@@ -79,7 +79,7 @@ def uncertainty(
 
 @compiled
 def _look(rotation: Floats, azimuth: float, elevation: float, ray: Floats) -> None:
-    """The unit vector with a heading, turned by a rotation, row by row, shape (3,)."""
+    """Write the unit vector of a heading, turned by a row-major rotation, shape (3,)."""
     level = math.cos(elevation)
     x, y, z = level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)
     for i in range(3):
@@ -90,7 +90,7 @@ def _look(rotation: Floats, azimuth: float, elevation: float, ray: Floats) -> No
 def _differentiate_by_heading(
     rotation: Floats, turn: Floats, value: Floats, eye: int, slope: Floats
 ) -> None:
-    """The derivative by a camera's heading, from that by the direction of its line of sight."""
+    """Write the derivative by a camera's heading from that by its line of sight."""
     own = np.empty(3)
     for k in range(3):
         own[k] = rotation[k] * turn[0] + rotation[3 + k] * turn[1] + rotation[6 + k] * turn[2]
@@ -103,7 +103,7 @@ def _differentiate_by_heading(
 
 @compiled
 def _square_of_distances(left: Floats, right: Floats, point: Floats, gradient: Floats) -> float:
-    """phi and its gradient by the point, shape (3,); NaN on the line of the baseline."""
+    """Return phi and write its gradient by the point, shape (3,); NaN on the baseline's line."""
     baseline, to_left, to_right, across = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     for i in range(3):
         baseline[i] = right[i] - left[i]
@@ -126,15 +126,15 @@ def _square_of_distances(left: Floats, right: Floats, point: Floats, gradient: F
 def _differentiate_by_rays(
     by_point: Floats, point: Floats, left: Floats, right: Floats, rays: Floats, turns: Floats
 ) -> None:
-    """A gradient by the directions of the lines of sight, from that by the triangulated point.
+    """Write the gradient by the lines of sight from that by the triangulated point.
 
-    The point x minimises the sum of its squared distances from both lines: with their origins o
-    and directions u, A x = sum (I - u u^T) o, where A = sum (I - u u^T). A change du of one
-    direction moves it by A^-1 ((u . s) du + u (du . s)), s = x - o. The gradient g enters by
-    y = A^-1 g, which is (g + a u_l + b u_r) / 2, where a = y . u_l and b = y . u_r.
+    The point x minimises the sum of its squared distances from both lines. With their origins o and
+    directions u, A x = sum (I - u u^T) o, where A = sum (I - u u^T). A change du of one direction
+    moves it by A^-1 ((u . s) du + u (du . s)), s = x - o. The gradient g enters by y = A^-1 g,
+    which is (g + a u_l + b u_r) / 2, where a = y . u_l and b = y . u_r.
 
     Args:
-        turns: becomes the gradient by the left, then the right direction, shape (2, 3).
+        turns: Becomes the gradient by the left, then the right direction, shape (2, 3).
     """
     cosine = dot(rays[0], rays[1])
     along_left, along_right = dot(by_point, rays[0]), dot(by_point, rays[1])

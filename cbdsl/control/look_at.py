@@ -1,9 +1,9 @@
-"""The potential of looking at a point: an axis of the tip points there (after Eq 3.1).
+"""Potential of pointing an axis of the tip at a point (after Eq 3.1).
 
 phi = theta^2 / 2 with theta the angle between the axis and the line from the tip to the point. The
-residual is the turn from the one to the other, in the tip's two other axes: about the line of sight
-the tip may turn, and along it it may move. What it does across the line changes the angle the more,
-the nearer the point is.
+residual is the turn from the axis to the line, in the tip's two other axes. The tip may turn about
+the line of sight and move along it. Motion across the line changes the angle more if the point is
+nearer.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from cbdsl.control.setting import Setting
 from cbdsl.control.signal import Floats
 from cbdsl.program.controller import Controller
 
-# A point as near to the tip has no direction from it, m.
+# Smallest distance of a point that has a direction from the tip, m.
 _NEAREST = 1e-6
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
-    """The look of a controller's tip, along its z axis unless it says another."""
+    """Return the pointing potential of a controller's tip, by default along its z axis."""
     return look_at(controller.free_axis or "z")
 
 
 def look_at(axis: str) -> Potential:
-    """The look along an axis of the tip, ``x``, ``y`` or ``z``."""
+    """Return the pointing potential along an axis of the tip, ``x``, ``y`` or ``z``."""
     parameters = np.array([float("xyz".index(axis))])
     return Potential(view, 2, parameters=parameters, refuse=_refuse)
 
@@ -41,7 +41,7 @@ def _refuse(value: Floats, reference: Floats) -> str:
 def view(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the square of the angle between an axis of a pose and a point; parameter: the axis.
+    """Return half the squared angle between an axis of a pose and a point; parameter: the axis.
 
     The point is the first three components of the reference.
     """
@@ -54,7 +54,7 @@ def view(
     for i in range(3):
         line[i] /= distance
     rotation = value[3:]
-    # Turns about the tip's two other axes s, and moves along s x line as fast as they turn there.
+    # Turns about the tip's two other axes s, and equivalent translations along s x line.
     for i in range(2):
         for k in range(3):
             slope[i, 3 + k] = rotation[(axis + 1 + i) % 3 + 3 * k]

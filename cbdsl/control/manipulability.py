@@ -1,15 +1,15 @@
-"""The measure of manipulability (Section 3.1.3 b, Eq 3.5).
+"""Measure of manipulability (Section 3.1.3 b, Eq 3.5).
 
 phi = -w with w = sqrt(det(J J^T)), the volume that a ball of joint velocities is mapped to. The
-value is J itself, and its Jacobian the curvature, so that dphi/dJ is all that is to be known here.
-The derivative of w by the entries of J is w (J J^T)^-1 J. The singular values s_i of J, with
-singular vectors u_i and v_i, give it as sum_i (w / s_i) u_i v_i^T, products of the other singular
-values, which is bounded everywhere. At a singularity itself w has a kink: one vanishing s_i, and a
-v_i that may be any null vector of J. Whichever is taken, the gradient points to where w grows, if
-it does not vanish.
+value is J itself, and its Jacobian the curvature, so that only dphi/dJ is needed here. The
+derivative of w by the entries of J is w (J J^T)^-1 J. With the singular values s_i of J and
+singular vectors u_i and v_i, it is sum_i (w / s_i) u_i v_i^T. The factors are products of the other
+singular values, so that it is bounded everywhere. At a singularity w has a kink: one s_i vanishes,
+and v_i may be any null vector of J. For every choice, the gradient points to growing w unless it
+vanishes.
 
-Several tips at once, as rows of one Jacobian, give the product of their manipulabilities where they
-have no joint in common.
+Several tips simultaneously, as rows of one Jacobian, give the product of their manipulabilities if
+they have no joint in common.
 """
 
 from __future__ import annotations
@@ -26,23 +26,23 @@ from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, copy, dot, fill, norm
 from cbdsl.program.controller import Controller
 
-# The determinant of J J^T above which, as part of its trace to the m-th power, J is so far from a
-# singularity that squaring its condition costs no more than 1e-7 of the gradient.
+# Determinant of J J^T, as part of its trace to the m-th power, above which J is far from a
+# singularity. Squaring its condition then costs no more than 1e-7 of the gradient.
 _CLEAR = 1e-9
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
-    """The manipulability of a controller's tips by its joints.
+    """Return the manipulability of a controller's tips by its joints.
 
     Raises:
-        ValueError: it has fewer joints than components that they would have to move.
+        ValueError: If there are fewer joints than components to move.
     """
     joints = len(controller.joints)
     return of_jacobian(setting.components // joints, joints)
 
 
 def of_jacobian(rows: int, joints: int) -> Potential:
-    """The manipulability of a Jacobian of shape (rows, joints), row by row."""
+    """Return the manipulability of a Jacobian of shape (rows, joints), in row-major order."""
     if rows > joints:
         raise ValueError(
             f"{joints} joints cannot all move {rows} components: "
@@ -55,7 +55,7 @@ def of_jacobian(rows: int, joints: int) -> Potential:
 def volume(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """-w of a Jacobian; parameter: how many rows it has."""
+    """Return -w of a Jacobian; parameter: its number of rows."""
     rows = int(parameters[0])
     jacobian = value.reshape((rows, len(value) // rows))
     gradient = slope[0].reshape(jacobian.shape)
@@ -75,7 +75,7 @@ def volume(
 
 @compiled
 def _gram(rows: Floats) -> tuple[Floats, float]:
-    """J J^T, its lower triangle, and its trace."""
+    """Return the lower triangle of J J^T, and its trace."""
     products, trace = np.empty((len(rows), len(rows))), 0.0
     for i in range(len(rows)):
         for j in range(i + 1):
@@ -86,7 +86,7 @@ def _gram(rows: Floats) -> tuple[Floats, float]:
 
 @compiled
 def _factorize(gram: Floats) -> float:
-    """Make the lower triangle of a Gram matrix (m, m) L (Cholesky); returns its determinant."""
+    """Replace a Gram matrix's lower triangle (m, m) by L (Cholesky); return its determinant."""
     square = 1.0
     for i in range(len(gram)):
         for j in range(i + 1):
@@ -119,7 +119,7 @@ def _solve(lower: Floats, solution: Floats) -> None:
 
 @compiled
 def _volume_near_singularity(jacobian: Floats, gradient: Floats) -> float:
-    """w from singular values, and minus its derivative by the Jacobian's entries (m, n)."""
+    """Return w from singular values; write minus its derivative by the Jacobian (m, n)."""
     rows, size = len(jacobian), 1.0
     turned, left, sizes = np.empty(jacobian.shape), np.eye(rows), np.empty(rows)
     for i in range(rows):
@@ -143,7 +143,7 @@ def _volume_near_singularity(jacobian: Floats, gradient: Floats) -> float:
 
 @compiled
 def _right_vector(turned: Floats, sizes: Floats, place: int, direction: Floats) -> None:
-    """The right singular vector of one row; a null vector where its singular value vanishes."""
+    """Write the right singular vector of one row, or a null vector if its value vanishes."""
     largest = 0.0
     for i in range(len(sizes)):
         largest = max(largest, sizes[i])

@@ -14,28 +14,29 @@ from cbdsl.control.signal import Floats
 Values = NDArray[Any]
 """Single or double precision."""
 
-# Two sweeps of weighted Jacobi iteration; together they damp what a coarser grid cannot represent.
+# Two sweeps of weighted Jacobi iteration damp the errors that a coarser grid cannot represent.
 _WEIGHTS = (0.6, 1.1)
 _COARSEST_WEIGHTS = _WEIGHTS * 4
 _CYCLES = 200
-# So many numbers of each operand fit into a core's cache together.
+# Number of elements of each operand that fit into a core's cache together.
 _STRETCH = 1 << 15
 
 
 class ConvergenceError(ArithmeticError):
-    """The iteration did not become as accurate as was asked for."""
+    """Failure of the iteration to reach the requested accuracy."""
 
 
 class Multigrid:
-    """Solves 2 n u_i - sum of the neighbours' u = b_i on free vertices, with u = 0 elsewhere.
+    """Solver of 2 n u_i - sum of the neighbours' u = b_i on free vertices, with u = 0 elsewhere.
 
     Conjugate gradients, preconditioned by one V-cycle of geometric multigrid [Tatebe 1993]. A
-    coarser grid takes every second vertex along each axis and what is free there; corrections are
-    interpolated linearly. Nothing is assembled, so that new obstacles cost no more than a mask.
-    The cycle works in single precision, which halves its traffic; residuals and sums are double.
+    coarser grid takes every second vertex along each axis, free if it is free in the finer grid.
+    Corrections are interpolated linearly. No matrix is assembled, so that new obstacles cost no
+    more than a mask. The cycle works in single precision, which halves its memory traffic;
+    residuals and sums are double.
 
     Args:
-        free: which vertices are unknowns, n-dimensional; the grid's border must not be free.
+        free: True for unknown vertices, n-dimensional; the grid's border must not be free.
     """
 
     def __init__(self, free: Booleans) -> None:
@@ -50,19 +51,20 @@ class Multigrid:
     def solve(
         self, source: Floats, start: Floats | None = None, *, accuracy: float, floor: float
     ) -> tuple[Floats, int]:
-        """Iterate until each u_i is the mean of its neighbours, up to a share of itself.
+        """Iterate until each u_i is the mean of its neighbours, up to a relative error.
 
         Args:
-            source: b, of the grid's shape, not negative and not 0 everywhere.
-            start: where to begin; a solution for a similar source saves cycles.
-            accuracy: largest residual at a vertex, as a share of u there.
-            floor: share of the largest u below which residuals are compared with that instead.
+            source: Right side b, with the grid's shape, not negative and not 0 everywhere.
+            start: Initial solution; one for a similar source saves cycles.
+            accuracy: Largest residual at a vertex, as a share of u there.
+            floor: Share of the largest u below which residuals are compared with that share
+                instead.
 
         Returns:
-            u, of the grid's shape, and how many cycles it took.
+            u, with the grid's shape, and the number of cycles.
 
         Raises:
-            ConvergenceError: it takes more than 200 cycles.
+            ConvergenceError: If more than 200 cycles are needed.
         """
         finest, shape = self._finest, source.shape
         u = np.zeros(source.size) if start is None else start.ravel() * finest.mask
@@ -73,7 +75,7 @@ class Multigrid:
             if _accurate(u, residual, accuracy, floor):
                 return u.reshape(shape), cycle
             z = self._cycle(residual.astype(np.float32), 0).astype(np.float64)
-            # Rounding makes the cycle differ a little each time: the flexible variant allows it.
+            # Rounding makes the cycle differ slightly each time; the flexible variant tolerates it.
             direction *= (_dot(z, residual) - _dot(z, before)) / slope
             direction += z
             slope = _dot(z, residual)
@@ -84,7 +86,7 @@ class Multigrid:
         raise ConvergenceError(f"no convergence in {_CYCLES} cycles")
 
     def _cycle(self, b: Values, depth: int) -> Values:
-        """One V-cycle from 0; symmetric, as conjugate gradients need it."""
+        """Return one V-cycle from 0; symmetric, as conjugate gradients require."""
         level = self._levels[depth]
         if depth + 1 == len(self._levels):
             return level.relax(None, b, _COARSEST_WEIGHTS)
@@ -99,7 +101,7 @@ class Multigrid:
 
 
 class _Level:
-    """One grid: the equation's residual, and relaxation."""
+    """Grid level with the equation's residual and relaxation."""
 
     def __init__(self, free: Booleans, kind: type[np.floating[Any]]) -> None:
         self.shape = free.shape
@@ -108,10 +110,10 @@ class _Level:
         self._diagonal = kind(2 * free.ndim)
 
     def residual(self, u: Values, b: Values | None = None) -> Values:
-        """b + sum of neighbours - 2 n u where vertices are free, 0 elsewhere."""
+        """Return b + sum of neighbours - 2 n u on free vertices, 0 elsewhere."""
         residual = np.zeros_like(u)
         border = self._strides[0]
-        # Across the border neighbours are those of other rows, but there the mask is 0.
+        # Beyond the border, neighbours belong to other rows, but there the mask is 0.
         for start in range(border, u.size - border, _STRETCH):
             stop = min(start + _STRETCH, u.size - border)
             part = residual[start:stop]
@@ -125,7 +127,7 @@ class _Level:
         return residual
 
     def relax(self, u: Values | None, b: Values, weights: Sequence[float]) -> Values:
-        """Sweeps of weighted Jacobi iteration, from 0 without ``u``."""
+        """Return u after sweeps of weighted Jacobi iteration, from 0 without ``u``."""
         for weight in weights:
             change = b * self.mask if u is None else self.residual(u, b)
             change *= weight / self._diagonal
@@ -138,14 +140,14 @@ class _Level:
 
 
 def neighbour_sum(u: Floats) -> Floats:
-    """The sum of each vertex's neighbours, for vertices inside the border."""
+    """Return the sum of each vertex's neighbours, for vertices inside the border."""
     flat = u.ravel()
     around = _Level(np.ones(u.shape, bool), np.float64).residual(flat, 2.0 * u.ndim * flat)
     return around.reshape(u.shape)
 
 
 def _dot(a: Values, b: Values) -> float:
-    # Unlike a product of matrices, this starts no threads, which cost more than they save here.
+    # Unlike a matrix product, this starts no threads, which cost more than they save here.
     return float(np.einsum("i,i->", a, b))
 
 
@@ -157,7 +159,7 @@ def _accurate(u: Floats, residual: Floats, accuracy: float, floor: float) -> boo
 
 
 def _coarser(free: Booleans) -> Booleans:
-    """Every second vertex along each axis, with a border where the number is odd or even."""
+    """Return every second vertex along each axis, with a border for odd and even numbers."""
     for axis in range(free.ndim):
         rows = np.moveaxis(free, axis, 0)
         half = np.zeros((rows.shape[0] // 2 + 1, *rows.shape[1:]), bool)
@@ -168,7 +170,7 @@ def _coarser(free: Booleans) -> Booleans:
 
 
 def _restricted(fine: Values) -> Values:
-    """Weighted means (1/4, 1/2, 1/4 along each axis) around every second vertex."""
+    """Return weighted means (1/4, 1/2, 1/4 along each axis) around every second vertex."""
     for axis in range(fine.ndim):
         rows = np.moveaxis(fine, axis, 0)
         half = np.zeros((rows.shape[0] // 2 + 1, *rows.shape[1:]), fine.dtype)
@@ -183,7 +185,7 @@ def _restricted(fine: Values) -> Values:
 
 
 def _prolonged(coarse: Values, shape: tuple[int, ...]) -> Values:
-    """Linear interpolation along each axis, cut to ``shape``."""
+    """Return linear interpolation along each axis, cut to ``shape``."""
     for axis, count in enumerate(shape):
         rows = np.moveaxis(coarse, axis, 0)
         fine = np.empty((2 * len(rows) - 1, *rows.shape[1:]), coarse.dtype)

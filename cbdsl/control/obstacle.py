@@ -1,4 +1,4 @@
-"""Obstacles that a motion keeps away from."""
+"""Obstacles that a motion avoids."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ Floats = NDArray[np.float64]
 
 
 class Obstacle(NamedTuple):
-    """All points within ``radius`` of a box: a sphere where the box is a point.
+    """Set of points within ``radius`` of a box: a sphere if the box is a point.
 
     Attributes:
-        name: what messages call it.
-        lower: the box's lower corner, in the unit of the space, shape (n,).
-        upper: its upper corner, shape (n,).
-        radius: how far the obstacle reaches beyond the box, in the same unit.
+        name: Name for messages.
+        lower: Lower corner of the box, in the unit of the space, shape (n,).
+        upper: Upper corner of the box, shape (n,).
+        radius: Extent of the obstacle beyond the box, in the same unit.
     """
 
     name: str
@@ -27,22 +27,22 @@ class Obstacle(NamedTuple):
 
     @classmethod
     def sphere(cls, name: str, centre: Floats, radius: float) -> Obstacle:
-        """All points within ``radius`` of ``centre``, shape (n,)."""
+        """Return the obstacle of all points within ``radius`` of ``centre``, shape (n,)."""
         return cls(name, centre, centre, radius)
 
     def grown(self, clearance: float) -> Obstacle:
-        """The obstacle with all that is nearer to it than ``clearance``."""
+        """Return the obstacle enlarged by a clearance."""
         return self._replace(radius=self.radius + clearance)
 
     def around(self, goal: Floats, shaft: float) -> list[Obstacle]:
-        """Parts of the obstacle that a shaft through it leaves.
+        """Return the parts of the obstacle that a shaft through it leaves.
 
         Args:
-            goal: the middle of the shaft, shape (n,), n >= 2.
-            shaft: half of its width along the first two axes.
+            goal: Middle of the shaft, shape (n,), n >= 2.
+            shaft: Half of its width along the first two axes.
 
         Returns:
-            Boxes of the same name, up to four.
+            Up to four boxes of the same name.
         """
         low, high = goal - shaft, goal + shaft
         sides = (  # corners along the first two axes
@@ -61,18 +61,18 @@ class Obstacle(NamedTuple):
         return boxes
 
     def gaps(self, coordinates: Floats, axis: int) -> Floats:
-        """How far coordinates along one axis lie beside the box, 0 where they lie within."""
+        """Return distances of coordinates along one axis from the box, 0 within it."""
         below, above = self.lower[axis] - coordinates, coordinates - self.upper[axis]
         beside: Floats = np.maximum(np.maximum(below, above), 0.0)
         return beside
 
     def distance(self, point: Floats) -> float:
-        """From the surface to a point, shape (n,); negative or 0 inside."""
+        """Return the distance from the surface to a point, shape (n,); negative or 0 inside."""
         beside = np.maximum(np.maximum(self.lower - point, point - self.upper), 0.0)
         return float(np.linalg.norm(beside)) - self.radius
 
     def differs(self, other: Obstacle, tolerance: float) -> bool:
-        """Whether some corner or the radius is off by more than ``tolerance``."""
+        """Return whether a corner or the radius differs by more than ``tolerance``."""
         return self.name != other.name or not (
             np.abs(self.lower - other.lower).max() <= tolerance
             and np.abs(self.upper - other.upper).max() <= tolerance

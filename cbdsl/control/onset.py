@@ -1,15 +1,15 @@
-"""Onset of contact: a load that has changed from what it was at first; compiled.
+"""Onset of contact: a change of a load from its initial mean; compiled.
 
-What a hand holds weighs on its load cells until something else bears it. The mean of the load is
-that weight. The change from it, low-pass filtered, counts as contact once it has lasted, and only
-while the hand moves slowly: a load that is accelerated changes, too.
+A held object weighs on the load cells of the hand until something else supports it. The mean of the
+load is that weight. The low-pass filtered change from it counts as contact after a minimum
+duration. It counts only while the hand moves slowly, because acceleration also changes a load.
 
-A hand that presses on a table, drags an object, or slips off it, feels a changed load as well.
-Three conditions tell a support from these. Before the change the hand bore a load against its
-direction, as the weight of an object that hangs in the hand. The load had no component across the
-direction: a load that only the hand bears is vertical, and one that something else bears, too, is
-not. And the hand has carried the load against the direction by some distance. Until all hold, the
-mean follows. Measured on objects that hang freely, the component across stays below 0.07 N.
+A hand that presses on a table, drags an object, or slips off it also measures a changed load. Three
+conditions distinguish a support from these cases. First, before the change the hand bore a load
+against its direction, as the weight of an object that hangs in the hand. Second, the load had no
+component across the direction. A load that only the hand bears is vertical; a shared load is not.
+Third, the hand has carried the load against the direction by some distance. Until all hold, the
+mean follows. For objects that hang freely, the measured component across stays below 0.07 N.
 """
 
 from __future__ import annotations
@@ -23,28 +23,27 @@ from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import copy
 
-#: Time in which a change is filtered, and in which the mean forgets, s.
+#: Time constants of the filtered change and of the mean, s.
 _QUICK, _SLOW = 0.05, 0.5
 
-# Largest load across the direction of the change, as a share of the least load borne and of the
+# Largest load across the direction of the change, as a share of the smallest borne load and of the
 # load itself.
 _ACROSS, _SLANT = 0.5, 0.02
 
-#: The state of a slot that waits for a change of its load.
+#: State of a slot that waits for a change of its load.
 ONSET = np.dtype(
     [
-        ("change", np.float64),  # that is waited for
+        ("change", np.float64),  # expected change
         ("along", np.float64, 3),  # direction of the change; 0 along axes that are not compared
         ("lasting", np.int64),  # ticks
-        ("pace", np.float64),  # most displacement of the tip in a tick
+        ("pace", np.float64),  # largest displacement of the tip in a tick
         ("tip", np.int64),  # row of the tip that carries the hand; -1 for none
-        ("borne", np.float64),  # smallest mean load against the direction; -inf for any
-        ("lifted", np.float64),  # how far the tip has to carry it against the direction
-        ("shares", np.float64, 2),  # of a new value, in the filtered load and in the mean
-        ("drift", np.float64),  # most that the mean follows in a tick
-        # The load, filtered and in the mean; where the tip was; the lowest place of the tip since
-        # the load is borne, and how far it has risen from there; for how many ticks there has been
-        # a load, and for how many it has been another.
+        ("borne", np.float64),  # smallest mean load against the direction; -inf for none
+        ("lifted", np.float64),  # distance that the tip has to carry it against the direction
+        ("shares", np.float64, 2),  # weights of a new value, in the filtered load and in the mean
+        ("drift", np.float64),  # largest change of the mean in a tick
+        # Filtered load and its mean; last position of the tip; lowest place of the tip since the
+        # load is borne, and its rise from there; ticks with a load, and ticks with a changed load.
         ("filtered", np.float64, 3),
         ("mean", np.float64, 3),
         ("last", np.float64, 3),
@@ -60,14 +59,14 @@ class OnsetForm(NamedTuple):
     """Constants of a change that a slot waits for.
 
     Attributes:
-        change: of the load, N or N m.
-        along: unit vector of the change, world frame, shape (3,).
-        window: for how long it has to last, s.
-        pace: speed of the tip above which no change counts, m/s.
-        tip: number of the row of the tip's position; -1 for none.
-        period: of the control ticks, s.
-        borne: smallest mean load against ``along`` before the change, N or N m; -inf for any.
-        lifted: how far the tip has to have carried such a load against ``along``, m.
+        change: Change of the load, N or N m.
+        along: Unit vector of the change, world frame, shape (3,).
+        window: Minimum duration of the change, s.
+        pace: Speed of the tip above which no change counts, m/s.
+        tip: Number of the row of the tip's position; -1 for none.
+        period: Period of the control ticks, s.
+        borne: Smallest mean load against ``along`` before the change, N or N m; -inf for none.
+        lifted: Distance that the tip has to carry such a load against ``along``, m.
     """
 
     change: float
@@ -80,7 +79,7 @@ class OnsetForm(NamedTuple):
     lifted: float = 0.0
 
     def record(self) -> tuple[Any, ...]:
-        """An ``ONSET`` at rest."""
+        """Return an ``ONSET`` at rest."""
         lasting = max(1, round(self.window / self.period))
         shares = tuple(1.0 - math.exp(-self.period / time) for time in (_QUICK, _SLOW))
         still = (0.0, 0.0, 0.0)
@@ -99,9 +98,9 @@ def restart_onset(onset: Any) -> None:
 
 @compiled
 def note_load(onset: Any, load: Floats, tip: Floats) -> bool:
-    """Take in a load (3,) and the position of the tip (3,); returns whether the load has changed.
+    """Process a load (3,) and the tip's position (3,); return whether the load has changed.
 
-    From then on nothing is to be noted before ``restart_onset``.
+    After a change, no more loads must be noted before ``restart_onset``.
     """
     onset.ticks += 1
     moved = 0.0
@@ -109,12 +108,12 @@ def note_load(onset: Any, load: Floats, tip: Floats) -> bool:
         moved += (tip[i] - onset.last[i]) ** 2
         onset.last[i] = tip[i]
     if onset.ticks == 1:
-        # A load that is there from the beginning has not changed, however large it is.
+        # An initial load is not a change, however large it is.
         copy(onset.filtered, load, 1.0)
         copy(onset.mean, load, 1.0)
         onset.risen, onset.lowest = 0.0, math.inf
         return False
-    # At first a plain mean: it has nothing to forget.
+    # Initially a plain mean, without forgetting.
     quick = max(onset.shares[0], 1.0 / onset.ticks)
     slow = max(onset.shares[1], 1.0 / onset.ticks)
     change = 0.0
@@ -127,9 +126,9 @@ def note_load(onset: Any, load: Floats, tip: Floats) -> bool:
         return bool(onset.changed >= onset.lasting)
     onset.changed = 0
     if is_carried:
-        # The nearer to contact, the less the mean follows what may become one.
+        # The nearer to contact, the less the mean follows a possible onset.
         slow *= min(max(1.0 - change / onset.change, 0.0), 1.0)
-    # Jolts it follows slowly.
+    # The mean follows jolts slowly.
     drift = onset.drift if slow <= onset.shares[1] else math.inf
     for i in range(3):
         onset.mean[i] += min(max(slow * (load[i] - onset.mean[i]), -drift), drift)
@@ -138,7 +137,7 @@ def note_load(onset: Any, load: Floats, tip: Floats) -> bool:
 
 @compiled
 def _is_carried(onset: Any, tip: Floats) -> bool:
-    """Note how far a load is carried; return whether it hangs in the hand, and was lifted."""
+    """Track the rise of a load; return whether it hangs in the hand and was lifted."""
     bears, height, across = 0.0, 0.0, 0.0
     for i in range(3):
         bears -= onset.along[i] * onset.mean[i]

@@ -1,4 +1,4 @@
-"""The plan: the slots of all controllers of a program, in arrays that compiled code shares."""
+"""Plan: slots of all controllers of a program, in arrays that compiled code shares."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ Integers = NDArray[np.int64]
 
 
 class SlotForm(NamedTuple):
-    """The constants of a slot.
+    """Constants of a slot.
 
     Attributes:
-        potential: of the controller.
-        bounds: as of ``rate.bounds_of``, shape (6,).
-        settings: of the predicate, as of ``predicate.settings_of``.
-        feedback: number of the row of its feedback.
-        reference: the same of its reference; -1 for none.
-        funnel: height, the lateral error within which it ends, m, and slope.
-        search: how it acts while its feedback is undefined, or ``None``.
-        requires: whether another controller is required.
-        anchor: number of the row that the feedback is kept in at activation; -1 for none.
-        offset: number of the row by which it is displaced.
-        turned: whether that is a rotation.
-        onset: the change of a load before which it is undefined, or ``None``.
-        watches: whether it is defined although no joint displaces its feedback.
+        potential: Potential of the controller.
+        bounds: Gain and bounds from ``rate.bounds_of``, shape (6,).
+        settings: Settings of the predicate from ``predicate.settings_of``.
+        feedback: Number of the row of its feedback.
+        reference: Number of the row of its reference; -1 for none.
+        funnel: Height, the lateral error within which it ends, m, and slope.
+        search: Behaviour while its feedback is undefined, or ``None``.
+        requires: True if another controller is required.
+        anchor: Number of the row that stores the feedback at activation; -1 for none.
+        offset: Number of the row of its displacement.
+        turned: True if the displacement is a rotation.
+        onset: Load change before which it is undefined, or ``None``.
+        watches: True if it is defined although no joint displaces its feedback.
         carried: True for the position of an object that moves with the hands that hold it.
         spin: Axis of the tip, 0 to 2, about which the task lets it turn; -1 for none.
-        tolerance: largest error at rest, in the unit of the feedback.
-        share: the same as a share of the reference's norm.
+        tolerance: Largest error at rest, in the unit of the feedback.
+        share: Largest error at rest as a share of the reference's norm.
     """
 
     potential: Potential
@@ -61,19 +61,19 @@ class SlotForm(NamedTuple):
 
     @property
     def carrier(self) -> int:
-        """Number of the row of the tip whose motion an onset looks at; -1 for none."""
+        """Number of the row of the tip whose motion an onset observes; -1 for none."""
         return -1 if self.onset is None else self.onset.tip
 
 
 class Search(NamedTuple):
-    """How a controller acts while its feedback is undefined.
+    """Behaviour of a controller while its feedback is undefined.
 
     Attributes:
-        follows: whether it waits for another controller.
-        within: how near that one has to be to its reference, in the unit of its error.
-        until: the search is in vain once ``joints`` are all beyond this position, rad or m.
-        joints: none for a search without end.
-        closing: 1 where beyond is above, -1 where it is below.
+        follows: True if it waits for another controller.
+        within: Largest error of that controller that starts the search, in the unit of its error.
+        until: Position of all ``joints`` beyond which the search ends without success, rad or m.
+        joints: Indices of the joints; empty for a search without end.
+        closing: 1 if beyond is above, -1 if it is below.
     """
 
     follows: bool
@@ -84,17 +84,17 @@ class Search(NamedTuple):
 
 
 class ControllerPlan:
-    """Slots of controllers, which keep their numbers.
+    """Slots of controllers, with constant numbers.
 
     Attributes:
-        slots: shape (s,) of ``tick.SLOT``.
-        parameters: of potentials.
-        before: displacements of task coordinates in the tick before.
-        windows: of predicates.
-        listed: joints that searches look at.
-        onsets: shape (o,) of ``onset.ONSET``.
-        version: changes when the arrays do.
-        notes, predicates, seeking: parts of ``slots``, shapes (s, 6), (s,) and (s,).
+        slots: Slots, shape (s,) of ``tick.SLOT``.
+        parameters: Parameters of the potentials.
+        before: Displacements of task coordinates in the preceding tick.
+        windows: Windows of the predicates.
+        listed: Joints that searches observe.
+        onsets: Onsets, shape (o,) of ``onset.ONSET``.
+        version: Counter that changes with the arrays.
+        notes, predicates, seeking: Views of ``slots``, shapes (s, 6), (s,) and (s,).
     """
 
     def __init__(self) -> None:
@@ -107,10 +107,10 @@ class ControllerPlan:
         self._functions: list[Any] = []
 
     def add(self, form: SlotForm) -> int:
-        """Give a controller a slot; returns its number.
+        """Add a slot for a controller; return its number.
 
         Raises:
-            PotentialError: the potential's function is not one.
+            PotentialError: If the function is not a valid potential.
         """
         potential, number, room = form.potential, len(self.slots), room_of(form.settings)
         search = form.search or Search(False, math.nan, math.nan, ())
@@ -147,22 +147,22 @@ class ControllerPlan:
         return number
 
     def _take_parts(self) -> None:
-        """Take the parts of the slots that are read in every tick."""
+        """Update the views of the slots that are read in every tick."""
         self.notes: Integers = self.slots["notes"]
         self.predicates: Integers = self.notes[:, PREDICATE]
         self.seeking: NDArray[np.bool_] = self.slots["seeking"]
 
     def reset(self, number: int) -> None:
-        """Forget a slot's activation: its controller is idle."""
+        """Reset a slot when its controller becomes idle."""
         reset_slot(self.slots, number, self.before, self.onsets)
 
     @property
     def arrays(self) -> tuple[NDArray[Any], ...]:
-        """As ``tick`` takes them."""
+        """Arrays in the form of ``tick``."""
         return self.slots, self.parameters, self.before, self.windows, self.listed, self.onsets
 
     def _wait(self, form: OnsetForm | None) -> int:
-        """Keep what a slot waits for; returns its number, -1 for nothing."""
+        """Store a slot's load change; return its number, -1 for ``None``."""
         if form is None:
             return -1
         record = np.array([form.record()], ONSET)

@@ -1,9 +1,9 @@
 """Artificial potentials: compiled functions of a value and its reference (Omega_phi, Eq 3.7).
 
-A potential knows neither joints nor gains. It is computed from the value of one row of the signal
-table and that of its reference, in k task coordinates; the control law moves the joints by the
-row's Jacobian. The tick calls potentials by their native addresses, so that another one, of
-whatever package, neither recompiles nor slows it.
+A potential is independent of joints and gains. It is computed from the value of one row of the
+signal table and that of its reference, in k task coordinates. The control law moves the joints by
+the row's Jacobian. The tick calls potentials by their native addresses. Potentials of other
+packages therefore cause no recompilation and no slowdown.
 """
 
 from __future__ import annotations
@@ -39,16 +39,16 @@ _defined: list[Callable[..., float]] = []
 
 
 class PotentialError(ValueError):
-    """A function is not one of a potential; the message says why."""
+    """Function that is not a valid potential; the message says why."""
 
 
 class Rule(IntEnum):
-    """How a potential becomes a displacement of its task coordinates, for a gain of 1.
+    """Rule that turns a potential into a displacement of its task coordinates, for a gain of 1.
 
     Attributes:
-        RESIDUAL: phi is half the square of a residual, and half of it is the Newton step (Eq 3.18).
-        TO_ZERO: phi has one coordinate, itself, and a minimum of 0: the Newton step towards that.
-        DESCENT: the minimum is unknown: the joints move by the negative gradient.
+        RESIDUAL: Half the square of a residual; half of the residual is the Newton step (Eq 3.18).
+        TO_ZERO: Potential with itself as one coordinate and a minimum of 0; Newton step towards 0.
+        DESCENT: Potential with unknown minimum; the joints move by the negative gradient.
     """
 
     RESIDUAL = 0
@@ -57,22 +57,19 @@ class Rule(IntEnum):
 
 
 def potential(function: Function) -> Function:
-    """A compiled potential ``(value, reference, parameters, residual, slope) -> phi``.
+    """Return a compiled potential ``(value, reference, parameters, residual, slope) -> phi``.
 
     Args of the function:
-        value: of the feedback, shape (m,); a rotation row by row, shape (9,); a pose's position
-            before
-            its rotation, shape (12,).
-        reference: shaped like the value, or empty.
-        parameters: of the controller, shape (p,).
-        residual: becomes the error in task coordinates, shape (k,).
-        slope: zeros, becomes the derivative of minus the residual, or of phi where there is no
-            residual,
-            by the rows of the feedback's Jacobian, shape (k, rows); untouched where it is the
-            identity.
+        value: Value of the feedback, shape (m,); a rotation row by row, shape (9,); a pose's
+            position before its rotation, shape (12,).
+        reference: Value of the reference, shaped like the value, or empty.
+        parameters: Parameters of the controller, shape (p,).
+        residual: Becomes the error in task coordinates, shape (k,).
+        slope: Zeros; becomes the derivative of minus the residual, or of phi without a residual, by
+            the rows of the feedback's Jacobian, shape (k, rows); untouched if it is the identity.
 
     Returns:
-        phi; NaN where it cannot be computed.
+        Value of phi; NaN if it cannot be computed.
     """
     kernel = compiled_once(function)
     _defined.append(kernel)
@@ -85,10 +82,10 @@ def defined_potentials() -> Sequence[Callable[..., float]]:
 
 
 def address_of(function: Callable[..., float]) -> int:
-    """The native address of a potential.
+    """Return the native address of a potential.
 
     Raises:
-        PotentialError: it is not compiled, or not for these arguments and a float.
+        PotentialError: If it is not compiled, or not for these arguments and a float.
     """
     name = getattr(function, "__name__", str(function))
     compile_for = getattr(function, "compile", None)
@@ -109,10 +106,10 @@ def address_of(function: Callable[..., float]) -> int:
 
 @cache
 def interpreted(function: Any) -> Callable[..., Any]:
-    """The function that was compiled, and all that it calls, as Python runs them.
+    """Return a compiled function and all its callees in the form of Python functions.
 
-    There indices beyond an array are errors. Functions that only compiled ones call have no way in
-    from Python.
+    In Python, indices beyond an array are errors. Functions that are called from compiled code only
+    have no entry point from Python.
     """
     source = getattr(function, "py_func", function)
     scope = dict(source.__globals__)
@@ -149,21 +146,21 @@ def call_at(
 
 
 Prepare = Callable[[Floats, Floats, Sequence[Obstacle], Floats], None]
-"""Writes parameters, from value, reference and obstacles, before the tick."""
+"""Function that writes parameters from value, reference and obstacles before the tick."""
 
 
 @dataclass(frozen=True)
 class Potential:
-    """One controller's potential.
+    """Potential of one controller.
 
     Attributes:
-        function: as ``potential`` describes it.
-        size: number of its task coordinates, k.
-        rule: how it becomes a displacement.
-        parameters: of the controller, shape (p,).
-        identity: whether its slope is the identity, which it then does not write.
-        prepare: what has to be solved for before the tick, or ``None``.
-        refuse: says of a value and a reference for which phi is NaN what is wrong with them.
+        function: Function in the form that ``potential`` describes.
+        size: Number k of its task coordinates.
+        rule: Rule that turns it into a displacement.
+        parameters: Parameters of the controller, shape (p,).
+        identity: True if its slope is the identity, which it then does not write.
+        prepare: Computation before the tick, or ``None``.
+        refuse: Function that explains a NaN from a value and a reference.
     """
 
     function: Callable[..., float]
@@ -177,7 +174,7 @@ class Potential:
     def evaluate(
         self, value: Floats, reference: Floats, rows: int
     ) -> tuple[float, Floats, NDArray[np.float64]]:
-        """phi, the residual (k,) and the slope (k, rows), as the tick computes them."""
+        """Return phi, the residual (k,) and the slope (k, rows), as computed in the tick."""
         residual, slope = np.zeros(self.size), np.zeros((self.size, rows))
         phi = self.function(value, reference, self.parameters, residual, slope)
         if self.identity:

@@ -1,4 +1,4 @@
-"""The four-valued state of a controller (Eq 4.1)."""
+"""Four-valued state of a controller (Eq 4.1)."""
 
 from __future__ import annotations
 
@@ -17,26 +17,25 @@ Integers = NDArray[np.int64]
 PREDICATES = tuple(Predicate)
 _INACTIVE, _UNDEFINED, _TRANSIENT, _QUIESCENT = range(4)
 
-# Notes: the predicate, ticks since the potential is defined, where the oldest value
-# is, how many values there are, the newest measurement, and how many numbers there is room for.
+# Notes: the predicate, ticks since the potential is defined, position of the oldest value, number
+# of values, newest measurement, and capacity.
 PREDICATE, _TICKS, _OLDEST, _KEPT, _STAMP, ROOM = range(6)
 
 
 def settings_of(rate: float, window: float, period: float) -> Floats:
-    """The window, s, the largest range in it at rest, and the period, s, shape (3,).
+    """Return the window, s, the largest range in it at rest, and the period, s, shape (3,).
 
-    A potential is at rest by its range over a window, not by its derivative at an instant, since
-    the latter flips with every ripple of the signal. Only measured values enter it: a potential
-    that is repeated between two camera images is not at rest for that. Time passes with every tick
-    all the same.
+    Rest is judged by the range of the potential over a window, because its derivative at an instant
+    flips with every ripple of the signal. Only measured values count: a potential that is repeated
+    between two camera images is not at rest for that reason. Time passes with every tick.
 
     Args:
-        rate: largest range per second at rest, in the potential's unit per second (epsilon).
-        window: how long the potential is watched, s; at rest needs a window that is full.
-        period: time between ticks, s.
+        rate: Largest range per second at rest, in the potential's unit per second (epsilon).
+        window: Duration of observation, s; rest requires a full window.
+        period: Period of the ticks, s.
 
     Raises:
-        ValueError: ``rate``, ``window`` or ``period`` is not positive.
+        ValueError: If ``rate``, ``window`` or ``period`` is not positive.
     """
     if not (rate > 0 and window > 0 and period > 0):
         raise ValueError(f"rate {rate}, window {window} and period {period} must be positive")
@@ -44,21 +43,21 @@ def settings_of(rate: float, window: float, period: float) -> Floats:
 
 
 def room_of(settings: Floats) -> int:
-    """How many numbers a window keeps: times, s, in front of their potentials, round and round."""
-    # One value is as old as the window or older, the others are within.
+    """Return the size of a window's ring buffer of pairs: time, s, and potential."""
+    # One value is at least as old as the window, the others are within.
     return 2 * (math.ceil(float(settings[0] / settings[2])) + 2)
 
 
 @compiled_once
 def reset(notes: Integers) -> None:
-    """Forget everything: the controller was deactivated."""
+    """Reset all notes of a deactivated controller."""
     notes[PREDICATE] = _INACTIVE
     notes[_TICKS] = notes[_OLDEST] = notes[_KEPT] = 0
     notes[_STAMP] = -1
 
 
 def restart(notes: Integers) -> None:
-    """Begin the window anew: what was at rest is not until it has rested for another one."""
+    """Restart the window, so that a controller at rest has to rest for another window."""
     notes[_OLDEST] = notes[_KEPT] = 0
     if notes[PREDICATE] == _QUIESCENT:
         notes[PREDICATE] = _TRANSIENT
@@ -69,11 +68,11 @@ def note(phi: float, stamp: int, settings: Floats, values: Floats, notes: Intege
     """Note a potential in one tick.
 
     Args:
-        phi: the potential.
-        stamp: of the measurement that phi rests on; one that is not new changes nothing.
-        settings: as of ``settings_of``.
-        values: the window, shape (``room_of``,).
-        notes: the predicate and what else is known, shape (6,).
+        phi: Value of the potential.
+        stamp: Stamp of the measurement that phi is based on; an old stamp changes nothing.
+        settings: Settings from ``settings_of``.
+        values: Ring buffer of the window, shape (``room_of``,).
+        notes: Predicate and state of the window, shape (6,).
     """
     notes[_TICKS] += 1
     if stamp != notes[_STAMP]:
@@ -86,12 +85,12 @@ def note(phi: float, stamp: int, settings: Floats, values: Floats, notes: Intege
 
 @compiled_once
 def require_settled(error: float, bound: float, notes: Integers) -> None:
-    """Take a potential that rests farther from its goal than it may for one on its way.
+    """Treat a potential that rests too far from its goal as transient.
 
     Args:
-        error: norm of the residual, in the unit of the feedback.
-        bound: largest error that counts as at rest, in the same unit.
-        notes: as of ``note``.
+        error: Norm of the residual, in the unit of the feedback.
+        bound: Largest error that counts as at rest, in the same unit.
+        notes: Notes of ``note``.
     """
     if notes[PREDICATE] == _QUIESCENT and not error <= bound:
         notes[PREDICATE] = _TRANSIENT
@@ -106,14 +105,14 @@ def note_undefined(notes: Integers) -> None:
 
 @compiled
 def _rests(phi: float, time: float, settings: Floats, values: Floats, notes: Integers) -> bool:
-    """Keep a potential and when it was measured, s; returns whether it is at rest."""
+    """Store a potential and its time of measurement, s; return whether it is at rest."""
     window, largest_range, _ = settings
     length = len(values)
     newest = (notes[_OLDEST] + 2 * notes[_KEPT]) % length
     values[newest], values[newest + 1] = time, phi
     notes[_KEPT] += 1
-    # Keep one value that is as old as the window, so that the rest spans all of it. Ticks add up
-    # to a window but for rounding.
+    # Keep one value that is as old as the window, so that the rest spans all of it. The tolerance
+    # allows for rounding of the summed ticks.
     start = time - window * (1.0 - 1e-9)
     while notes[_KEPT] > 1 and values[(notes[_OLDEST] + 2) % length] <= start:
         notes[_OLDEST] = (notes[_OLDEST] + 2) % length

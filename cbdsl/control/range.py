@@ -1,4 +1,4 @@
-"""The range-limit potential (Section 3.1.3 a, Eq 3.3 and 3.4).
+"""Range-limit potential (Section 3.1.3 a, Eq 3.3 and 3.4).
 
 phi = sum_i 1 - cos g_i, with g_i from -pi/2 to pi/2 between a joint's limits. Since
 1 - cos g = (2 sin(g/2))^2 / 2, phi is half the square of r_i = 2 sin(g_i / 2). Those coordinates
@@ -18,16 +18,16 @@ from cbdsl.program.controller import Controller
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
-    """The range potential of a controller between its joints' limits.
+    """Return the range potential of a controller between its joints' limits.
 
     Raises:
-        ValueError: a range is empty or has no end.
+        ValueError: If a range is empty or unbounded.
     """
     return between(setting.lower, setting.upper)
 
 
 def between(lower: Floats, upper: Floats) -> Potential:
-    """The range potential between limits, rad, shape (m,)."""
+    """Return the range potential between limits, rad, shape (m,)."""
     span = upper - lower
     if not (np.isfinite(span).all() and (span > 0).all()):
         raise ValueError("a range potential needs finite joint limits, lower below upper")
@@ -39,7 +39,7 @@ def between(lower: Floats, upper: Floats) -> Potential:
 def distance_from_centre(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """phi of joint angles; parameters: the centres of their ranges, rad, and g per angle."""
+    """Return phi of joint angles; parameters: centres of their ranges, rad, and g per angle."""
     phi, size = 0.0, len(residual)
     for i in range(size):
         per_angle = parameters[size + i]

@@ -1,4 +1,4 @@
-"""How fast task coordinates move: gain, speed and acceleration; compiled."""
+"""Rate of task coordinates: gain, speed and acceleration; compiled."""
 
 from __future__ import annotations
 
@@ -13,22 +13,23 @@ from cbdsl.numeric.vector import add, copy, dot, norm, scale
 from cbdsl.program.controller import Controller
 from cbdsl.types.potential import POTENTIALS
 
-# The measure that a speed bounds.
+# Measures that a speed bounds.
 _NORM, _LARGEST, _JOINTS = 0.0, 1.0, 2.0
 
 _FORCES = frozenset({"force", "torque", "wrench"})
 
 
 class _Bounds(NamedTuple):
-    """The gain and bounds of a controller, as numbers of one kind.
+    """Gain and bounds of a controller, as numbers of one type.
 
     Attributes:
-        gain: 1/s.
-        speed: bound of the rate; infinite for none.
-        acceleration: bound of the rate's change; infinite for none.
-        period: of the ticks, s.
-        measure: that the speed bounds: the norm, the largest component, or the joints' speed.
-        factors: parts of the task that are bounded by themselves where the joints' speed is.
+        gain: Gain, 1/s.
+        speed: Bound of the rate; infinite for none.
+        acceleration: Bound of the rate's change; infinite for none.
+        period: Period of the ticks, s.
+        measure: Bounded quantity: the norm, the largest component, or the joints' speed.
+        factors: Number of parts of the task that are bounded separately under a bound of joint
+            speed.
     """
 
     gain: float
@@ -40,17 +41,17 @@ class _Bounds(NamedTuple):
 
 
 def bounds_of(controller: Controller, period: float) -> Floats:
-    """Gain and bounds of a controller, as ``displace`` takes them.
+    """Return gain and bounds of a controller in the form of ``displace``.
 
-    The speed bounds the largest component of a configuration, in rad/s, and the norm of anything
-    else. Forces, and potentials without a residual, move only as fast as the joints that move them:
-    their speed is one of the joints, rad/s, and bounds every force of a product by itself; or it is
-    one of the tip, m/s, whose force changes by a stiffness. No gain
-    takes a residual past 0 within a tick, however long the backend's ticks are.
+    The speed bounds the largest component of a configuration, in rad/s, and the norm of any other
+    type. Forces, and potentials without a residual, move only as fast as the joints that move them.
+    Their speed is one of the joints, rad/s, and bounds every force of a product separately. Or it
+    is one of the tip, m/s, whose force changes by a stiffness. No gain takes a residual past 0
+    within a tick, however long the backend's ticks are.
 
     Args:
-        controller: gives gain, speed, acceleration and the type of the feedback.
-        period: of the control ticks, s.
+        controller: Controller with gain, speed, acceleration and the type of the feedback.
+        period: Period of the control ticks, s.
     """
     kind, speed, acceleration = controller.task, controller.speed, controller.acceleration
     potential, forces = POTENTIALS[controller.potential], kind.name in _FORCES
@@ -76,18 +77,19 @@ def bounds_of(controller: Controller, period: float) -> Floats:
 def displace(
     step: Floats, residual: Floats, jacobian: Floats, unit: float, bounds: Floats, before: Floats
 ) -> bool:
-    """Advance a task's displacement from the tick before to this one.
+    """Advance a task's displacement from the preceding tick to this one.
 
     Args:
-        step: of an evaluation, for a gain of 1, shape (k,); is used up.
-        residual: of the same, shape (k,).
-        jacobian: of the level, shape (k, n).
-        unit: of the level's coordinates per coordinate of the evaluation.
-        bounds: see ``bounds_of``.
-        before: displacement of the task coordinates, shape (k,).
+        step: Step of an evaluation, for a gain of 1, shape (k,); is overwritten.
+        residual: Residual of the same evaluation, shape (k,).
+        jacobian: Jacobian of the level, shape (k, n).
+        unit: Unit of the level's coordinates per coordinate of the evaluation.
+        bounds: Gain and bounds from ``bounds_of``.
+        before: Displacement of the task coordinates in the preceding tick, shape (k,); becomes this
+            tick's.
 
     Returns:
-        Whether the step was finite; otherwise ``before`` has not changed.
+        True if the step was finite; otherwise ``before`` is unchanged.
     """
     gain, speed, acceleration, period = bounds[0], bounds[1], bounds[2], bounds[3]
     scale(step, unit * gain)
@@ -109,7 +111,7 @@ def displace(
 def _bound_speed(
     rate: Floats, jacobian: Floats, speed: float, measure: float, factors: int
 ) -> None:
-    """Make a rate (k,) no faster than a speed, each of its factors by itself."""
+    """Make a rate (k,) no faster than a speed, separately for each of its factors."""
     size = len(rate) // factors
     for start in range(0, len(rate), size):
         part, most = rate[start : start + size], speed
@@ -128,9 +130,9 @@ def _bound_speed(
 
 @compiled
 def _brake(rate: Floats, distance: float, acceleration: float) -> None:
-    """Make a rate no faster than what ``acceleration`` can still stop within the distance.
+    """Limit a rate so that ``acceleration`` can still stop it within the distance.
 
-    A rate proportional to the distance d, k d, decelerates by k^2 d. Where that is too much, the
+    A rate proportional to the distance d, k d, decelerates by k^2 d. If that is too much, the
     square root of 2 a (d - a / (2 k^2)) joins it smoothly and decelerates by a.
     """
     speed = norm(rate)

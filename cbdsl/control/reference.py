@@ -13,8 +13,8 @@ from cbdsl.control.load_guard import give_way
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once
 
-#: Outcomes of a move: the references have moved; the levels' Hessians are needed first; a number
-#: is not finite.
+#: Outcomes of a move: the references have moved; the levels' Hessians are needed first; a number is
+#: not finite.
 ADVANCED, NEEDS_HESSIANS, NOT_FINITE = range(3)
 
 
@@ -42,12 +42,12 @@ def move(
     Args:
         reference: References of all joints, rad, shape (all,).
         positions: Measured positions of all joints, rad, shape (all,).
-        columns: Joint that each of the levels' n is, shape (n,).
-        guards: Those of ``compose``, and the largest distance of a reference from the position; a
-            blocked joint's would run away.
-        load_guards, loads, table, jacobian: Those of ``load_guard.give_way``.
+        columns: Joint index of each of the levels' n joints, shape (n,).
+        guards: Guards of ``compose``, and the largest distance of a reference from the position.
+            Without it, the reference of a blocked joint would run away.
+        load_guards, loads, table, jacobian: Arguments of ``load_guard.give_way``.
 
-    The others are those of ``compose``.
+    The other arguments are those of ``compose``.
 
     Returns:
         ``ADVANCED``; ``NEEDS_HESSIANS`` or ``NOT_FINITE`` if nothing has moved.
@@ -81,7 +81,7 @@ def _advance(
     """Move references of the joints ``columns`` (n,) by a displacement (n,), rad.
 
     References keep within ``lead`` of the positions and within the limits (2, n), as far as the
-    largest steps (n,) allow: a reference never jumps, whatever a sensor reports. A joint that is
+    largest steps (n,) allow. A reference thus never jumps, even if a sensor does. A joint that is
     past one of its limits comes back at the law's pace.
     """
     for place in range(len(columns)):

@@ -1,4 +1,4 @@
-"""The implementations of the potentials, by the names that programs use."""
+"""Implementations of the potentials, by the names that programs use."""
 
 from __future__ import annotations
 
@@ -19,26 +19,27 @@ from cbdsl.program.controller import Controller
 from cbdsl.types.potential import POTENTIALS
 
 Builder = Callable[[Controller, Setting], Potential]
-"""Makes the potential of a controller."""
+"""Function that builds the potential of a controller."""
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
-    """The potential of a checked controller.
+    """Return the potential of a checked controller.
 
     Args:
-        controller: names the potential and the type of its feedback.
-        setting: constants of the robot, of ``controller.joints``.
+        controller: Controller with the name of the potential and the type of its feedback.
+        setting: Constants of the robot, for ``controller.joints``.
 
     Raises:
-        ValueError: the robot lacks what the potential needs, such as joint limits or cameras.
-        PluginError: the potential of another package breaks its contract; the message names both.
+        ValueError: If the robot lacks a requirement of the potential, such as joint limits or
+            cameras.
+        PluginError: If another package's potential breaks its contract; the message names both.
     """
     name = controller.potential
     module, function = POTENTIALS[name].implementation.split(":")
     if POTENTIALS.registry.is_builtin(name):
         builder: Builder = getattr(import_module(module), function)
         return builder(controller, setting)
-    # Whatever goes wrong is the package's fault and nobody else's.
+    # Every failure here is an error of the package.
     try:
         potential: Potential = getattr(import_module(module), function)(controller, setting)
         _try_out(potential, setting)
@@ -49,7 +50,7 @@ def build(controller: Controller, setting: Setting) -> Potential:
 
 
 def compile_potentials() -> None:
-    """Compile the potentials of cbdsl, also those that no program uses."""
+    """Compile the potentials of cbdsl, including unused ones."""
     for name in POTENTIALS.registry.builtins:
         import_module(POTENTIALS[name].implementation.split(":")[0])
     own = __name__.partition(".")[0]
@@ -61,10 +62,10 @@ def compile_potentials() -> None:
 def _try_out(potential: Potential, setting: Setting) -> None:
     """Evaluate a potential in Python, where indices beyond its arrays are errors.
 
-    Machine code would write there.
+    In machine code, such an index would overwrite memory.
 
     Raises:
-        PotentialError: it is none, or does not compute a number.
+        PotentialError: If it is not a potential, or does not compute a number.
     """
     if not isinstance(potential, Potential):
         raise PotentialError(f"its builder returns a {type(potential).__name__}, not a Potential")

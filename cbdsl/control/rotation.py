@@ -1,4 +1,4 @@
-"""Rotation vectors: what orientations differ by."""
+"""Rotation vectors as differences of orientations."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cbdsl.numeric.compiled import compiled, compiled_once
 
 
 def exp(vector: Floats) -> Floats:
-    """The rotation matrix (3, 3) of a rotation vector (3,), axis times angle in rad (Rodrigues)."""
+    """Return the rotation matrix (3, 3) of a rotation vector (3,), rad (Rodrigues)."""
     angle = math.hypot(*vector.tolist())
     if angle == 0.0:
         return np.eye(3)
@@ -23,10 +23,10 @@ def exp(vector: Floats) -> Floats:
 
 
 def log(rotation: Floats) -> Floats:
-    """The rotation vector of a rotation matrix, SO(3) logarithm.
+    """Return the rotation vector of a rotation matrix, SO(3) logarithm.
 
     Args:
-        rotation: shape (3, 3).
+        rotation: Rotation matrix, shape (3, 3).
 
     Returns:
         Axis times angle, rad, shape (3,), with an angle of at most pi.
@@ -38,10 +38,10 @@ def log(rotation: Floats) -> Floats:
 
 @compiled_once
 def log_between(rotation: Floats, wanted: Floats, vector: Floats) -> None:
-    """The rotation vector, rad, world axes, shape (3,), from a rotation (9,) to another (9,).
+    """Write the rotation vector, rad, world axes, shape (3,), between two rotations (9,).
 
-    Of the four components of the turn's quaternion the largest is computed first and the others are
-    divided by it, so that no angle, near pi least of all, costs accuracy (Shepperd 1978).
+    The largest of the four components of the turn's quaternion is computed first, and the others
+    are divided by it. All angles, including those near pi, are therefore accurate (Shepperd 1978).
     """
     turn = _turn_between(rotation, wanted)
     products, trace = np.empty(4), turn[0, 0] + turn[1, 1] + turn[2, 2]
@@ -72,7 +72,7 @@ def log_between(rotation: Floats, wanted: Floats, vector: Floats) -> None:
 
 @compiled
 def _turn_between(rotation: Floats, wanted: Floats) -> Floats:
-    """The matrix (3, 3) that turns one rotation into another."""
+    """Return the matrix (3, 3) that turns one rotation into another."""
     turn = np.zeros((3, 3))
     for i in range(3):
         for k in range(3):
@@ -83,16 +83,16 @@ def _turn_between(rotation: Floats, wanted: Floats) -> Floats:
 
 @compiled_once
 def align(axis: Floats, wanted: Floats, fallback: Floats) -> Floats:
-    """The shortest rotation that turns one unit vector onto another.
+    """Return the shortest rotation that turns one unit vector onto another.
 
     Args:
-        axis: the direction to turn, shape (3,).
-        wanted: where it shall point, shape (3,).
-        fallback: a unit vector at right angles to ``axis`` to turn about where every such axis
-            is as short, that is, where ``wanted`` is opposite.
+        axis: Direction to turn, shape (3,).
+        wanted: Desired direction, shape (3,).
+        fallback: Unit vector at right angles to ``axis``, the axis of the turn if ``wanted`` is
+            opposite and every such axis is as short.
 
     Returns:
-        A rotation vector at right angles to ``axis``, rad, shape (3,).
+        Rotation vector at right angles to ``axis``, rad, shape (3,).
     """
     cosine = axis[0] * wanted[0] + axis[1] * wanted[1] + axis[2] * wanted[2]
     # The nearer of the two sums is exact, so the product keeps its digits near 0 and pi.

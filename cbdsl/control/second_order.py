@@ -1,21 +1,22 @@
-"""Second order of the control law: steps of levels that singularities hold back; compiled.
+"""Second order of the control law: steps of levels that singularities restrict; compiled.
 
-Model. A level asks for a displacement v of its task coordinates x(q) and does a fraction f of the
-way to its target in a tick, so that v / f is its error e, bounded as its speed is. Where its
-Jacobian J, seen through the free directions Z of the levels above, cannot achieve e, a part
-left = e - J dq / f remains. Newton's step for half the square of the error then is
+Model. A level requests a displacement v of its task coordinates x(q). In a tick it covers a
+fraction f of the way to its target. Its error e is thus v / f, bounded as its speed is. Z are the
+free directions of the levels above. If the Jacobian J within Z cannot achieve e, the part left = e
+- J dq / f remains. Newton's step for half the square of the error then is
 
     (Z' J' J Z + S+) y = Z' J' v,   S = - sum_i left_i H_i + sum_j lambda_j H_j
 
-with H_i the Hessians of the level's own coordinates, H_j those of the levels above, and lambda the
-multipliers that balance J' left on the levels above (the curvature of the manifold on which they
+with H_i the Hessians of the level's own coordinates, and H_j those of the levels above. The
+multipliers lambda balance J' left on the levels above (the curvature of the manifold on which they
 hold). S+ is the positive part of S, so that the step descends. Directions without any stiffness
 keep the damping of first order. A direction that S+ resists is one in which the level is displaced
-by the square of a step: it is kept from the levels below, as the rows of J are. First-order null
-spaces alone let a lower level move along it, and the level above moves back: both swing for ever.
+by the square of a step. It is withheld from the levels below, as the rows of J are. First-order
+null spaces alone would let a lower level move along it, and the level above would move back: both
+would oscillate for ever.
 
 Source: the hierarchical Newton method of Pfeiffer, Escande and Rabaud (2018), with the displacement
-of one tick in place of the whole error. Where a level achieves what it asks for, nothing changes.
+of one tick in place of the whole error. If a level achieves its request, nothing changes.
 """
 
 from __future__ import annotations
@@ -65,10 +66,10 @@ def balance(
 ) -> Floats:
     """Return the multipliers of the levels above that balance a pull of a level below.
 
-    The basis makes the rows above block-triangular, so that they are solved for backwards.
+    The basis makes the rows above block-triangular, so that back substitution solves for them.
 
     Args:
-        pull: Generalised force of the lower level, shape (n,); becomes what no row balances.
+        pull: Generalised force of the lower level, shape (n,); becomes the unbalanced remainder.
         basis: Orthonormal directions that are taken, shape (n, n).
         sides: Parts of all K task rows in each direction, shape (n, K).
         pins: Joint that each direction stands for because it is locked, or -1, shape (n,).
@@ -130,13 +131,13 @@ def newton_step(
 
     Args:
         curvature: Symmetric curvature S, shape (n, n).
-        basis: Orthonormal directions, shape (n, n): those that levels above take, those that the
-            level's rows span; becomes complete.
-        taken: Number of directions that levels above take.
-        below: Number of directions with those of the level.
+        basis: Orthonormal directions, shape (n, n): first those of the levels above, then those of
+            the level's rows; becomes complete.
+        taken: Number of directions of the levels above.
+        below: Number of directions including those of the level.
         values: Singular values of the level's rows, shape (rank,).
         along: Requested displacement along each of them, shape (rank,).
-        guards: Those of ``composition.compose``.
+        guards: Guards of ``composition.compose``.
         least: Stiffness above which a direction counts as resisted.
         change: Becomes the step, rad, shape (n,).
 

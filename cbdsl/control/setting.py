@@ -1,4 +1,4 @@
-"""The constants of a robot that a controller's potential may depend on."""
+"""Constants of a robot that a controller's potential may depend on."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from cbdsl.sensing.kinematics import Frame
 
 
 class Setting(NamedTuple):
-    """Constants of a robot, never of its posture.
+    """Constants of a robot, independent of its posture.
 
     Attributes:
-        lower: lower limits of the controller's joints, rad, shape (n,); may be infinite.
-        upper: upper limits, rad, shape (n,).
-        components: of the feedback's value.
-        rows: of its Jacobian.
-        cameras: the cameras' frames (x forward, y left, z up), left before right, all in one
-            frame that moves with them; empty where they move relative to each other.
+        lower: Lower limits of the controller's joints, rad, shape (n,); may be infinite.
+        upper: Upper limits, rad, shape (n,).
+        components: Number of components of the feedback's value.
+        rows: Number of rows of its Jacobian.
+        cameras: Frames of the cameras (x forward, y left, z up), left before right, all in one
+            frame that moves with them; empty if they move relative to each other.
         circular: True for joints whose whole turns do not count, shape (n,); may be empty.
     """
 

@@ -1,4 +1,4 @@
-"""Numbers that control acts on, and refusing those that are not finite."""
+"""Numbers that control acts on, and the rejection of non-finite ones."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ Floats = NDArray[np.float64]
 
 
 class SignalError(ValueError):
-    """A number that control would act on is missing, misshapen or not finite; says which."""
+    """Missing, misshapen or non-finite number for control; the message names it."""
 
 
 def require_finite(values: Floats, name: str) -> None:
-    """Refuse NaN and infinity before they reach a motor.
+    """Reject NaN and infinity before they reach a motor.
 
     Raises:
-        SignalError: some of ``values`` is not finite; the message begins with their name.
+        SignalError: If some of ``values`` are not finite; the message begins with their name.
     """
     if not np.isfinite(values).all():
         raise SignalError(f"{name} is not finite: {values.tolist()}")

@@ -1,13 +1,12 @@
-"""The quadratic potential (Section 3.1.1, Eq 3.1).
+"""Quadratic potential (Section 3.1.1, Eq 3.1).
 
 phi = e . e / 2 with e the difference between reference and feedback in the feedback's type.
 Configurations, positions, headings, forces, torques and wrenches subtract. Positions of joints
 without limits differ by half a turn at most, unless the robot's document counts their turns.
-Orientations differ by a rotation vector in the world frame; poses by translation above rotation;
-constellations by two ratios and an angle modulo half a turn. Where the tip may turn
-about one of its axes, the residual is in the tip's two other axes. Positions, forces and torques
-may be compared along some axes of the world frame alone, which leaves the others to other
-controllers.
+Orientations differ by a rotation vector in the world frame. Poses differ by translation above
+rotation; constellations by two ratios and an angle modulo half a turn. If the tip may turn about
+one of its axes, the residual is in the tip's two other axes. Positions, forces and torques may be
+compared along some axes of the world frame alone, which leaves the others to other controllers.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from cbdsl.program.controller import AlongNormals, Controller
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
-    """The spring of a controller."""
+    """Return the spring of a controller."""
     if controller.axes is not None:
         return along_axes(controller.axes, controller.feedback.type.factors)
     if controller.feedback.type.name == "configuration" and setting.circular.any():
@@ -36,7 +35,7 @@ def build(controller: Controller, setting: Setting) -> Potential:
 
 
 def circular(joints: NDArray[np.bool_]) -> Potential:
-    """Return the spring of joint positions that takes the short way round.
+    """Return the spring of joint positions that takes the shorter way round.
 
     Args:
         joints: True for joints without limits, whose whole turns do not count, shape (n,).
@@ -46,20 +45,19 @@ def circular(joints: NDArray[np.bool_]) -> Potential:
 
 
 def along_axes(axes: Sequence[int], factors: int = 1) -> Potential:
-    """The spring of some axes of the world frame, in each of several vectors (3,) in turn."""
+    """Return the spring along some axes of the world frame, for each of several vectors (3,)."""
     chosen = [3 * factor + axis for factor in range(factors) for axis in axes]
     return Potential(chosen_difference, len(chosen), parameters=np.array(chosen, dtype=float))
 
 
 def spring(kind: str, size: int, free_axis: str | None = None) -> Potential:
-    """The spring of a type.
+    """Return the spring of a type.
 
     Args:
-        kind: name of the feedback's type.
-        size: number of its components that are compared.
-        free_axis: axis of the tip, ``x``, ``y`` or ``z``, that is aligned with the reference's
-            while
-            the tip may turn about it; ``None`` for none.
+        kind: Name of the feedback's type.
+        size: Number of its components that are compared.
+        free_axis: Axis of the tip, ``x``, ``y`` or ``z``, that is aligned with the reference's
+            while the tip may turn about it; ``None`` for none.
     """
     if free_axis is None:
         function = {
@@ -81,7 +79,7 @@ def _size(controller: Controller) -> int:
 def difference(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the square of the difference."""
+    """Return half the square of the difference."""
     phi = 0.0
     for i in range(len(residual)):
         residual[i] = reference[i] - value[i]
@@ -93,7 +91,7 @@ def difference(
 def circular_difference(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the square of the difference modulo a period; parameters: the periods, rad."""
+    """Return half the squared difference modulo a period; parameters: the periods, rad."""
     for i in range(len(residual)):
         residual[i] = reference[i] - value[i]
         if math.isfinite(parameters[i]):
@@ -105,7 +103,7 @@ def circular_difference(
 def chosen_difference(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the square of the difference of some components; parameters: which."""
+    """Return half the squared difference of some components; parameters: their indices."""
     for i in range(len(residual)):
         component = int(parameters[i])
         residual[i] = reference[component] - value[component]
@@ -117,7 +115,7 @@ def chosen_difference(
 def rotation_difference(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the square of the angle between two orientations."""
+    """Return half the square of the angle between two orientations."""
     log_between(value, reference, residual)
     return _half_square(residual)
 
@@ -126,7 +124,7 @@ def rotation_difference(
 def pose_difference(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the squares of the distance and of the angle between two poses."""
+    """Return half the squares of the distance and of the angle between two poses."""
     for i in range(3):
         residual[i] = reference[i] - value[i]
     log_between(value[3:], reference[3:], residual[3:])
@@ -137,7 +135,7 @@ def pose_difference(
 def constellation_difference(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the squares of the differences of two ratios, and of an angle modulo half a turn."""
+    """Return half the squared differences of two ratios and of an angle modulo half a turn."""
     for i in range(3):
         residual[i] = reference[i] - value[i]
     residual[2] -= np.pi * np.round(residual[2] / np.pi)
@@ -148,7 +146,7 @@ def constellation_difference(
 def axis_difference(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the square of the angle between an axis of two orientations; parameter: the axis."""
+    """Return half the squared angle between an axis of two orientations; parameter: the axis."""
     _compare_axes(value, reference, int(parameters[0]), residual, slope)
     return _half_square(residual)
 
@@ -157,7 +155,7 @@ def axis_difference(
 def pose_axis_difference(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """The same of two poses, behind the square of their distance."""
+    """Return half the squared distance of two poses, plus that of the angle of an axis."""
     for i in range(3):
         residual[i] = reference[i] - value[i]
         slope[i, i] = 1.0
@@ -170,7 +168,7 @@ def pose_axis_difference(
 def _compare_axes(
     rotation: Floats, wanted: Floats, axis: int, residual: Floats, slope: Floats
 ) -> None:
-    """The turn from an axis to where it is wanted, along the two other axes of the tip."""
+    """Write the turn from an axis to its desired direction, along the tip's two other axes."""
     for i in range(2):
         for k in range(3):
             slope[i, k] = rotation[(axis + 1 + i) % 3 + 3 * k]

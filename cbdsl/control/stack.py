@@ -1,4 +1,4 @@
-"""The levels of a composition, tick by tick: controllers write them, the law reads them."""
+"""Levels of a composition, tick by tick: controllers write them, the law reads them."""
 
 from __future__ import annotations
 
@@ -10,27 +10,28 @@ from cbdsl.control.composition import extrapolate_half_tick
 from cbdsl.control.level import Level, LevelArrays
 from cbdsl.control.signal import Floats, SignalError
 
-#: How many ticks are kept.
+#: Number of ticks that are kept.
 TICKS = 3
 
 
 class Stack:
-    """Levels, highest priority first, k rows in all, of n joints.
+    """Levels, highest priority first, with k rows in all, of n joints.
 
     Attributes:
-        names: the controllers.
-        rows: task coordinates per joint in three ticks, shape (3, k, n).
-        clock: which of the three is this tick, shape (1,); the tick before is one less, modulo 3.
-        wanted: displacement of the task coordinates in this tick, shape (k,).
-        starts: index of the first row of each level, shape (levels,).
-        ends: index after the last row of each level, shape (levels,).
-        ages: for how many ticks in a row each level has acted, up to 3; 0 where it does not act,
-            shape (levels,).
-        arrays: All of these but the names and the clock, with the levels' second order.
+        names: Names of the controllers.
+        rows: Task coordinates per joint in three ticks, shape (3, k, n).
+        clock: Index of this tick among the three, shape (1,); the preceding tick is one less,
+            modulo 3.
+        wanted: Requested displacement of the task coordinates in this tick, shape (k,).
+        starts: Index of the first row of each level, shape (levels,).
+        ends: Index after the last row of each level, shape (levels,).
+        ages: Number of consecutive ticks in which each level has acted, up to 3; 0 if it does not
+            act, shape (levels,).
+        arrays: All of these except the names and the clock, with the levels' second order.
 
     Args:
-        levels: names of the controllers and how many task coordinates each has.
-        joints: n.
+        levels: Names of the controllers with their numbers of task coordinates.
+        joints: Number n of joints.
     """
 
     def __init__(self, levels: Sequence[tuple[str, int]], joints: int) -> None:
@@ -49,10 +50,10 @@ class Stack:
 
     @classmethod
     def of(cls, levels: Sequence[Level], joints: int) -> Stack:
-        """Levels that act for the first time.
+        """Return a stack of levels that act for the first time.
 
         Raises:
-            SignalError: a level's shape does not fit.
+            SignalError: If a level's shape does not fit.
         """
         stack = cls([(level.name, len(level.velocity)) for level in levels], joints)
         for place, level in enumerate(levels):
@@ -60,10 +61,10 @@ class Stack:
         return stack
 
     def put(self, place: int, level: Level) -> None:
-        """Let a level act in this tick.
+        """Add a level to this tick.
 
         Raises:
-            SignalError: its shape does not fit.
+            SignalError: If its shape does not fit.
         """
         rows = self.rows[self.newest, self.starts[place] : self.ends[place]]
         if level.jacobian.shape != rows.shape:
@@ -81,21 +82,21 @@ class Stack:
 
     @property
     def newest(self) -> int:
-        """Which of three ticks is this one."""
+        """Index of this tick among the three."""
         return int(self.clock[0])
 
     def forget(self) -> None:
-        """Forget the ticks before: something else has acted since."""
+        """Forget the preceding ticks, because other controllers have acted since."""
         self.ages[:] = 0
 
     def extrapolated(self) -> tuple[Level, ...]:
-        """The levels that act, with their Jacobians half a tick ahead."""
+        """Return the levels that act, with their Jacobians half a tick ahead."""
         rows = extrapolate_half_tick(self.rows, self.newest, self.ages, self.ends)
         names = [name for name, age in zip(self.names, self.ages, strict=True) if age]
         parts = zip(names, self.split(rows), self.split(self.wanted), strict=True)
         return tuple(Level(name, jacobian, velocity) for name, jacobian, velocity in parts)
 
     def split(self, values: Floats) -> list[Floats]:
-        """Values (k, ...) of each level that acts."""
+        """Return the values (k, ...) of each level that acts."""
         spans = zip(self.starts, self.ends, self.ages, strict=True)
         return [values[start:end] for start, end, age in spans if age]

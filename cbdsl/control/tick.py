@@ -1,8 +1,8 @@
-"""One tick: from the posture to potentials, predicates and references, in one compiled call.
+"""Tick: from the posture to potentials, predicates and references, in one compiled call.
 
-A controller's slot says which row of the signal table is its feedback and which its reference, by
-which potential they are compared, and how fast its task coordinates may move. Slots that act
-together, highest priority first, write the levels of a stack, which the control law composes.
+A controller's slot names the rows of its feedback and its reference in the signal table. It also
+holds the potential that compares them, and the bounds of its task coordinates' rates. Slots that
+act together, highest priority first, write the levels of a stack, which the control law composes.
 """
 
 from __future__ import annotations
@@ -30,19 +30,20 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 Records = NDArray[Any]
 
-# How much longer a stride gets in a tick, and how much shorter at most.
+# Largest growth of a stride in a tick, and its smallest factor.
 _LONGER, _SHORTEST = 1.05, 0.2
 
 _DESCENT, _RESIDUAL = int(Rule.DESCENT), int(Rule.RESIDUAL)
 
-#: What a slot does in a tick: nothing, since something that it needs is undefined; move its
-#: feedback to the reference; the same while the feedback is no measurement, so that it becomes one.
+#: Modes of a slot in a tick: idle, because a signal that it needs is undefined; tracking, which
+#: moves its feedback to the reference; or searching, the same motion while the feedback is not
+#: measured, so that it becomes measured.
 IDLE, TRACK, SEARCH = range(3)
 
-#: What comes of a tick where no slot fails.
+#: Outcomes of a tick in which no slot fails.
 MOVED, RESTED, UNSOUND = -1, -2, -3
 
-#: A controller's slot.
+#: Slot of a controller.
 SLOT = np.dtype(
     [
         ("mode", np.int64),
@@ -51,14 +52,14 @@ SLOT = np.dtype(
         ("identity", np.bool_),
         ("feedback", np.int64),  # rows of the signal table
         ("reference", np.int64),
-        ("parameter", np.int64),  # the potential's, and how many
+        ("parameter", np.int64),  # potential's parameters, and their number
         ("parameters", np.int64),
-        ("start", np.int64),  # task coordinates, and how many
+        ("start", np.int64),  # task coordinates, and their number
         ("size", np.int64),
         ("phi", np.float64),
         ("error", np.float64),  # norm of the residual
         ("bounds", np.float64, 6),  # of ``rate.displace``
-        # The predicate, as ``predicate.note`` keeps it.
+        # Predicate in the form of ``predicate.note``.
         ("window", np.int64),
         ("settings", np.float64, 3),
         ("notes", np.int64, 6),
@@ -66,10 +67,10 @@ SLOT = np.dtype(
         # without a bound.
         ("tolerance", np.float64),
         ("share", np.float64),
-        # An approach from above: its height, the lateral error within which it ends, and its slope.
+        # Approach from above: its height, the lateral error within which it ends, and its slope.
         ("funnel", np.float64, 3),
-        # Acting while the feedback is undefined: whether, whether once a leader is near, how near,
-        # until which joints are beyond which position, and on which side that is.
+        # Search while the feedback is undefined: whether, whether it starts once a leader is near,
+        # how near, the final position of the joints, the side of it, and the joints.
         ("seeks", np.bool_),
         ("follows", np.bool_),
         ("within", np.float64),
@@ -80,26 +81,26 @@ SLOT = np.dtype(
         ("requires", np.bool_),
         ("seeking", np.bool_),
         ("exhausted", np.bool_),
-        # Whether it is defined, or was and seeks to be again; whether it has been undefined before;
-        # whether what it needs could not be prepared.
+        # Whether it is defined, or was and seeks to be again; whether it was undefined; whether its
+        # preparation failed.
         ("engaged", np.bool_),
         ("forgotten", np.bool_),
         ("blocked", np.bool_),
-        # A reference relative to the feedback at activation: the row that this is kept in, the
-        # row by which it is displaced, whether that is a rotation, which change of a load has to
-        # come before, and whether it is kept now. -1 for none.
+        # Reference relative to the feedback at activation: the row that stores it, the row of its
+        # displacement, whether that is a rotation, the load change that has to precede it, and
+        # whether it is stored now. -1 for none.
         ("anchor", np.int64),
         ("offset", np.int64),
         ("turned", np.bool_),
         ("onset", np.int64),
         ("anchored", np.bool_),
-        # Whether it watches a feedback that no joint displaces.
+        # Whether it observes a feedback that no joint displaces.
         ("watches", np.bool_),
         # Second order: whether the feedback is the position of a held object, and the axis of the
         # tip about which the task lets it turn, -1 for none.
         ("carried", np.bool_),
         ("spin", np.int64),
-        # Share of its step that a scalar potential takes, by how far the last ones went too far.
+        # Share of its step that a scalar potential takes, by the overshoot of the last steps.
         ("stride", np.float64),
     ]
 )
@@ -143,30 +144,30 @@ def tick(
     """Refresh the rows that a stack needs, let its slots act, and move the references.
 
     Args:
-        needed: rows to be refreshed, shape (r,).
-        clock: stamp of the posture, shape (1,).
-        positions: of the actuated joints, rad, shape (all,).
-        loads, feeling, table, parts, support, value, jacobian, tree, frames, axes: as of
+        needed: Rows to be refreshed, shape (r,).
+        clock: Stamp of the posture, shape (1,).
+        positions: Positions of the actuated joints, rad, shape (all,).
+        loads, feeling, table, parts, support, value, jacobian, tree, frames, axes: Arguments of
             ``refresh``.
-        slots: all controllers', shape (s,) of ``SLOT``.
-        parameters: of their potentials.
-        before: displacements of their task coordinates in the tick before.
-        windows: of their potentials.
-        listed: joints that searches look at.
-        onsets: changes of loads that slots wait for, shape (o,) of ``onset.ONSET``.
-        acting: which slots act, those that others require first, shape (levels, 4), with the slots
-            that they follow and require, -1 for none that acts with them, and their places in the
-            order of priority.
-        columns: which joint each of the stack's n is for a slot, -1 for one that it does not move,
-            shape (levels, n).
+        slots: Slots of all controllers, shape (s,) of ``SLOT``.
+        parameters: Parameters of their potentials.
+        before: Displacements of their task coordinates in the preceding tick.
+        windows: Windows of their predicates.
+        listed: Joints that searches observe.
+        onsets: Load changes that slots wait for, shape (o,) of ``onset.ONSET``.
+        acting: Active slots, with those that others require first, shape (levels, 4). The columns
+            are the slot, the slots that it follows and requires, -1 for none that acts with it, and
+            its place in the order of priority.
+        columns: Joint index of each of the stack's n joints for a slot, -1 for a joint that it does
+            not move, shape (levels, n).
         turn, levels: Clock and arrays of the stack, whose next tick begins.
-        references: of the actuated joints, rad, shape (all,).
-        joints: which joint each of the stack's n is, shape (n,).
-        limits, steps, guards, total, locked, singular, load_guards: Those of ``move``.
+        references: References of the actuated joints, rad, shape (all,).
+        joints: Joint index of each of the stack's n joints, shape (n,).
+        limits, steps, guards, total, locked, singular, load_guards: Arguments of ``move``.
 
     Returns:
-        ``MOVED``; ``RESTED`` where no slot acts; ``UNSOUND`` where the law cannot compute with the
-        levels; otherwise the place of the slot whose numbers cannot be computed with.
+        ``MOVED``; ``RESTED`` if no slot acts; ``UNSOUND`` if the law cannot compute with the
+        levels; otherwise the place of the slot with invalid numbers.
     """
     refresh(
         needed, clock[0], positions, loads, feeling, table, parts, support, value, jacobian,
@@ -275,15 +276,15 @@ def error_bound(slot: Any, table: Records, value: Floats) -> float:
 
 @compiled
 def _is_given(slots: Records, required: int) -> bool:
-    """Whether a slot that another requires acts with it, and is engaged; -1 for none."""
+    """Return whether the required slot acts and is engaged; -1 for none."""
     return bool(required >= 0 and slots[required].engaged)
 
 
 @compiled
 def _anchor(slot: Any, onsets: Records, table: Records, value: Floats, given: bool) -> None:
-    """Keep the feedback at activation, displaced, as the reference.
+    """Store the displaced feedback at activation as the reference.
 
-    A load is kept once it has changed, as what it was before, and forgotten when it is gone.
+    A load is stored after its change, by its earlier mean, and forgotten when it is gone.
     """
     feedback, row = table[slot.feedback], table[slot.anchor]
     here = value[feedback.start : feedback.start + feedback.size]
@@ -324,7 +325,7 @@ def _decide(
     jacobian: Floats,
     columns: Integers,
 ) -> None:
-    """Set a slot's mode, by what is defined and what those that act with it have come to."""
+    """Set the slot's mode from its rows' state and the state of its leading slot."""
     known = slot.reference < 0 or table[slot.reference].defined == DEFINED
     slot.mode = IDLE
     if not given or not known or slot.blocked:
@@ -353,19 +354,19 @@ def _decide(
 
 @compiled
 def _forget(slot: Any) -> None:
-    """Have no potential, and start from rest once there is one again, unless it is sought."""
+    """Clear the potential, and restart from rest when it is defined again, unless it is sought."""
     if slot.forgotten:
         return
     note_undefined(slot.notes)
     slot.phi = slot.error = math.nan
-    # The robot may be doing something else by the time the signal is back.
+    # The robot may move otherwise before the signal is back.
     if not slot.seeking:
         slot.forgotten = True
 
 
 @compiled
 def _responds(feedback: Any, jacobian: Floats, columns: Integers) -> bool:
-    """Whether a joint that the slot moves changes its feedback."""
+    """Return whether a joint that the slot moves changes its feedback."""
     for row in range(feedback.row, feedback.row + feedback.rows):
         for place in range(len(columns)):
             if columns[place] >= 0 and jacobian[row, columns[place]] != 0.0:
@@ -375,7 +376,7 @@ def _responds(feedback: Any, jacobian: Floats, columns: Integers) -> bool:
 
 @compiled
 def _beyond(slot: Any, positions: Floats, listed: Integers) -> bool:
-    """Whether all joints that a search looks at are beyond its end."""
+    """Return whether all joints that a search observes are beyond its end."""
     for place in range(slot.joint, slot.joint + slot.joints):
         if not slot.closing * positions[listed[place]] > slot.closing * slot.until:
             return False
@@ -396,16 +397,16 @@ def _act(
     total: Floats,
     again: bool,
 ) -> bool:
-    """Evaluate a slot's potential and write its level; returns whether all numbers were finite.
+    """Evaluate a slot's potential and write its level; return whether all numbers are finite.
 
     Args:
-        columns: which joint each of the stack's n is, -1 for those that count as still.
-        level: becomes task coordinates per joint, shape (k, n).
-        before: displacement of the task coordinates in the tick before, shape (k,); becomes this
+        columns: Joint index of each of the stack's n joints, -1 for joints that count as still.
+        level: Becomes the task coordinates per joint, shape (k, n).
+        before: Displacement of the task coordinates in the preceding tick, shape (k,); becomes this
             tick's.
-        last: Level of the tick before, shape (k, n).
-        total: Displacement of the tick before, rad, shape (n,).
-        again: True if the slot acted in the tick before.
+        last: Level of the preceding tick, shape (k, n).
+        total: Displacement of the preceding tick, rad, shape (n,).
+        again: True if the slot acted in the preceding tick.
     """
     feedback = table[slot.feedback]
     here = value[feedback.start : feedback.start + feedback.size]
@@ -439,10 +440,10 @@ def _act(
 
 @compiled
 def _follow_gradient(rule: int, residual: Floats, gradient: Floats) -> tuple[float, float]:
-    """Make a scalar potential's gradient (n,) a unit vector.
+    """Scale a scalar potential's gradient (n,) to a unit vector.
 
-    The joints do the same. But the unit of a row says nothing about how near it is to losing its
-    influence, and the law would take a short gradient for a singularity and damp it.
+    The motion of the joints is the same. Without scaling, the law would take a short gradient for a
+    singularity and damp it. But the unit of a row does not indicate a singularity.
 
     Returns:
         The potential's error, and the scale of its one coordinate.
@@ -457,13 +458,13 @@ def _follow_gradient(rule: int, residual: Floats, gradient: Floats) -> tuple[flo
 
 @compiled
 def _stride(stride: float, last: Floats, gradient: Floats, total: Floats) -> float:
-    """Return the share of its step that a scalar potential takes now.
+    """Return the share of its step that a scalar potential takes in this tick.
 
-    The slope along the last displacement says whether that one went beyond the lowest point on its
-    way: by the secant, it was too long by the share of the slope that has changed its sign.
+    The slope along the last displacement shows whether it passed the lowest point on its way. By
+    the secant, it was too long by the share of the slope that has changed its sign.
 
     Args:
-        stride: Share in the tick before.
+        stride: Share in the preceding tick.
         last: Gradient there, of unit length, shape (n,).
         gradient: Gradient here, of unit length, shape (n,).
         total: Displacement in between, rad, shape (n,).
@@ -487,7 +488,7 @@ def _is_finite(rows: Floats) -> bool:
 def _select(
     jacobian: Floats, slope: Floats, identity: bool, columns: Integers, level: Floats
 ) -> None:
-    """Task coordinates per joint: slope times the columns of a Jacobian; 0 for one numbered -1."""
+    """Write slope times the columns of a Jacobian, shape (k, n), 0 for columns of number -1."""
     for i in range(len(level)):
         fill(level[i], 0.0)
         if identity:
@@ -505,7 +506,7 @@ def _select(
 
 @compiled
 def _height(here: Floats, there: Floats, funnel: Floats) -> float:
-    """How far above its reference an approach begins: the farther, the larger the lateral error."""
+    """Return the height above its reference of an approach, which grows with the lateral error."""
     lateral = math.hypot(there[0] - here[0], there[1] - here[1])
     height: float = min(max(funnel[2] * (lateral - funnel[1]), 0.0), funnel[0])
     return height
@@ -513,7 +514,7 @@ def _height(here: Floats, there: Floats, funnel: Floats) -> float:
 
 @compiled_once
 def reset_slot(slots: Records, number: int, before: Floats, onsets: Records) -> None:
-    """Forget a slot's activation: its controller is idle."""
+    """Reset a slot when its controller becomes idle."""
     slot = slots[number]
     slot.phi = slot.error = math.nan
     slot.seeking = slot.exhausted = slot.engaged = slot.forgotten = slot.blocked = False

@@ -31,7 +31,7 @@ class Accommodate:
     The same experience in the same order leads to bitwise identical knowledge.
 
     The intermediate states of a program among the actions have no value of their own: see
-        ``Decisions``.
+    ``Decisions``.
 
     Args:
         actions: Names of the actions.

@@ -86,7 +86,7 @@ def grow_tallies(
     """Return the tree that groups similar contexts, with the tally of each group.
 
     If the first allocation that was tried is rewarded, the others are unknown: they count neither
-        as rewarded nor as failed. A context without reward is ignored unless ``counts`` is set.
+    as rewarded nor as failed. A context without reward is ignored unless ``counts`` is set.
 
     Args:
         contexts: Contexts with trials.

@@ -35,15 +35,15 @@ class AccommodateConstants(Section):
 
 
 def read_constants(model: type[C], given: Mapping[str, str], learner: str) -> C:
-    """Constants of a learner from text, in SI or with units.
+    """Return constants of a learner from text, in SI or with units.
 
     Args:
-        model: constants that it declares.
-        given: text by name; the others keep their defaults.
-        learner: its name, for messages.
+        model: Section type of the learner's constants.
+        given: Text by name; other constants keep their defaults.
+        learner: Name of the learner, for messages.
 
     Raises:
-        UsageError: it has no such constant, or the text is no value of one.
+        UsageError: If the learner has no such constant, or a text is not a valid value.
     """
     for name in given:
         if name not in model.model_fields:
