@@ -1,4 +1,4 @@
-"""Chains: the unbranched rows of actuated joints that a model suggests as effectors."""
+"""Chains: unbranched series of actuated joints that a model suggests as effectors."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 
 
 class Chain(NamedTuple):
-    """Joints that move one another's links.
+    """Joints in series, each of which moves the next one.
 
     Attributes:
-        name: a name that programs can use, distinct among the chains of a model.
-        joints: actuated joints, from the root outwards.
-        tip: the link that acts, among those that are fixed to the last joint's.
+        name: Name for programs, distinct among the chains of a model.
+        joints: Actuated joints, from the root outwards.
+        tip: Acting link, among those that are fixed to the last joint's link.
     """
 
     name: str
@@ -30,14 +30,14 @@ _Branches = dict[str, list[UrdfJoint]]
 
 
 def root(model: UrdfModel) -> str:
-    """The link that no joint moves; the first by name where there are several."""
+    """Return the link that no joint moves; the first by name if there are several."""
     return min(model.links - {joint.child for joint in model.joints.values()}, default="")
 
 
 def chains(model: UrdfModel) -> list[Chain]:
     """Return all chains of a model, from the root outwards.
 
-    They part where several branches move, and before the joints of a gripper.
+    They end where several branches move, and before the joints of a gripper.
     """
     branches = _branches(model)
     all_chains = list(_chains(branches, root(model), ()))
@@ -51,17 +51,17 @@ def chains(model: UrdfModel) -> list[Chain]:
     return list(named.values())
 
 
-# Joints that open and close a gripper, by their names or by those of the links that they move,
-# and words for joints that turn it as a whole.
+# Patterns for joints that open and close a gripper, by their names or those of the moved links, and
+# for joints that turn it as a whole.
 _GRIPS = re.compile(r"grip|jaw|claw|finger", re.IGNORECASE)
 _JAWS = re.compile(r"jaw|claw|finger", re.IGNORECASE)
 _TURNS = re.compile(r"yaw|roll|pitch|wrist|rot", re.IGNORECASE)
-# Fewer joints before it make no arm.
+# Fewest joints of an arm before its gripper.
 _ARM = 3
 
 
 def _parted(branches: _Branches, chain: Chain, gripper: str) -> Iterator[Chain]:
-    """Yield an arm without the joints of its gripper, and these; or the chain as it is."""
+    """Yield an arm and its gripper separately, or the chain unchanged."""
     tail = list(takewhile(_grips, reversed(chain.joints)))
     arm = chain.joints[: len(chain.joints) - len(tail)]
     if not tail or len(arm) < _ARM:
@@ -72,14 +72,14 @@ def _parted(branches: _Branches, chain: Chain, gripper: str) -> Iterator[Chain]:
 
 
 def _grips(joint: UrdfJoint) -> bool:
-    """Whether a joint opens and closes a gripper, by the names of its model."""
+    """Return whether a joint opens and closes a gripper, by the names of its model."""
     if _TURNS.search(joint.name):
         return False
     return bool(_GRIPS.search(joint.name) or _JAWS.search(joint.child))
 
 
 def _branches(model: UrdfModel) -> _Branches:
-    """Joints by the link that they leave from."""
+    """Return the joints by their parent link."""
     branches: _Branches = {}
     for joint in model.joints.values():
         branches.setdefault(joint.parent, []).append(joint)
@@ -89,7 +89,7 @@ def _branches(model: UrdfModel) -> _Branches:
 def _chains(
     branches: _Branches, link: str, joints: tuple[UrdfJoint, ...], depth: int = 0
 ) -> Iterator[Chain]:
-    """The chain that has come to a link with some joints, and those beyond it."""
+    """Yield the chain that has reached a link with some joints, and the chains beyond it."""
     leaving = branches.get(link, []) if depth < _DEEPEST else []
     moving = [joint for joint in leaving if _moves(branches, joint)]
     only = moving[0] if len(moving) == 1 else None
@@ -104,7 +104,7 @@ def _chains(
         yield from _chains(branches, joint.child, own, depth + 1)
 
 
-_DEEPEST = 200  # joints in a row: bounds the walk where a model has a loop
+_DEEPEST = 200  # joints in series; bounds the walk if a model has a loop
 
 
 def _actuated(joint: UrdfJoint) -> bool:
@@ -112,7 +112,7 @@ def _actuated(joint: UrdfJoint) -> bool:
 
 
 def _moves(branches: _Branches, joint: UrdfJoint, depth: int = 0) -> bool:
-    """Whether a joint, or one beyond it, moves at all."""
+    """Return whether a joint, or one beyond it, moves."""
     return not joint.fixed or (
         depth < _DEEPEST
         and any(_moves(branches, beyond, depth + 1) for beyond in branches.get(joint.child, []))
@@ -120,7 +120,7 @@ def _moves(branches: _Branches, joint: UrdfJoint, depth: int = 0) -> bool:
 
 
 def _name(joints: tuple[UrdfJoint, ...]) -> str:
-    """The common beginning of the names of its joints."""
+    """Return the common beginning of the names of the joints."""
     names = [joint.name for joint in joints]
     alike = takewhile(lambda letters: len(set(letters)) == 1, zip(*names, strict=False))
     common = "".join(letters[0] for letters in alike)

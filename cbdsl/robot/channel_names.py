@@ -1,4 +1,4 @@
-"""The names of a robot's visual channels (Eq 3.10)."""
+"""Names of a robot's visual channels (Eq 3.10)."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from cbdsl.documents.robot import Channels
 
 
 def hue_names(channels: Channels) -> Iterator[str]:
-    """Names of the channels of hue: ``hue_1`` and on."""
+    """Yield the names of the channels of hue: ``hue_1`` and on."""
     yield from (f"hue_{number}" for number in range(1, channels.hue + 1))
 
 
 def channel_names(channels: Channels) -> Iterator[str]:
-    """Names of all channels: ``hue_1`` and on, ``sat_1`` and on, ``int_1`` and on, ``motion``."""
+    """Yield all names: ``hue_1`` and on, ``sat_1`` and on, ``int_1`` and on, ``motion``."""
     yield from hue_names(channels)
     for prefix, count in (
         ("sat", channels.saturation),

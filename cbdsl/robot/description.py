@@ -1,4 +1,4 @@
-"""Descriptions: the URDF that a robot publishes of itself, beside the URDF of its document."""
+"""Descriptions: the URDF that a robot publishes of itself, compared with its document's."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel
 from cbdsl.robot.urdf_reader import parse_urdf
 
-# Limits are rounded where they are written, relative to their size.
+# Relative tolerance for limits that were rounded when written.
 _ROUNDING = 1e-3
 
 
@@ -22,7 +22,7 @@ def description_problems(
         urdf: URDF of the robot, as text.
         model: URDF of the robot's document.
         joints: Actuated joints, by their names in the document.
-        names: Names of joints in the robot's own URDF, where they differ.
+        names: Names of joints in the robot's own URDF, if they differ.
     """
     try:
         described = parse_urdf(urdf, Path("robot_description"))

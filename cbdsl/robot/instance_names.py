@@ -1,4 +1,4 @@
-"""Names of the instances of a channel: ``stereo.red.2`` is the second red thing."""
+"""Names of the instances of a channel: ``stereo.red.2`` is the second red object."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from cbdsl.types.resource import SELECTIONS, Resource
 
 
 class InstanceName(NamedTuple):
-    """A resource's name with an instance behind its channel.
+    """Name of a resource with an instance after its channel.
 
     Attributes:
-        base: the resource of the thing attended to.
-        instance: what stands behind its channel.
+        base: Resource of the attended object.
+        instance: Text after its channel.
     """
 
     base: Resource
     instance: str
 
     def resource(self, name: str) -> Resource:
-        """The resource of the instance, by its whole name."""
+        """Return the resource of the instance, by its whole name."""
         source = self.base.source._replace(instance=self.instance)  # type: ignore[call-arg]
         return self.base._replace(name=name, source=source)
 
 
 def parse_instance(name: str, named: Mapping[str, Resource]) -> InstanceName | None:
-    """The parts of a name such as ``stereo.red.2``; ``None`` where it names no channel.
+    """Return the parts of a name such as ``stereo.red.2``; ``None`` if it names no channel.
 
     Args:
-        name: of a resource.
-        named: the robot's resources by name.
+        name: Name of a resource.
+        named: Resources of the robot by name.
     """
     parts = name.split(".")
     if len(parts) < 3:
@@ -44,7 +44,7 @@ def parse_instance(name: str, named: Mapping[str, Resource]) -> InstanceName | N
 
 
 def instance_names(robot: RobotDocument) -> tuple[str, ...]:
-    """Instances that a robot's programs may name: numbers and selections."""
+    """Return the instances that a robot's programs may name: numbers and selections."""
     if len(robot.cameras) != 2:
         return ()
     numbers = range(1, robot.vision.regions.instances + 1)
@@ -52,5 +52,5 @@ def instance_names(robot: RobotDocument) -> tuple[str, ...]:
 
 
 def is_meant_as_instance(text: str) -> bool:
-    """Whether a text is a number, or like the name of a selection."""
+    """Return whether a text is a number, or similar to the name of a selection."""
     return text.isdigit() or nearest_name(text, SELECTIONS) is not None

@@ -1,4 +1,4 @@
-"""The actuated joints of a robot, in one fixed order, and the passive joints they carry along."""
+"""Actuated joints of a robot, in one fixed order, and the passive joints coupled to them."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ Booleans = NDArray[np.bool_]
 
 
 class Joints:
-    """Names and indices of the actuated joints: effector by effector, as the robot file has them.
+    """Names and indices of the actuated joints, effector by effector in document order.
 
     Attributes:
-        names: the actuated joints, n of them.
-        passive: the coupled joints, m of them.
-        all: actuated, then passive joints.
+        names: Names of the n actuated joints.
+        passive: Names of the m coupled joints.
+        all: Names of the actuated, then the passive joints.
         counted: True for actuated joints of effectors whose whole turns count, shape (n,).
     """
 
@@ -40,7 +40,7 @@ class Joints:
         self.expansion: Floats = np.eye(len(self.all), len(self.names))
         for name, coupling in robot.couplings.items():
             self.expansion[self.index[name], self.index[coupling.follows]] = coupling.ratio
-        #: Positions of all joints where the actuated ones are at 0, rad or m, shape (n + m,).
+        #: Positions of all joints if the actuated ones are at 0, rad or m, shape (n + m,).
         self.offsets: Floats = np.zeros(len(self.all))
         self.offsets[len(self.names) :] = [each.offset for each in robot.couplings.values()]
 
@@ -48,13 +48,13 @@ class Joints:
         return len(self.names)
 
     def of(self, effector: str) -> NDArray[np.intp]:
-        """Indices of the joints of an effector or a group among the actuated ones."""
+        """Return the indices of an effector's or a group's joints among the actuated ones."""
         return self._effectors[effector]
 
     def pick(self, joints: Sequence[str]) -> NDArray[np.intp]:
-        """Indices of the named joints among all."""
+        """Return the indices of the named joints among all."""
         return np.array([self.index[joint] for joint in joints])
 
     def expand(self, positions: Floats) -> Floats:
-        """Angles of all joints, shape (n + m,), from those of the actuated ones, shape (n,)."""
+        """Return positions of all joints, shape (n + m,), from actuated ones, shape (n,)."""
         return self.expansion @ positions + self.offsets

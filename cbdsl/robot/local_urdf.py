@@ -1,4 +1,4 @@
-"""URDF text for a folder of its own, in which files of meshes are named from there."""
+"""URDF text for another folder, with paths of meshes relative to it."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from cbdsl.robot.urdf import UrdfError
 def localized(
     text: str | bytes, source: Path, folder: Path, packages: PackageFolders, name: str
 ) -> str:
-    """A URDF as it reads in another folder.
+    """Return a URDF with paths for another folder.
 
     Args:
-        text: of the URDF.
-        source: the file that it comes from, to which its meshes are relative.
-        folder: where it will be.
-        packages: where ``package://NAME`` leads.
-        name: for the robot, where it has none.
+        text: Text of the URDF.
+        source: Original file, to which the paths of its meshes are relative.
+        folder: Folder of the new file.
+        packages: Folders of packages, for ``package://NAME``.
+        name: Name of the robot, if the URDF has none.
 
     Raises:
-        UrdfError: it is no XML, or one of its meshes is not there.
+        UrdfError: If it is not XML, or one of its meshes is missing.
     """
     root = xml_root(text, source, "URDF")
     if not root.get("name"):
@@ -53,6 +53,6 @@ def _localized_mesh(
 
 
 def with_origin(text: str, origin: str) -> str:
-    """A URDF that says, in a comment before it, what it was made from and how."""
-    # Two hyphens end a comment of XML.
+    """Return a URDF with a leading comment that states its origin."""
+    # Two hyphens end an XML comment.
     return f'<?xml version="1.0"?>\n<!-- {origin.replace("--", "- -")} -->\n{text}\n'

@@ -1,4 +1,4 @@
-"""Names of marks of one hue: ``mark.red.blue`` leads to what is blue on a red thing."""
+"""Names of marks of one hue: ``mark.red.blue`` leads to a blue part of a red object."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from typing import NamedTuple
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.types.resource import MarkHeading, Resource
 
-#: In the place of a hue: whichever the mark has, as where no hue is named.
+#: Placeholder for every hue, equivalent to a name without a hue.
 ANY = "any"
 
 
 class MarkName(NamedTuple):
-    """A mark's name with a hue behind the channel of the thing.
+    """Name of a mark with a hue after the channel of the object.
 
     Attributes:
-        base: the heading to a mark of any hue.
-        hue: what stands behind the channel.
+        base: Heading to a mark of any hue.
+        hue: Text after the channel.
     """
 
     base: Resource
     hue: str
 
     def resource(self, name: str, robot: RobotDocument) -> Resource | None:
-        """The heading to a mark of that hue; ``None`` where the thing can have no such mark.
+        """Return the heading to a mark of that hue; ``None`` if the object cannot have it.
 
         Args:
-            name: its whole name.
-            robot: has the channels and their aliases.
+            name: Whole name of the mark.
+            robot: Robot document with the channels and their aliases.
         """
         if self.hue == ANY:
             return self.base
@@ -38,10 +38,10 @@ class MarkName(NamedTuple):
         return self.base._replace(name=name, source=self._mark._replace(hues=(hue,)))
 
     def hues(self, robot: RobotDocument) -> tuple[str, ...]:
-        """Hues that may stand there, ``any`` among them; a thing's own is none.
+        """Return the allowed hues, including ``any`` and excluding the object's own hue.
 
         Args:
-            robot: has the aliases.
+            robot: Robot document with the aliases.
         """
         hues = [hue for hue in self._mark.hues if hue != self._mark.channel]
         aliases = robot.vision.channels.aliases.items()
@@ -54,11 +54,11 @@ class MarkName(NamedTuple):
 
 
 def parse_mark(name: str, named: Mapping[str, Resource]) -> MarkName | None:
-    """The parts of a name such as ``mark.red.blue``; ``None`` where it names no mark.
+    """Return the parts of a name such as ``mark.red.blue``; ``None`` if it names no mark.
 
     Args:
-        name: of a resource.
-        named: the robot's resources by name.
+        name: Name of a resource.
+        named: Resources of the robot by name.
     """
     base = named.get(".".join(name.split(".")[:2]))
     if name.count(".") != 2 or base is None or not isinstance(base.source, MarkHeading):

@@ -9,9 +9,9 @@ from cbdsl.documents.contents import is_file
 
 
 def find_mesh(name: str, folder: Path) -> Path | None:
-    """The file that a URDF in ``folder`` names, or ``None`` where it is not there any more.
+    """Return the file that a URDF in ``folder`` names, or ``None`` if it is missing.
 
-    ``package://name/path`` is looked for below every folder above, with and without its name.
+    ``package://name/path`` is searched below every folder above, with and without the package name.
     """
     plain = unquote(name)
     if "://" not in plain:

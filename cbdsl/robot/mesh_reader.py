@@ -12,20 +12,20 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Triangles = NDArray[np.intp]
 
-#: Most bytes of a file that is handed to the reader.
+#: Largest size of a file for the reader, bytes.
 MOST_BYTES = 100_000_000
 
 
 class MeshError(ValueError):
-    """A mesh file cannot be read; the message says why."""
+    """Unreadable mesh file; the message says why."""
 
 
 class Mesh(NamedTuple):
-    """Triangles.
+    """Triangles of a mesh.
 
     Attributes:
-        corners: m, shape (corners, 3).
-        triangles: indices of their corners, shape (triangles, 3).
+        corners: Positions of the corners, m, shape (corners, 3).
+        triangles: Indices of the triangles' corners, shape (triangles, 3).
     """
 
     corners: Floats
@@ -33,13 +33,13 @@ class Mesh(NamedTuple):
 
 
 def read_mesh_file(file: Path, scale: Sequence[float]) -> Mesh:
-    """The mesh in a file, its corners times ``scale``.
+    """Return the mesh in a file, its corners times ``scale``.
 
     Raises:
-        MeshError: the file is no mesh, or the reader is not installed.
+        MeshError: If the file is not a mesh, or the reader is not installed.
     """
     try:
-        # Pinocchio brings it along.
+        # installed with Pinocchio
         import coal
     except ImportError as error:
         raise MeshError(f"{file}: the reader of meshes is not installed: {error}") from error
@@ -54,7 +54,7 @@ def read_mesh_file(file: Path, scale: Sequence[float]) -> Mesh:
         corners = np.array(loaded.vertices(), dtype=np.float64).reshape(-1, 3)
         rows = [loaded.tri_indices(index) for index in range(loaded.num_tris)]
     except (RuntimeError, ValueError) as error:
-        # Where in the reader's source it happened is of no use here.
+        # The position in the reader's source is of no use here.
         reason = " ".join(str(error).partition("message: ")[2].split()) or str(error)
         raise MeshError(f"{file}: {reason}") from error
     triangles = np.array([[row[0], row[1], row[2]] for row in rows], dtype=np.intp).reshape(-1, 3)

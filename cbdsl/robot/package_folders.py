@@ -14,9 +14,9 @@ class PackageFolders:
     """Folders by the name of their package.
 
     Args:
-        named: folders that the user names.
-        roots: folders with packages in them, or packages themselves, as in ROS_PACKAGE_PATH.
-        model: the model that names packages; those in and beside the folders above it are known.
+        named: Folders that the user names.
+        roots: Folders of packages or with packages in them, as in ROS_PACKAGE_PATH.
+        model: Path of the model; packages in and beside the folders above it are found.
     """
 
     def __init__(self, named: Mapping[str, Path], roots: Sequence[Path], model: Path) -> None:
@@ -24,10 +24,10 @@ class PackageFolders:
         self._above = tuple(model.resolve().parents)
 
     def folder(self, name: str) -> Path:
-        """Folder of a package.
+        """Return the folder of a package.
 
         Raises:
-            UrdfError: nothing says where it is.
+            UrdfError: If the package is not found.
         """
         folder = next((each for each in self._candidates(name) if is_folder(each)), None)
         if folder is None:
@@ -39,10 +39,10 @@ class PackageFolders:
         return folder.resolve()
 
     def mesh(self, name: str, folder: Path) -> Path:
-        """File of a mesh that a model in a folder names.
+        """Return the file of a mesh that a model in a folder names.
 
         Raises:
-            UrdfError: its package is nowhere.
+            UrdfError: If its package is not found.
         """
         scheme, separator, path = name.partition("://")
         if not separator:
@@ -55,7 +55,7 @@ class PackageFolders:
     def _candidates(self, name: str) -> Iterator[Path]:
         if name in self._named:
             yield self._named[name]
-            return  # a wrong folder is not to be mended by a guess
+            return  # no other folder replaces a wrong one
         for root in (*self._roots, *self._above):
             if root.name == name:
                 yield root

@@ -16,18 +16,18 @@ from cbdsl.types.resource import (
 )
 from cbdsl.types.resource_type import CONSTELLATION, OFFSET
 
-#: Stands between the two channels.
+#: Word between the two channels.
 _TO = "to"
 #: Mean heading of all cameras, which has no image and no blobs.
 _CYCLOPEAN = "cyclopean"
 
 
 class PairName(NamedTuple):
-    """Two signals of the same kind, whose channels are compared.
+    """Pair of signals of the same kind, whose channels are compared.
 
     Attributes:
-        first: heading or position of the channel that is compared.
-        second: the same of the channel that it is compared with.
+        first: Heading or position of the compared channel.
+        second: Heading or position of the channel of comparison.
     """
 
     first: Resource
@@ -35,11 +35,11 @@ class PairName(NamedTuple):
 
     @property
     def is_of_one(self) -> bool:
-        """Whether a channel is compared with itself, perhaps by another name."""
+        """Whether a channel is compared with itself, possibly under another name."""
         return self.first.source == self.second.source
 
     def resource(self, name: str) -> Resource:
-        """The signal of both, by its whole name."""
+        """Return the signal of both channels, by its whole name."""
         first, second = self.first.source, self.second.source
         if isinstance(first, StereoPosition) and isinstance(second, StereoPosition):
             offset = StereoOffset(first.channel, second.channel)
@@ -50,11 +50,11 @@ class PairName(NamedTuple):
 
 
 def parse_pair(name: str, named: Mapping[str, Resource]) -> PairName | None:
-    """The parts of a name such as ``left.red.to.blue``; ``None`` where it names no two channels.
+    """Return the parts of a name such as ``left.red.to.blue``, or ``None`` for other names.
 
     Args:
-        name: of a resource.
-        named: the robot's resources by name.
+        name: Name of a resource.
+        named: Resources of the robot by name.
     """
     parts = name.split(".")
     if len(parts) != 4 or parts[2] != _TO:
@@ -66,7 +66,7 @@ def parse_pair(name: str, named: Mapping[str, Resource]) -> PairName | None:
 
 
 def pair_resource(name: str, named: Mapping[str, Resource]) -> Resource | None:
-    """The signal of two channels that a name stands for, ``None`` where it stands for none."""
+    """Return the signal of two channels that a name stands for, or ``None``."""
     pair = parse_pair(name, named)
     return None if pair is None or pair.is_of_one else pair.resource(name)
 
@@ -74,12 +74,12 @@ def pair_resource(name: str, named: Mapping[str, Resource]) -> Resource | None:
 def pair_features(
     feature: str, goal: str, camera: str, named: Mapping[str, Resource]
 ) -> dict[str, Resource]:
-    """The constellation of two things in a camera, and where one is from the other.
+    """Return the constellation of two objects in a camera, and the offset between them.
 
     Args:
-        feature, goal: channels of the things.
-        camera: name of the camera.
-        named: the robot's resources by name.
+        feature, goal: Channels of the objects.
+        camera: Name of the camera.
+        named: Resources of the robot by name.
     """
     ends = f"{feature}.{_TO}.{goal}"
     names = {"constellation": f"{camera}.{ends}", "offset": f"{STEREO}.{ends}"}

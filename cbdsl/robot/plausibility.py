@@ -1,4 +1,4 @@
-"""Masses, moments of inertia and shapes of a model that no body can have."""
+"""Physically impossible masses, moments of inertia and shapes of a model."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from collections.abc import Iterator
 
 from cbdsl.robot.urdf import Numbers, UrdfInertial, UrdfLink, UrdfModel, UrdfShape
 
-# Share of the largest principal moment by which rounding may break the bounds on the others.
+# Tolerance of the bounds on principal moments for rounding, as a share of the largest moment.
 _ROUNDING = 0.02
-# Radius of gyration, m, that no link of a robot has, as moments in kg mm^2 give.
+# Radius of gyration, m, beyond which moments are implausible, such as moments in kg mm^2.
 _LARGEST = 20.0
-# Moments beyond this, kg m^2, are no numbers to compute with.
+# Largest moment, kg m^2, that can be computed with.
 _MOST = 1e100
 
 
 def odd_inertias(model: UrdfModel) -> Iterator[tuple[str, str]]:
-    """Yield links whose moments of inertia no rigid body has, each with the reason.
+    """Yield links with moments of inertia that no rigid body has, each with the reason.
 
-    The principal moments of a body are positive, and none exceeds the sum of the other two: each
-    is the integral of the squared distance from an axis. Links fixed to others, and links without
-    mass, may have none.
+    The principal moments of a body are positive, because each is the integral of the squared
+    distance from an axis. None exceeds the sum of the other two. Links fixed to others, and links
+    without mass, may have none.
 
     Raises:
-        UrdfError: a link has something else where numbers should be.
+        UrdfError: If a value of a link is not a number.
     """
     moved = {joint.child for joint in model.joints.values() if not joint.fixed}
     for name, link in model.bodies.items():
@@ -34,7 +34,7 @@ def odd_inertias(model: UrdfModel) -> Iterator[tuple[str, str]]:
 
 
 def _oddness(inertial: UrdfInertial, moved: bool) -> str:
-    """Return the reason why moments of inertia are none of a body; empty where they are."""
+    """Return the reason why moments of inertia are impossible; empty if they are not."""
     if not any(inertial.inertia):
         return f"a mass of {inertial.mass:g} kg and no moment of inertia" if moved else ""
     if max(map(abs, inertial.inertia)) > _MOST:
@@ -54,12 +54,12 @@ def _oddness(inertial: UrdfInertial, moved: bool) -> str:
 def principal_moments(inertia: Numbers) -> tuple[float, float, float]:
     """Return the eigenvalues of a matrix of inertia, the smallest first.
 
-    In closed form (Smith 1961): shifted by its mean and scaled, a symmetric matrix of three rows
-    has the eigenvalues 2 cos(angle + 2 k pi / 3), with cos(3 angle) half its determinant. So
-    documents are checked without NumPy, which the base installation lacks.
+    The solution is in closed form (Smith 1961). Shifted by its mean and scaled, a symmetric matrix
+    of three rows has the eigenvalues 2 cos(angle + 2 k pi / 3), with cos(3 angle) half its
+    determinant. Documents are thus checked without NumPy, which the base installation lacks.
 
     Args:
-        inertia: xx, yy, zz, xy, xz and yz, kg m^2.
+        inertia: Moments xx, yy, zz, xy, xz and yz, kg m^2.
     """
     xx, yy, zz, xy, xz, yz = inertia
     mean = (xx + yy + zz) / 3.0
@@ -82,7 +82,7 @@ def flat_shapes(model: UrdfModel) -> Iterator[tuple[str, str]]:
     """Yield links with a shape that has no volume, each with the shape.
 
     Raises:
-        UrdfError: a link has something else where numbers should be.
+        UrdfError: If a value of a link is not a number.
     """
     for name, link in model.bodies.items():
         shape = next(_flat(link), None)

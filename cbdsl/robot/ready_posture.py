@@ -1,4 +1,4 @@
-"""Ready postures: where a row of joints can move its tip every way, far from its limits."""
+"""Ready postures: the tip of serial joints can move in all directions, far from the limits."""
 
 from __future__ import annotations
 
@@ -13,48 +13,47 @@ from cbdsl.robot.urdf import Numbers, UrdfJoint, UrdfModel, Vector
 
 _Floats = NDArray[np.float64]
 
-# Angles that are tried: multiples of this, within that of zero, and not in the outer part of a
-# joint's range.
+# Candidate angles: step, and largest absolute value. The outer part of a joint's range is excluded.
 _STEP = math.radians(15)
 _FARTHEST = math.radians(120)
 _OUTER = 0.1
-#: Fewer joints do not move a tip in three directions.
+#: Fewest joints that move a tip in three directions.
 PLACING = 3
-# With these it can be turned, too.
+# Fewest joints that also turn it.
 _TURNING = 6
 _SWEEPS = 6
-# A singular direction counts as little, not as the end of everything: it may take two joints to
-# leave it. Of the squared reach.
+# Damping in parts of the squared reach. It keeps a singular direction from dominating, because
+# leaving it may take two joints.
 _DAMPING = 1e-4
-# How near each other parts of the row may be that are not neighbours, of its length, and below
-# which share of the way between them along the row they are.
+# Smallest distance between parts of the chain that are not neighbours, and the distance along the
+# chain below which parts are neighbours, both in parts of its length.
 _CLEARANCE = 0.15
 _NEIGHBOURHOOD = 0.3
-# What a violation and a turn away from zero cost, in logarithms of manipulability.
+# Costs of a violation and of a turn away from zero, in logarithms of manipulability.
 _FORBIDDEN = 100.0
 _AWAY = 0.02
 
 
 class _Frame(NamedTuple):
-    """A frame in the root's: rotation, shape (3, 3), and position, m, shape (3,)."""
+    """Frame in the root's: rotation, shape (3, 3), and position, m, shape (3,)."""
 
     rotation: _Floats
     position: _Floats
 
     def placed(self, vector: _Floats) -> _Floats:
-        """A vector of this frame in the root's, m."""
+        """Return a vector of this frame in the root's, m."""
         place: _Floats = self.position + self.rotation @ vector
         return place
 
 
 class _Hinge(NamedTuple):
-    """A joint as arrays.
+    """Joint in the form of arrays.
 
     Attributes:
-        joint: of the model.
-        origin: in the frame of its parent.
-        axis: of unit length, shape (3,).
-        cross: matrix of the cross product of the axis with a vector, shape (3, 3).
+        joint: Joint of the model.
+        origin: Frame in the frame of its parent.
+        axis: Axis of unit length, shape (3,).
+        cross: Matrix of the cross product of the axis with a vector, shape (3, 3).
     """
 
     joint: UrdfJoint
@@ -63,7 +62,7 @@ class _Hinge(NamedTuple):
     cross: _Floats
 
     def moved(self, frame: _Frame, position: float) -> _Frame:
-        """The frame of its child, from its own (Rodrigues' formula)."""
+        """Return the frame of its child, from its own (Rodrigues' formula)."""
         if self.joint.slides:
             return _Frame(frame.rotation, frame.placed(position * self.axis))
         turn = (
@@ -73,20 +72,20 @@ class _Hinge(NamedTuple):
 
 
 class ReadyPosture:
-    """Search for a posture of a row of joints, from its limits and lengths alone.
+    """Search for a posture of serial joints, from their limits and lengths alone.
 
-    Its score is the manipulability of the tip, sqrt(det(J J^T)) (Yoshikawa 1985): of its position,
-    and with six joints or more of its orientation, too. The row keeps clear of itself, and above
-    the ground where it is stretched upwards at zero, as arms on a base are and legs are not.
+    The score is the manipulability of the tip, sqrt(det(J J^T)) (Yoshikawa 1985). It includes the
+    position and, with six or more joints, the orientation. The chain avoids itself. It also stays
+    above the ground if it points upwards at zero, as arms on a base do and legs do not.
 
     Args:
-        model: of the robot; its other joints are where they are at first.
-        joints: in a row, from the root outwards.
-        tip: a link beyond the last.
-        offset: of the tip in that link, m.
+        model: Model of the robot; its other joints are at their initial positions.
+        joints: Joints in series, from the root outwards.
+        tip: Link beyond the last joint.
+        offset: Offset of the tip in that link, m.
 
     Attributes:
-        length: of the row, from the first joint to the tip, m.
+        length: Length of the chain, from the first joint to the tip, m.
     """
 
     def __init__(
@@ -106,14 +105,14 @@ class ReadyPosture:
 
     @property
     def at_first(self) -> tuple[float, ...]:
-        """Zero where that is well within a joint's range, else the middle of it; rad or m."""
+        """Initial positions: zero if well within a joint's range, else its middle; rad or m."""
         return tuple(at_first(joint) for joint in self._joints)
 
     def find(self) -> tuple[float, ...]:
-        """The best posture; that at first where there are too few joints to choose.
+        """Return the best posture, or the initial one if there are too few joints.
 
         Returns:
-            A position per joint, rad or m.
+            Position of each joint, rad or m.
         """
         best = self.at_first
         if sum(not joint.slides for joint in self._joints) < PLACING:
@@ -132,21 +131,21 @@ class ReadyPosture:
         return best
 
     def is_clear(self, positions: Sequence[float]) -> bool:
-        """Whether the row keeps clear of itself and of the ground at some positions."""
+        """Return whether the chain avoids itself and the ground at the given positions."""
         points = self._points(positions)
         return not (self._crowded(points) or self._underground(points))
 
     def tip_at(self, positions: Sequence[float]) -> Vector:
-        """The position of the tip in the root's frame, m."""
+        """Return the position of the tip in the root's frame, m."""
         return _vector(self._points(positions)[-1])
 
     @property
     def shoulder(self) -> Vector:
-        """The position of the first joint in the root's frame, m."""
+        """Position of the first joint in the root's frame, m."""
         return _vector(self._points(self.at_first)[0])
 
     def _beyond(self) -> list[UrdfJoint]:
-        """The joints past the first one of the row."""
+        """Return the joints beyond the first one of the chain."""
         joints = [hinge.joint for hinge in self._way]
         names = [joint.name for joint in joints]
         return joints[names.index(self._joints[0].name) + 1 :]
@@ -167,10 +166,10 @@ class ReadyPosture:
         )
 
     def _jacobian(self, hinges: Sequence[_Hinge], frames: Sequence[_Frame]) -> _Floats:
-        """Motions of the tip by joint: along, in parts of the length, and about.
+        """Return the motions of the tip by joint: translation, in parts of the length, and turn.
 
         Returns:
-            A row per joint, shape (n, 3), or (n, 6) where the tip can be turned, too.
+            Row per joint, shape (n, 3), or (n, 6) if the tip can be turned, too.
         """
         slides = np.array([hinge.joint.slides for hinge in hinges])[:, None]
         axes = np.array(
@@ -184,7 +183,7 @@ class ReadyPosture:
         return np.hstack([along, np.where(slides, 0.0, axes)])
 
     def _crowded(self, points: _Floats) -> float:
-        """How far parts of the row are into each other, in parts of its length."""
+        """Return the overlap of parts of the chain, in parts of its length."""
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         along = np.concatenate([[0.0], np.cumsum(steps)])
         second, first = np.triu_indices(len(points), 1)
@@ -199,11 +198,11 @@ class ReadyPosture:
         return float(np.maximum(0.0, below - points[-2:, 2]).sum()) / self.length
 
     def _points(self, positions: Sequence[float]) -> _Floats:
-        """Where the joints and the tip are, m, shape (n + 1, 3)."""
+        """Return the positions of the joints and the tip, m, shape (n + 1, 3)."""
         return np.array([frame.position for frame in self._frames(positions)[1]])
 
     def _frames(self, positions: Sequence[float]) -> tuple[list[_Hinge], list[_Frame]]:
-        """The row's joints, their frames, and that of the tip behind them."""
+        """Return the chain's joints, their frames, and the frame of the tip after them."""
         given = dict(zip((joint.name for joint in self._joints), positions, strict=True))
         frame = _Frame(np.eye(3), np.zeros(3))
         hinges, frames = [], []
@@ -220,9 +219,9 @@ class ReadyPosture:
 
 
 def at_first(joint: UrdfJoint) -> float:
-    """Zero where that is well within a joint's range, else the middle of it; rad or m.
+    """Return zero if it is well within a joint's range, else the middle of it; rad or m.
 
-    Where there is no such range, it is the position nearest to zero within the limits.
+    Without such a range, return the position nearest to zero within the limits.
     """
     span = joint.upper - joint.lower
     if not 0.0 < span < math.inf:
@@ -237,7 +236,7 @@ def at_first(joint: UrdfJoint) -> float:
 
 
 def _choices(joint: UrdfJoint) -> list[float]:
-    """Positions to try, the smallest turns first."""
+    """Return the candidate positions, the smallest turns first."""
     bounded = math.isfinite(joint.upper - joint.lower)
     if joint.slides:
         parts = (0.25, 0.5) if bounded else ()
@@ -249,7 +248,7 @@ def _choices(joint: UrdfJoint) -> list[float]:
 
 
 def _way(model: UrdfModel, link: str) -> list[UrdfJoint]:
-    """The joints from the root to a link."""
+    """Return the joints from the root to a link."""
     above = {joint.child: joint for joint in model.joints.values()}
     way: list[UrdfJoint] = []
     while link in above and above[link] not in way:

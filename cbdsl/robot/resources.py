@@ -1,4 +1,4 @@
-"""The resources that a robot document gives rise to: everything that programs can name."""
+"""Resources of a robot document: everything that programs can name."""
 
 from __future__ import annotations
 
@@ -53,9 +53,9 @@ CAMERAS = "cameras"
 STEREO = "stereo"
 SURFACE = "surface"
 COUNTED = "count"
-#: Beginning of the names of headings to what a background model does not expect.
+#: Prefix of the names of headings to regions that a background model does not expect.
 NOVEL = "novel"
-#: Beginning of the names of headings to what has another hue on a thing than the thing itself.
+#: Prefix of the names of headings to marks: regions of another hue on an object.
 MARK = "mark"
 
 _TIP_PARTS = {"position": POSITION, "orientation": ORIENTATION, "pose": POSE}
@@ -65,7 +65,7 @@ _LOAD_PARTS = {"force": FORCE, "torque": TORQUE, "wrench": WRENCH}
 
 
 def resources(robot: RobotDocument) -> dict[str, Resource]:
-    """All resources of a robot by name (Eq 3.8 to 3.16).
+    """Return all resources of a robot by name (Eq 3.8 to 3.16).
 
     ========================================  ===================  ==============
     name                                      type                 origin
@@ -94,9 +94,9 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ``group.net_forces``                      force x members      environment
     ========================================  ===================  ==============
 
-    Those of a channel are of the thing attended to. Instances of a channel have names of their own,
-    such as ``stereo.red.2``, and so have marks of one hue, such as ``mark.red.blue``, which are not
-    listed: see ``instance_names`` and ``mark_names``.
+    Resources of a channel belong to the attended object. Instances of a channel have names of their
+    own, such as ``stereo.red.2``, and so have marks of one hue, such as ``mark.red.blue``. They are
+    not listed: see ``instance_names`` and ``mark_names``.
     """
     by_name: dict[str, Resource] = {}
     for some in (_effectors, _loads, _vision, _groups, _sensors):
@@ -124,7 +124,7 @@ def _configurations(name: str, size: int, postures: Iterable[str]) -> Iterator[R
 
 def _groups(robot: RobotDocument) -> Iterator[Resource]:
     for name, group in robot.groups.items():
-        # A group with a member that is not there has been reported, and has no resources.
+        # A group with a missing member has been reported, and has no resources.
         members = [robot.effectors[m] for m in group.members if m in robot.effectors]
         if len(members) < len(group.members):
             continue
@@ -161,7 +161,7 @@ def _hand_loads(hand: str, cells: Mapping[str, LoadCell]) -> Iterator[Resource]:
 
 
 def _sensors(robot: RobotDocument) -> Iterator[Resource]:
-    """Resources of sensors of other packages' kinds; a kind that cannot be used has none."""
+    """Yield resources of custom sensor kinds; an unusable kind has none."""
     for name, sensor in robot.sensors.items():
         with suppress(UsageError):
             yield from SOURCES.get(sensor.kind).resources(name, sensor, robot)
@@ -187,7 +187,7 @@ def _vision(robot: RobotDocument) -> Iterator[Resource]:
 
 
 def _features(robot: RobotDocument, name: str, channel: str) -> Iterator[Resource]:
-    """Parts of the blobs of a channel, and of what they belong to."""
+    """Yield features of the blobs of a channel, and of the objects that they belong to."""
     for camera in robot.cameras:
         for part, kind in _BLOB_PARTS.items():
             blob = BlobSignal(camera, channel, part)
@@ -203,7 +203,7 @@ def _features(robot: RobotDocument, name: str, channel: str) -> Iterator[Resourc
 
 
 def _named_channels(channels: Channels) -> Iterator[tuple[str, str]]:
-    """Names that programs may use, and the channels they mean."""
+    """Yield the names that programs may use, with their channels."""
     names = list(channel_names(channels))
     yield from zip(names, names, strict=True)
     yield from ((alias, name) for alias, name in channels.aliases.items() if name in names)

@@ -15,10 +15,10 @@ MOST_BYTES = 4_000_000
 
 
 def robot_text(path: Path) -> bytes:
-    """The contents of a file.
+    """Return the contents of a file.
 
     Raises:
-        UrdfError: there is no such file, or it is too large for one.
+        UrdfError: If there is no such file, or it is too large.
     """
     try:
         return contents(path, MOST_BYTES)
@@ -27,15 +27,15 @@ def robot_text(path: Path) -> bytes:
 
 
 def xml_root(text: bytes | str, path: Path, kind: str) -> ElementTree.Element:
-    """The root of an XML text.
+    """Return the root of an XML text.
 
     Args:
-        text: of the file.
-        path: names it in messages.
-        kind: name of the format.
+        text: Text of the file.
+        path: Path of the file, for messages.
+        kind: Name of the format.
 
     Raises:
-        UrdfError: it is no XML.
+        UrdfError: If it is not XML.
     """
     refuse_entities(text, path)
     try:
@@ -45,20 +45,20 @@ def xml_root(text: bytes | str, path: Path, kind: str) -> ElementTree.Element:
 
 
 def require_robot(root: ElementTree.Element, path: Path) -> None:
-    """Check that a root is that of a robot.
+    """Check that a root element is ``<robot>``.
 
     Raises:
-        UrdfError: it is another one.
+        UrdfError: If it is another one.
     """
     if root.tag != "robot":
         raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
 
 
 def refuse_macros(root: ElementTree.Element, path: Path) -> None:
-    """Refuse a model with elements of xacro, which only a file's name or the user makes xacro.
+    """Refuse a model with elements of xacro that is not declared as xacro.
 
     Raises:
-        UrdfError: It has one.
+        UrdfError: If it has one.
     """
     if any("xacro" in element.tag for element in root.iter()):
         raise UrdfError(
@@ -68,12 +68,12 @@ def refuse_macros(root: ElementTree.Element, path: Path) -> None:
 
 
 def refuse_entities(text: bytes | str, path: Path) -> None:
-    """Refuse a text that declares entities, of which a few bytes can stand for gigabytes.
+    """Refuse a text that declares entities, because a few bytes can expand to gigabytes.
 
-    They are declared before the root element, where this stops reading.
+    They are declared before the root element, where this check stops reading.
 
     Raises:
-        UrdfError: It declares one.
+        UrdfError: If it declares one.
     """
 
     declared = []
@@ -87,7 +87,7 @@ def refuse_entities(text: bytes | str, path: Path) -> None:
 
     parser = expat.ParserCreate()
     parser.EntityDeclHandler, parser.StartElementHandler = refuse, stop
-    # Mistakes of the text are reported by its reader.
+    # Syntax errors are reported by the reader.
     with suppress(StopIteration, expat.ExpatError, ValueError, LookupError):
         parser.Parse(text, True)
     if declared:

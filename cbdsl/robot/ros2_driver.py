@@ -9,8 +9,9 @@ from cbdsl.documents.driver import Driver
 from cbdsl.robot.driver_addresses import addresses
 from cbdsl.robot.driver_kind import DriverKind, Problem
 
-# Names of ROS 2: tokens of letters, digits and underscores after each slash, not beginning with a
-# digit, without two underscores in a row (design.ros2.org, "Topic and Service name mapping").
+# Names of ROS 2: tokens of letters, digits and underscores, separated by slashes. A token does not
+# begin with a digit and has no two underscores in a row (design.ros2.org, "Topic and Service name
+# mapping").
 _TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 _LONGEST = 247
 

@@ -1,4 +1,4 @@
-"""Self-contacts of a robot: pairs of its links that touch in a posture, or in all of them."""
+"""Self-contacts of a robot: pairs of links that touch in one posture, or in all of them."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
 Floats = NDArray[np.float64]
 LinkPair = tuple[str, str]
 
-# Engines let shapes touch a little before they overlap, m.
+# Contact margin of engines before shapes overlap, m.
 _MARGIN = 0.002
-# Postures that are drawn, and how far endless joints are turned in them, rad.
+# Number of sampled postures, and largest turn of unlimited joints in them, rad.
 _SAMPLES = 100
 _TURN = math.pi
 
 
 class ConvexPart(NamedTuple):
-    """A convex part of a link.
+    """Convex part of a link.
 
     Attributes:
-        geometry: coal's.
-        pose: in the link's frame, shape (4, 4).
+        geometry: Geometry of coal.
+        pose: Pose in the link's frame, shape (4, 4).
     """
 
     geometry: Any
@@ -37,20 +37,20 @@ class ConvexPart(NamedTuple):
 
 
 class SelfContacts:
-    """Contacts between links of which neither carries the other, as engines have them.
+    """Contacts between links of which neither carries the other, as in physics engines.
 
-    Meshes are taken for their convex hulls, as engines do; those that cannot be read are left out.
+    Meshes are replaced by their convex hulls, as engines do; unreadable ones are left out.
 
     Args:
-        model: of the robot.
+        model: Model of the robot.
 
     Raises:
-        ImportError: the reader of meshes, coal, is not installed.
-        UrdfError: a link has something else where numbers should be.
+        ImportError: If the reader of meshes, coal, is not installed.
+        UrdfError: If a value of a link is not a number.
     """
 
     def __init__(self, model: UrdfModel) -> None:
-        import coal  # Pinocchio brings it along
+        import coal  # installed with Pinocchio
 
         self._coal, self._model = coal, model
         self._order = list(_outwards(model))
@@ -66,15 +66,15 @@ class SelfContacts:
         self._request.security_margin = _MARGIN
 
     def touching(self, positions: Mapping[str, float]) -> frozenset[LinkPair]:
-        """Pairs of links that touch in a posture.
+        """Return the pairs of links that touch in a posture.
 
         Args:
-            positions: of joints, rad or m; others are where they are at first.
+            positions: Positions of joints, rad or m; other joints are at their initial positions.
         """
         return self._touching(positions, self._pairs)
 
     def always(self) -> frozenset[LinkPair]:
-        """Pairs of links that touch in each of a hundred postures, drawn within the limits."""
+        """Return the pairs of links that touch in all of a hundred random postures."""
         rng, left = np.random.default_rng(0), frozenset(self._pairs)
         for _ in range(_SAMPLES):
             if not left:
@@ -105,7 +105,7 @@ class SelfContacts:
         return self._coal.Transform3s(pose[:3, :3], pose[:3, 3])
 
     def _frames(self, positions: Mapping[str, float]) -> dict[str, Floats]:
-        """Frames of all links in the root's, shape (4, 4)."""
+        """Return the frames of all links in the root's, shape (4, 4)."""
         frames = dict.fromkeys(self._model.links - {j.child for j in self._order}, np.eye(4))
         for joint in self._order:
             frame = frames[joint.parent] @ _pose(joint.origin)
@@ -115,7 +115,7 @@ class SelfContacts:
         return frames
 
     def _position(self, joint: UrdfJoint, positions: Mapping[str, float]) -> float:
-        """Where a joint is; a passive one follows another."""
+        """Return the position of a joint; a passive one follows another."""
         mimic = joint.mimic
         if mimic is None or mimic.joint not in self._model.joints:
             return positions.get(joint.name, at_first(joint))
@@ -129,7 +129,7 @@ class SelfContacts:
                 yield ConvexPart(geometry, _pose(shape.origin))
 
     def _geometry(self, shape: UrdfShape) -> Any:
-        """A shape as coal has it, or ``None`` where it has no volume."""
+        """Return the coal geometry of a shape, or ``None`` if it has no volume."""
         if shape.kind == "mesh":
             return self._hull(shape)
         if not all(size > 0 for size in shape.size):
@@ -143,12 +143,12 @@ class SelfContacts:
             mesh = self._coal.MeshLoader().load(str(file), np.array(shape.size, dtype=float))
             mesh.buildConvexHull(True, "Qt")
         except (RuntimeError, ValueError):
-            return None  # which engines tell of, or which is flat
+            return None  # unreadable, which engines report, or flat
         return mesh.convex
 
 
 def _outwards(model: UrdfModel) -> Iterator[UrdfJoint]:
-    """Joints, each after those that carry it."""
+    """Yield joints, each after its parents."""
     below: dict[str, list[UrdfJoint]] = {}
     for joint in model.joints.values():
         below.setdefault(joint.parent, []).append(joint)
@@ -170,7 +170,7 @@ def _pose(origin: UrdfOrigin) -> Floats:
 
 
 def _motion(joint: UrdfJoint, position: float) -> Floats:
-    """Motion of a joint from zero, shape (4, 4)."""
+    """Return the motion of a joint from zero, shape (4, 4)."""
     axis = np.array(joint.axis) / (math.hypot(*joint.axis) or 1.0)
     motion = np.eye(4)
     if joint.slides:

@@ -11,17 +11,17 @@ from cbdsl.robot.srdf import GroupState, SrdfGroup, SrdfModel
 from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel
 
-# Digits of an angle that a posture of a robot document has.
+# Decimals of angles in the postures of a robot document.
 _DIGITS = 6
 
 
 class SemanticGroup(NamedTuple):
-    """A group of joints that becomes an effector.
+    """Group of joints that becomes an effector.
 
     Attributes:
-        joints: that programs can move, in the group's order.
-        tip: the link that it carries, if its joints are in one row.
-        postures: by name, a position per joint, rad or m.
+        joints: Joints that programs can move, in the group's order.
+        tip: Link that they carry, if they are in series.
+        postures: Positions of the joints, rad or m, by name of the posture.
     """
 
     joints: tuple[UrdfJoint, ...]
@@ -30,20 +30,20 @@ class SemanticGroup(NamedTuple):
 
 
 class SemanticGroups:
-    """Effectors, and groups of them, by the names that the SRDF has for them.
+    """Effectors and groups of effectors, with the names of the SRDF.
 
     Args:
-        model: the robot's model.
-        srdf: its semantic description.
+        model: Model of the robot.
+        srdf: Semantic description of the robot.
 
     Attributes:
-        effectors: by name.
-        groups: names of effectors by the name of their group.
-        separated: pairs of links whose contacts are left out of account.
-        remarks: sentences about parts of the SRDF that have no counterpart.
+        effectors: Effectors by name.
+        groups: Names of effectors by the name of their group.
+        separated: Pairs of links whose contacts are ignored.
+        remarks: Sentences about parts of the SRDF that have no counterpart.
 
     Raises:
-        UrdfError: the SRDF names a group, joint or link that is not there.
+        UrdfError: If the SRDF names a missing group, joint or link.
     """
 
     def __init__(self, model: UrdfModel, srdf: SrdfModel) -> None:
@@ -63,10 +63,10 @@ class SemanticGroups:
                 self.remarks.append(f"virtual joint '{name}' is {kind}: the base is fixed in space")
 
     def _effector_joints(self) -> dict[str, tuple[UrdfJoint, ...]]:
-        """The joints of each group that becomes an effector: none has two."""
+        """Return the joints of each group that becomes an effector, without shared joints."""
         owners: dict[str, str] = {}
         effectors: dict[str, tuple[UrdfJoint, ...]] = {}
-        # Those that are made of others come last, and only with what is left to them.
+        # Composed groups come last and keep the remaining joints only.
         for group in sorted(self._srdf.groups.values(), key=lambda group: bool(group.groups)):
             joints = tuple(self._actuated(group))
             if self._is_of_groups(group):
@@ -100,14 +100,14 @@ class SemanticGroups:
             self.groups[_name(group.name)] = members
 
     def _actuated(self, group: SrdfGroup) -> Iterator[UrdfJoint]:
-        """The joints of a group that programs can move, each once."""
+        """Yield the joints of a group that programs can move, each once."""
         for name in dict.fromkeys(self._names(group, ())):
             joint = self._model.joints[name]
             if unsupported(joint) is None and name not in self._srdf.passive:
                 yield joint
 
     def _names(self, group: SrdfGroup, above: tuple[str, ...]) -> Iterator[str]:
-        """Names of the joints of a group and of those in it, which no joint need move."""
+        """Yield the names of all joints of a group and its subgroups, including fixed ones."""
         place = f"group '{group.name}'"
         if group.name in above:
             raise UrdfError(f"{self._srdf.path}: {place} is in itself")
@@ -125,7 +125,7 @@ class SemanticGroups:
             yield from self._names(self._srdf.groups[inner], (*above, group.name))
 
     def _chain(self, place: str, base: str, tip: str) -> list[str]:
-        """Names of the joints from one link to another, from the root outwards."""
+        """Return the names of the joints between two links, from the root outwards."""
         for link in (base, tip):
             self._require("link", link, self._model.links, place)
         names = []
@@ -139,7 +139,7 @@ class SemanticGroups:
         )
 
     def _tip(self, name: str, joints: tuple[UrdfJoint, ...]) -> str | None:
-        """The link that a group carries: of its hand, of its chain, or of its last joint."""
+        """Return the link that a group carries: of its hand, of its chain, or of its last joint."""
         group = next(each for each in self._srdf.groups.values() if _name(each.name) == name)
         hands = [
             each.parent_link
@@ -159,7 +159,7 @@ class SemanticGroups:
     def _postures(
         self, effectors: Mapping[str, tuple[UrdfJoint, ...]]
     ) -> dict[str, dict[str, tuple[float, ...]]]:
-        """Postures by effector, of the states of its group and of those that it is in."""
+        """Return postures by effector, from the states of its group and of composed groups."""
         postures: dict[str, dict[str, tuple[float, ...]]] = {name: {} for name in effectors}
         for state in self._srdf.states:
             place = f"group_state '{state.name}'"
@@ -219,6 +219,6 @@ class SemanticGroups:
 
 
 def _name(text: str) -> str:
-    """A name that programs can use: letters, digits and underscores, after a letter."""
+    """Return a valid name: letters, digits and underscores, after a letter."""
     plain = re.sub(r"\W+", "_", text, flags=re.ASCII)
     return plain if re.match(r"[A-Za-z]", plain) else f"group_{plain}"

@@ -1,4 +1,4 @@
-"""Meshes made small enough for a page."""
+"""Simplification of meshes for web pages."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import numpy as np
 
 from cbdsl.robot.mesh_reader import Mesh
 
-# Enough to know a link by its shape; a robot of 30 links then takes half a megabyte.
+# Sufficient to recognise a link's shape; a robot of 30 links then takes half a megabyte.
 _MOST_TRIANGLES = 1500
 _FINEST = 64
 
 
 def simplified(mesh: Mesh) -> Mesh:
-    """The mesh with corners that are close together merged, until it is small enough."""
+    """Return the mesh with near corners merged, until it is small enough."""
     cells = _FINEST
     small = _merged(mesh, cells)
     while len(small.triangles) > _MOST_TRIANGLES:
@@ -22,7 +22,7 @@ def simplified(mesh: Mesh) -> Mesh:
 
 
 def _merged(mesh: Mesh, cells: int) -> Mesh:
-    """Every corner becomes the mean of those in its cell, of ``cells`` along the longest edge."""
+    """Merge the corners in each cell into their mean, ``cells`` along the longest edge."""
     lowest = mesh.corners.min(axis=0)
     size = float((mesh.corners.max(axis=0) - lowest).max()) / cells or 1.0
     places = np.floor((mesh.corners - lowest) / size).astype(np.intp)

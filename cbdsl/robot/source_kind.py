@@ -1,4 +1,4 @@
-"""Kinds of sensors that packages add: a robot's document declares them below ``sensors``."""
+"""Kinds of sensors from packages, declared below ``sensors`` in a robot document."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from cbdsl.types.resource import Resource
 
 
 class SourceKind(NamedTuple):
-    """A kind of sensor.
+    """Kind of sensor.
 
     Attributes:
-        name: its name in robots' documents.
-        summary: its quantity, as a phrase.
-        resources: named, typed signals of a sensor, given its name, its section and the robot; the
-            source of each is a ``SensorSignal``.
-        reader: ``module:function`` of (signal, signals) -> reader: of a ``SensorSignal`` and the
-            robot's ``Signals``, a function that returns this tick's ``Reading``, or ``None`` while
-            the signal is undefined.
+        name: Name in robot documents.
+        summary: Quantity of the sensor, as a phrase.
+        resources: Function of a sensor's name, its section and the robot that yields the typed
+            signals; the source of each is a ``SensorSignal``.
+        reader: ``module:function`` of (signal, signals) -> reader. From a ``SensorSignal`` and the
+            robot's ``Signals``, it returns a function for this tick's ``Reading``, or ``None``
+            while the signal is undefined.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""SRDF: the groups of joints, postures and end effectors that a robot's makers name."""
+"""SRDF: groups of joints, postures and end effectors that a robot's makers name."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from cbdsl.robot.urdf import UrdfError
 
 
 class SrdfGroup(NamedTuple):
-    """A group of joints, as it is written.
+    """Group of joints, as written.
 
     Attributes:
-        name: of the group.
-        chains: base and tip link of each of its chains.
-        joints: names of joints.
-        links: names of links, whose joints to their parents belong to it.
-        groups: names of groups that it is made of.
+        name: Name of the group.
+        chains: Base and tip link of each of its chains.
+        joints: Names of joints.
+        links: Names of links, whose joints to their parents belong to the group.
+        groups: Names of its subgroups.
     """
 
     name: str
@@ -31,7 +31,7 @@ class SrdfGroup(NamedTuple):
 
 
 class GroupState(NamedTuple):
-    """A named posture of a group: rad or m by joint, several where it has several axes."""
+    """Named posture of a group: positions by joint, rad or m, one for each axis."""
 
     name: str
     group: str
@@ -39,13 +39,13 @@ class GroupState(NamedTuple):
 
 
 class EndEffector(NamedTuple):
-    """A hand.
+    """End effector of a robot.
 
     Attributes:
-        name: of the hand.
-        group: of its joints.
-        parent_link: the link that carries it.
-        parent_group: the group of the arm, where it is named.
+        name: Name of the end effector.
+        group: Name of the group of its joints.
+        parent_link: Link that carries it.
+        parent_group: Group of the arm, if it is named.
     """
 
     name: str
@@ -55,16 +55,15 @@ class EndEffector(NamedTuple):
 
 
 class SrdfModel(NamedTuple):
-    """A robot's semantic description.
+    """Semantic description of a robot.
 
     Attributes:
-        path: its file.
-        groups: by name.
-        states, end_effectors: in the file's order.
-        passive: names of joints that no motor moves.
-        virtual: names and types of joints that hold the base in the world.
-        separated: pairs of links whose contacts are left out of account, though a joint does not
-            join them.
+        path: Path of the file.
+        groups: Groups by name.
+        states, end_effectors: States and end effectors in the file's order.
+        passive: Names of joints without a motor.
+        virtual: Names and types of joints between the base and the world.
+        separated: Pairs of links whose contacts are ignored, although no joint connects them.
     """
 
     path: Path
@@ -80,16 +79,16 @@ def read_srdf(path: Path) -> SrdfModel:
     """Read a semantic description.
 
     Raises:
-        UrdfError: there is no such file, or it is no SRDF.
+        UrdfError: If there is no such file, or it is not SRDF.
     """
     return parse_srdf(robot_text(path), path)
 
 
 def parse_srdf(text: bytes | str, path: Path) -> SrdfModel:
-    """Parse the text of a semantic description; its path names it in messages.
+    """Parse the text of a semantic description; the path is for messages.
 
     Raises:
-        UrdfError: it is no SRDF.
+        UrdfError: If it is not SRDF.
     """
     root = xml_root(text, path, "SRDF")
     refuse_macros(root, path)

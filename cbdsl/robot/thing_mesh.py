@@ -1,4 +1,4 @@
-"""Meshes of things, in the middle of the box around them."""
+"""Meshes of objects, in the middle of the box around them."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from cbdsl.robot.triangles import read_triangles
 
 Floats = NDArray[np.float64]
 
-# Volume over the cube of the longest extent, below which nothing is inside.
+# Smallest volume relative to the cube of the longest extent; smaller meshes count as flat.
 _LEAST = 1e-6
 
 
 class ThingMesh(NamedTuple):
-    """A closed mesh in the middle of the box around it.
+    """Closed mesh in the middle of the box around it.
 
     Attributes:
-        mesh: its corners, m, and triangles.
-        halves: half its extents along x, y and z, m.
+        mesh: Corners, m, and triangles.
+        halves: Half extents along x, y and z, m.
     """
 
     mesh: Mesh
@@ -33,16 +33,16 @@ class ThingMesh(NamedTuple):
 
 
 def read_thing_mesh(file: Path, scale: float) -> ThingMesh:
-    """The mesh in a file, of a unit of ``scale`` metres; read again once the file has changed.
+    """Return the mesh in a file with a unit of ``scale`` metres, read again after changes.
 
     Raises:
-        UsageError: there is no such file, it is no mesh, or none of a thing that a hand could hold.
+        UsageError: If there is no such file, or it is not a mesh of an object of graspable size.
     """
     return _read(file, scale, changed(file))
 
 
 def changed(file: Path) -> int:
-    """When a file was last changed, ns; 0 where it is not there."""
+    """Return the time of a file's last change, ns; 0 if it is missing."""
     return file.stat().st_mtime_ns if is_file(file) else 0
 
 
@@ -53,7 +53,7 @@ def _read(file: Path, scale: float, _changed: int) -> ThingMesh:
     volume = float(np.sum(a * np.cross(b, c))) / 6
     if abs(volume) < _LEAST * float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) ** 3:
         raise UsageError(f"{file}: it has no inside")
-    if volume < 0:  # its triangles are seen from the inside
+    if volume < 0:  # its triangles face inwards
         triangles = triangles[:, ::-1]
     corners, places = _distinct(triangles.reshape(-1, 3))
     low, high = corners.min(axis=0), corners.max(axis=0)

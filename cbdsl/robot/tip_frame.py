@@ -1,4 +1,4 @@
-"""Tips: the frame that a row of joints is likely to act with."""
+"""Tips: the probable acting frame of serial joints."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from cbdsl.robot.mesh_file import find_mesh
 from cbdsl.robot.urdf import Numbers, UrdfError, UrdfJoint, UrdfModel, UrdfShape
 
-# Names of frames that models have for what acts, the best first, and for what does not.
+# Name patterns of acting frames, the best first, and of frames that do not act.
 _ACTING = (
     re.compile(r"grasp|tcp|(^|_)(tool|tool0|eef|ee|ee_link|end_effector)($|_)", re.IGNORECASE),
     re.compile(r"tip$|foot|toe|sole", re.IGNORECASE),
@@ -17,17 +17,17 @@ _ACTING = (
 _SENSING = re.compile(
     r"camera|optical|imu|laser|lidar|scan|sensor|gyro|accel|inertia|_com$|base$", re.IGNORECASE
 )
-_DEEPEST = 200  # joints in a row: bounds the walk where a model has a loop
-# A frame that is nearer to the last joint than this may as well be at it, m.
+_DEEPEST = 200  # joints in series; bounds the walk if a model has a loop
+# Distance below which a frame counts as at the last joint, m.
 _NEAR = 0.01
 
 
 def acting_link(branches: Mapping[str, Sequence[UrdfJoint]], link: str) -> str:
-    """The link that acts, among those that are fixed to one, by its name or by how far out it is.
+    """Return the acting link among those fixed to a link, by its name or its distance.
 
     Args:
-        branches: joints by the link that they leave from.
-        link: the one that the last joint moves.
+        branches: Joints by their parent link.
+        link: Link that the last joint moves.
     """
     attached = list(_attached(branches, link, 0))
     for pattern in _ACTING:
@@ -35,14 +35,14 @@ def acting_link(branches: Mapping[str, Sequence[UrdfJoint]], link: str) -> str:
         if named:
             return named[-1]
     if any(not joint.fixed for each in (link, *attached) for joint in branches.get(each, [])):
-        return link  # where a hand begins that has joints of its own
+        return link  # base of a hand with joints of its own
     return _end(branches, link)
 
 
 def tip_offset(model: UrdfModel, joint: UrdfJoint, link: str) -> Numbers:
-    """Where the far end of a link is, m, which is the joint's own; nothing where frames say it.
+    """Return the far end of a joint's own link, m, or zero if frames define the tip.
 
-    It is where its shapes reach farthest past its frame, along one of its axes.
+    The end is the farthest extent of its shapes from its frame, along one of its axes.
     """
     nothing = (0.0, 0.0, 0.0)
     if link != joint.child or any(each.parent == link for each in model.joints.values()):
@@ -68,7 +68,7 @@ _Box = list[tuple[float, float]]
 
 
 def _box(model: UrdfModel, shape: UrdfShape) -> _Box | None:
-    """Bounds of a shape along the axes of its link, if they can be told."""
+    """Return the bounds of a shape along the axes of its link, if they are known."""
     corners = _corners(model, shape)
     if not corners:
         return None
@@ -82,7 +82,7 @@ def _span(row: Sequence[float], at: float, corners: Iterable[Numbers]) -> tuple[
 
 
 def _corners(model: UrdfModel, shape: UrdfShape) -> list[Numbers]:
-    """Corners of a shape or of a box around it, in the frame of the shape, m."""
+    """Return the corners of a shape or of a box around it, in the frame of the shape, m."""
     match shape.kind, shape.size:
         case "box", (x, y, z):
             half = (x / 2, y / 2, z / 2)
@@ -99,7 +99,7 @@ def _corners(model: UrdfModel, shape: UrdfShape) -> list[Numbers]:
 
 
 def _mesh_corners(model: UrdfModel, name: str, scale: Numbers) -> list[Numbers]:
-    """Corners of the box around a mesh; none where it is not there, or cannot be read here."""
+    """Return the corners of the box around a mesh; none if it is missing or unreadable."""
     file = find_mesh(name, model.path.parent)
     try:
         from cbdsl.robot.mesh_reader import MeshError, read_mesh_file
@@ -121,7 +121,7 @@ def _mesh_corners(model: UrdfModel, name: str, scale: Numbers) -> list[Numbers]:
 
 
 def _attached(branches: Mapping[str, Sequence[UrdfJoint]], link: str, depth: int) -> Iterator[str]:
-    """The links that are fixed to one, those nearest to it first in each row, without sensors."""
+    """Yield the links that are fixed to a link, nearest first in each series, without sensors."""
     if depth >= _DEEPEST:
         return
     for joint in branches.get(link, []):
@@ -131,7 +131,7 @@ def _attached(branches: Mapping[str, Sequence[UrdfJoint]], link: str, depth: int
 
 
 def _end(branches: Mapping[str, Sequence[UrdfJoint]], link: str) -> str:
-    """The last link that is fixed to another in a row."""
+    """Return the last link of a series that is fixed to a link."""
     for _ in range(_DEEPEST):
         leaving = [each for each in branches.get(link, []) if not _SENSING.search(each.child)]
         if len(leaving) != 1:

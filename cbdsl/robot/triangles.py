@@ -1,4 +1,4 @@
-"""Triangles of mesh files: STL, in text or bytes, and OBJ."""
+"""Triangles of mesh files: STL, in text or binary, and OBJ."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from cbdsl.errors.reason import reason
 
 Floats = NDArray[np.float64]
 
-#: Most triangles of a mesh, and its longest and shortest extent, m.
+#: Largest number of triangles of a mesh, and its longest and shortest extent, m.
 MOST, LONGEST, SHORTEST = 200_000, 2.0, 0.001
-#: Most bytes of its file: those of an STL of bytes with so many triangles have half of it.
+#: Largest size of its file, bytes: twice that of a binary STL with the most triangles.
 MOST_BYTES = 20_000_000
-# A triangle in an STL of bytes: normal, three corners, and two bytes that nobody uses.
+# Triangle in a binary STL: normal, three corners, and two unused bytes.
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
 _HEAD = 84
-# Corners nearer to each other than this share of the longest extent are one.
+# Distance below which corners coincide, as a share of the longest extent.
 _SAME = 1e-6
 
 
 def read_triangles(file: Path, scale: float = 1.0) -> Floats:
-    """The corners of a closed mesh's triangles, m, shape (n, 3, 3).
+    """Return the corners of a closed mesh's triangles, m, shape (n, 3, 3).
 
     Args:
-        file: the mesh.
-        scale: of its unit, m.
+        file: Path of the mesh.
+        scale: Length of its unit, m.
 
     Raises:
-        UsageError: there is no such file, it is no mesh, or none of a thing that a hand could hold.
+        UsageError: If there is no such file, or it is not a mesh of an object of graspable size.
     """
     readers = {".stl": _stl, ".obj": _obj}
     read = readers.get(file.suffix.lower())
@@ -69,9 +69,10 @@ def _require_reasonable(file: Path, triangles: Floats) -> None:
 
 
 def _open_edges(triangles: Floats, extent: float) -> int:
-    """Number of edges that are not those of two triangles, one in each direction."""
+    """Return the number of edges without two triangles, one in each direction."""
     rows = triangles.reshape(-1, 3)
-    # A cell of at most 20 bits along each axis, in one number: rows are slow to compare.
+    # A cell of at most 20 bits along each axis, packed into one number, because rows are slow to
+    # compare.
     cells = np.round((rows - rows.min(axis=0)) / (_SAME * extent)).astype(np.int64)
     _, numbers = np.unique(
         (cells[:, 0] << 42) | (cells[:, 1] << 21) | cells[:, 2], return_inverse=True
@@ -120,7 +121,7 @@ def _obj(data: bytes) -> Floats:
 
 
 def _face(text: str, points: int) -> list[int]:
-    """Return the places of a face's points; they count from 1, or back from the newest point."""
+    """Return the indices of a face's points; they count from 1, or back from the newest point."""
     words = text.split(None, MOST + 2)
     _require_few(len(words) - 2)
     numbers = [int(word.partition("/")[0]) for word in words]
@@ -137,10 +138,10 @@ def _lines(data: bytes) -> Iterator[str]:
 
 
 def _require_few(triangles: int) -> None:
-    """Refuse a mesh before more of it is read.
+    """Refuse a mesh before reading more of it.
 
     Raises:
-        ValueError: It has too many triangles.
+        ValueError: If it has too many triangles.
     """
     if triangles > MOST:
         raise ValueError(f"more than {MOST} triangles")

@@ -1,4 +1,4 @@
-"""Why programs cannot move a joint of a model, and what helps."""
+"""Reasons why programs cannot move a joint of a model, and remedies."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ class UnsupportedJoint(NamedTuple):
     """Reason why programs cannot move some joints.
 
     Attributes:
-        trait: of the joint, after "is" or "are".
-        cure: change of the model or robot file so that it can be moved, if anything helps.
+        trait: Property of the joint, after "is" or "are".
+        cure: Change of the model or robot file that makes it movable, if there is one.
     """
 
     trait: str
     cure: str = ""
 
     def format_message(self, names: Sequence[str], model: str) -> str:
-        """Sentence about the joints of a model that share the reason."""
+        """Return a sentence about the joints of a model that share the reason."""
         shown = [f"'{name}'" for name in names[:_MOST_NAMES]]
         more = len(names) - len(shown)
         last = f"{more} more" if more else shown.pop()
@@ -47,7 +47,7 @@ _LIMITLESS_SLIDE = UnsupportedJoint(
 
 
 def unsupported(joint: UrdfJoint) -> UnsupportedJoint | None:
-    """Reason why an effector cannot move a joint, or ``None``."""
+    """Return the reason why an effector cannot move a joint, or ``None``."""
     if joint.kind == "fixed":
         return _FIXED
     if not joint.movable:
@@ -75,7 +75,7 @@ def unsupported(joint: UrdfJoint) -> UnsupportedJoint | None:
 
 
 def unsupported_joints(joints: Iterable[UrdfJoint]) -> dict[UnsupportedJoint, list[UrdfJoint]]:
-    """The joints that cannot be moved, by what keeps them from it."""
+    """Return the joints that cannot be moved, by reason."""
     by_reason: dict[UnsupportedJoint, list[UrdfJoint]] = {}
     for joint in joints:
         why = unsupported(joint)

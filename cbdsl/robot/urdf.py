@@ -12,20 +12,20 @@ Vector = tuple[float, float, float]
 Rotation = tuple[Vector, Vector, Vector]
 
 
-#: Limits at least this far from 0, rad or m, mean none: exporters write them for want of infinity.
+#: Limits at least this far from 0, rad or m, count as infinite; exporters write such numbers.
 UNLIMITED = 1e6
 
 
 class UrdfError(ValueError):
-    """A URDF model cannot be read; the message says why."""
+    """Unreadable URDF model; the message says why."""
 
 
 class UrdfOrigin(NamedTuple):
-    """A frame in another one.
+    """Frame in another one.
 
     Attributes:
-        xyz: position, m.
-        rpy: turns about the fixed x, then y, then z axis, rad.
+        xyz: Position, m.
+        rpy: Turns about the fixed x, then y, then z axis, rad.
     """
 
     xyz: Numbers = (0.0, 0.0, 0.0)
@@ -33,7 +33,7 @@ class UrdfOrigin(NamedTuple):
 
     @property
     def quaternion(self) -> Numbers:
-        """The rotation, as (x, y, z, w)."""
+        """Rotation as (x, y, z, w)."""
         (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in self.rpy)
         return (
             sr * cp * cy - cr * sp * sy,
@@ -44,7 +44,7 @@ class UrdfOrigin(NamedTuple):
 
     @property
     def rotation(self) -> Rotation:
-        """The rotation, as three rows of a matrix."""
+        """Rotation as three rows of a matrix."""
         (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in self.rpy)
         return (
             (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
@@ -54,14 +54,14 @@ class UrdfOrigin(NamedTuple):
 
 
 class UrdfShape(NamedTuple):
-    """A visible or colliding part of a link.
+    """Visual or collision geometry of a link.
 
     Attributes:
-        kind: ``ball``, ``box``, ``cylinder``, ``capsule`` or ``mesh``.
-        size: radius; edge lengths; radius and height along z; for a mesh its scale; m.
-        origin: in the link's frame.
-        color: red, green and blue, each from 0 to 1, if the model gives one.
-        file: of a mesh, as the model names it.
+        kind: Kind: ``ball``, ``box``, ``cylinder``, ``capsule`` or ``mesh``.
+        size: Radius; edge lengths; radius and height along z; for a mesh its scale; m.
+        origin: Frame in the link's frame.
+        color: Red, green and blue, each from 0 to 1, if the model gives one.
+        file: Path of a mesh, as the model names it.
     """
 
     kind: str
@@ -80,7 +80,7 @@ class UrdfInertial(NamedTuple):
 
 
 class UrdfLink(NamedTuple):
-    """A rigid body of the model."""
+    """Rigid body of the model."""
 
     name: str
     visuals: tuple[UrdfShape, ...]
@@ -91,7 +91,8 @@ class UrdfLink(NamedTuple):
 class Mimic(NamedTuple):
     """Coupling of a passive joint: ``ratio`` times another's position, plus ``offset``.
 
-    The other joint mimics none itself: the reader resolves chains. It may be missing.
+    The other joint does not mimic a third one, because the reader resolves chains. It may be
+    missing.
     """
 
     joint: str
@@ -100,22 +101,22 @@ class Mimic(NamedTuple):
 
 
 class UrdfJoint(NamedTuple):
-    """A joint of the model; positions in rad, or m where it is prismatic.
+    """Joint of the model; positions in rad, or in m if it is prismatic.
 
     Attributes:
-        name: of the joint.
-        parent, child: the links that it joins.
-        kind: the URDF's type.
-        lower, upper: limits; infinite without them, where the joint is continuous, and from
+        name: Name of the joint.
+        parent, child: Links that it connects.
+        kind: Type in the URDF.
+        lower, upper: Limits; infinite if there are none, if the joint is continuous, and from
             ``UNLIMITED`` on.
-        limited: whether the model states limits of its position.
-        mimic: the joint that it follows, if any.
-        origin: its frame at zero in the frame of its parent.
-        axis: along or about which it moves, in its own frame.
-        velocity, effort: largest rate, rad/s or m/s, and torque or force, N m or N; infinite
-            without a limit, or with one of 0, which most models mean by it.
-        zero_effort: whether the model says 0 for the effort.
-        leaderless: whether the joint that it mimics is missing, or does not move.
+        limited: True if the model states limits of its position.
+        mimic: Coupling to another joint, if any.
+        origin: Frame at zero in the frame of its parent.
+        axis: Axis of its motion, in its own frame.
+        velocity, effort: Largest rate, rad/s or m/s, and torque or force, N m or N; infinite
+            without a limit or with a limit of 0, which means unlimited in most models.
+        zero_effort: True if the model states an effort of 0.
+        leaderless: True if the joint that it mimics is missing, or does not move.
     """
 
     name: str
@@ -140,7 +141,7 @@ class UrdfJoint(NamedTuple):
 
     @property
     def slides(self) -> bool:
-        """Whether its position is a length, m, and no angle."""
+        """Whether its position is a length, m, instead of an angle."""
         return self.kind == "prismatic"
 
     @property
@@ -152,17 +153,17 @@ class UrdfJoint(NamedTuple):
 
     @property
     def rest(self) -> float:
-        """The position nearest to 0 within the limits, rad or m."""
+        """Position nearest to 0 within the limits, rad or m."""
         return min(max(0.0, self.lower), self.upper) if self.lower <= self.upper else 0.0
 
     @property
     def fixed(self) -> bool:
-        """Whether it only holds two links together."""
+        """Whether it connects two links rigidly."""
         return self.kind == "fixed"
 
     @property
     def directed(self) -> bool:
-        """Whether it moves along or about an axis that has a direction, if it moves."""
+        """Whether its axis of motion has a direction, if it moves."""
         return self.fixed or any(self.axis)
 
     @property
@@ -174,15 +175,14 @@ class UrdfJoint(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class UrdfModel:
-    """The tree of links and joints.
+    """Tree of links and joints.
 
     Attributes:
-        path: its file.
-        links: names of all links.
-        joints: all joints by name.
-        meshes: their files as the model names them, each with a link that it is a part of.
-        shapeless: names of the links that are visible or weigh something, and have no collision
-            geometry.
+        path: Path of the file.
+        links: Names of all links.
+        joints: All joints by name.
+        meshes: Files of meshes as the model names them, each with a link that has it.
+        shapeless: Names of the links with visual geometry or mass, but no collision geometry.
     """
 
     path: Path
@@ -194,10 +194,10 @@ class UrdfModel:
 
     @cached_property
     def bodies(self) -> Mapping[str, UrdfLink]:
-        """All links by name, read when they are first asked for.
+        """All links by name, read on first access.
 
         Raises:
-            UrdfError: a link has something else where numbers should be.
+            UrdfError: If a value of a link is not a number.
         """
         return {body.name: body for body in self._read_links()}
 
@@ -208,9 +208,9 @@ class UrdfModel:
 
     @cached_property
     def rests(self) -> Mapping[str, float]:
-        """Positions of the movable joints where nothing drives them, by name, rad or m.
+        """Positions of the movable joints at rest, by name, rad or m.
 
-        They are as near to 0 as the limits allow; a joint that mimics another follows it there.
+        They are as near to 0 as the limits allow; a mimicking joint follows the other one.
         """
         return {joint.name: self._rest(joint) for joint in self.joints.values() if joint.movable}
 
@@ -222,16 +222,17 @@ class UrdfModel:
         return min(max(followed, joint.lower), joint.upper)
 
     def above(self, link: str) -> tuple[str, ...]:
-        """Names of the movable joints between a link and the root, from the link upwards."""
+        """Return the names of the movable joints from a link up to the root."""
         if link not in self._moving:
             self._moving[link] = tuple(joint.name for joint in self.way(link) if joint.movable)
         return self._moving[link]
 
     def reach(self, base: str, link: str) -> float | None:
-        """A bound on the distance of a link's frame from another's, m, wherever joints are.
+        """Return a bound on the distance between the frames of two links, m, for all postures.
 
         Returns:
-            ``None`` where something between them slides without limits, floats or moves in a plane.
+            Bound, or ``None`` if a joint between them slides without limits, floats or moves in a
+            plane.
         """
         between = set(self.way(base)).symmetric_difference(self.way(link))
         bounded = all(joint.fixed or joint.movable for joint in between)
@@ -239,12 +240,12 @@ class UrdfModel:
         return reach if bounded and math.isfinite(reach) else None
 
     def way(self, link: str) -> tuple[UrdfJoint, ...]:
-        """All joints between a link and the root, from the link upwards."""
+        """Return all joints between a link and the root, from the link upwards."""
         return way_to_root(link, self._parents)
 
     @cached_property
     def _moving(self) -> dict[str, tuple[str, ...]]:
-        """Names of movable joints above links that were asked for."""
+        """Names of movable joints above links, filled on request."""
         return {}
 
     @cached_property
@@ -254,9 +255,9 @@ class UrdfModel:
 
 
 def way_to_root(link: str, parents: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, ...]:
-    """All joints between a link and the root; each of the parents is by the link that it moves."""
+    """Return all joints from a link up to the root; ``parents`` are joints by their child link."""
     way: list[UrdfJoint] = []
-    while link in parents and len(way) < len(parents):  # which ends where there is a loop
+    while link in parents and len(way) < len(parents):  # bounded in case of a loop
         way.append(parents[link])
         link = way[-1].parent
     return tuple(way)

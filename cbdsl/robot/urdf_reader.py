@@ -1,4 +1,4 @@
-"""The one reader of URDF models."""
+"""Reader of URDF models."""
 
 import math
 from collections import Counter
@@ -22,10 +22,10 @@ from cbdsl.robot.urdf import (
 
 
 def read_urdf(path: Path) -> UrdfModel:
-    """Read a model; its meshes are left to those who draw them.
+    """Read a model without its mesh files.
 
     Raises:
-        UrdfError: there is no such file, or it is no URDF.
+        UrdfError: If there is no such file, or it is not URDF.
     """
     return parse_urdf(robot_text(path), path)
 
@@ -34,11 +34,11 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
     """Parse the text of a model.
 
     Args:
-        text: of the model.
-        path: names it in messages.
+        text: Text of the model.
+        path: Path of the model, for messages.
 
     Raises:
-        UrdfError: it is no URDF.
+        UrdfError: If it is not URDF.
     """
     root = xml_root(text, path, "URDF")
     refuse_macros(root, path)
@@ -66,7 +66,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
 
 
 def _meshes(root: ElementTree.Element) -> Mapping[str, str]:
-    """Files of meshes, each with the name of a link that it is a part of."""
+    """Return the files of meshes, each with the name of a link that has it."""
     return {
         mesh.get("filename", ""): link.get("name", "")
         for link in root.findall("link")
@@ -75,7 +75,7 @@ def _meshes(root: ElementTree.Element) -> Mapping[str, str]:
 
 
 def _shapeless(root: ElementTree.Element) -> Iterator[str]:
-    """Names of the links that things go through, although there is something of them."""
+    """Yield links with mass or visual geometry but no collision geometry."""
     for link in root.findall("link"):
         mass = link.find("inertial/mass")
         text = "0" if mass is None else mass.get("value", "0")
@@ -85,10 +85,10 @@ def _shapeless(root: ElementTree.Element) -> Iterator[str]:
 
 
 def _links(root: ElementTree.Element, path: Path) -> list[UrdfLink]:
-    """All links with their shapes.
+    """Return all links with their shapes.
 
     Raises:
-        UrdfError: a link has something else where numbers should be.
+        UrdfError: If a value of a link is not a number.
     """
     try:
         colors = {each.get("name", ""): _color(each) for each in root.findall("material")}
@@ -98,10 +98,10 @@ def _links(root: ElementTree.Element, path: Path) -> list[UrdfLink]:
 
 
 def _require_few(root: ElementTree.Element) -> None:
-    """Check that a model is no larger than any robot.
+    """Check that a model has no more parts than any robot.
 
     Raises:
-        ValueError: It is.
+        ValueError: If it has more.
     """
     for kind, most in _MOST.items():
         count = len(root.findall(kind))
@@ -110,10 +110,10 @@ def _require_few(root: ElementTree.Element) -> None:
 
 
 def _require_distinct(root: ElementTree.Element) -> None:
-    """Require names, and different ones, as whatever reads models does.
+    """Require names that are distinct, as all readers of models do.
 
     Raises:
-        ValueError: something has no name, or that of another.
+        ValueError: If an element has no name, or the name of another.
     """
     if not root.get("name"):
         raise ValueError('its <robot> has no name; write <robot name="...">')
@@ -130,7 +130,7 @@ def _require_tree(links: frozenset[str], joints: Iterable[UrdfJoint]) -> None:
     """Require one root, from which each link hangs by one joint.
 
     Raises:
-        ValueError: the joints make no such tree.
+        ValueError: If the joints do not form such a tree.
     """
     movers: dict[str, UrdfJoint] = {}
     for joint in joints:
@@ -152,10 +152,10 @@ def _require_tree(links: frozenset[str], joints: Iterable[UrdfJoint]) -> None:
 
 
 def _require_no_circle(movers: Mapping[str, UrdfJoint], root: str) -> None:
-    """Require that each link's way up ends at the root.
+    """Require that the path from each link upwards ends at the root.
 
     Raises:
-        ValueError: some links carry one another.
+        ValueError: If some links carry one another.
     """
     hanging = {root}
     for link in movers:
@@ -171,10 +171,10 @@ def _require_no_circle(movers: Mapping[str, UrdfJoint], root: str) -> None:
 
 
 def _resolved(joints: Sequence[UrdfJoint]) -> list[UrdfJoint]:
-    """Return the joints with mimics of joints that mimic none themselves.
+    """Return the joints with their chains of mimics resolved.
 
     Raises:
-        ValueError: a joint mimics itself, by way of others or not.
+        ValueError: If a joint mimics itself, directly or through others.
     """
     mimics = {joint.name: joint.mimic for joint in joints}
     for name in mimics:
@@ -187,7 +187,7 @@ def _resolved(joints: Sequence[UrdfJoint]) -> list[UrdfJoint]:
 
 
 def _resolve(name: str, mimics: dict[str, Mimic | None]) -> None:
-    """Replace the mimic of a joint, and of those that it leads to, by one of the last of them."""
+    """Replace the mimics along a joint's chain by mimics of the last joint in it."""
     chain: dict[str, Mimic] = {}
     while (mimic := mimics.get(name)) is not None:
         if name in chain:
@@ -203,10 +203,10 @@ def _resolve(name: str, mimics: dict[str, Mimic | None]) -> None:
 
 
 def _require_shallow(joints: Iterable[UrdfJoint]) -> None:
-    """Check that no link of a tree is further from the root than in any robot.
+    """Check that no link is further from the root than in any robot.
 
     Raises:
-        ValueError: One is.
+        ValueError: If one is.
     """
     parents = {joint.child: joint.parent for joint in joints}
     depths: dict[str, int] = {}
@@ -255,7 +255,7 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
     )
 
 
-# Models of humanoids with all fingers have 100 links; those of cables a few hundred in a row.
+# Models of humanoids with all fingers have 100 links; those of cables a few hundred in series.
 _MOST = {"link": 10_000, "joint": 10_000, "material": 10_000, "transmission": 10_000}
 _DEEPEST = 1_000
 _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -263,7 +263,7 @@ _EXAMPLE = '<limit lower="-1.57" upper="1.57" effort="10" velocity="2"/>'
 
 
 def _problem(kind: str, limit: ElementTree.Element | None) -> str | None:
-    """Why kinematics and simulators would refuse a joint, and with it the model."""
+    """Return the reason why kinematics and simulators would refuse a joint, or ``None``."""
     if kind not in _KINDS:
         return f"has the type '{kind}', which is none of {', '.join(_KINDS)}"
     if limit is None:
@@ -278,10 +278,10 @@ def _problem(kind: str, limit: ElementTree.Element | None) -> str | None:
 
 
 def _require_masses(root: ElementTree.Element) -> None:
-    """No link weighs less than nothing.
+    """Check that no link has a negative mass.
 
     Raises:
-        ValueError: one does.
+        ValueError: If one has.
     """
     for link in root.findall("link"):
         mass = link.find("inertial/mass")
@@ -297,14 +297,14 @@ _COUNTS |= {"ixx": 1, "iyy": 1, "izz": 1, "ixy": 1, "ixz": 1, "iyz": 1}
 
 
 def _not_numbers(element: ElementTree.Element) -> Iterator[str]:
-    """Complaints about attributes of a joint or link that should be one or three numbers."""
+    """Yield the invalid attributes of a joint or link that should be one or three numbers."""
     for inner in element.iter():
         for key, text in inner.items():
             count = _COUNTS.get(key)
             if key == "value" and inner.tag != "mass":
-                continue  # of an extension, which may be any word
+                continue  # part of an extension, which may be any word
             if key == "scale" and _are_numbers(text, 4):
-                continue  # a public model has the fourth of homogeneous coordinates, too
+                continue  # a public model has the fourth homogeneous coordinate, too
             if count is not None and not _are_numbers(text, count):
                 wanted = "a number" if count == 1 else "three numbers with spaces between them"
                 yield f'has {key}="{text}", which should be {wanted}'
@@ -322,7 +322,7 @@ def _numbers(text: str) -> Numbers:
 
 
 def _origin(element: ElementTree.Element) -> UrdfOrigin:
-    """The ``<origin>`` of an element; without one, no displacement."""
+    """Return the ``<origin>`` of an element; without one, no displacement."""
     origin = element.find("origin")
     if origin is None:
         return UrdfOrigin()
@@ -400,5 +400,5 @@ def _limit(limit: ElementTree.Element | None, key: str) -> float | None:
 
 
 def _most(limit: ElementTree.Element | None, key: str) -> float:
-    """A limit of velocity or effort; none, or one of 0, is no limit."""
+    """Return a limit of velocity or effort, infinite if it is missing or 0."""
     return (_limit(limit, key) or math.inf) if limit is not None else math.inf

@@ -1,4 +1,4 @@
-"""Frames of bodies, relative to those that carry them."""
+"""Frames of bodies, relative to the bodies that carry them."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ class BodyFrame(NamedTuple):
     rotation: Floats
 
     def then(self, other: BodyFrame) -> BodyFrame:
-        """A frame that is given in this one, in the frame that this one is given in."""
+        """Return a frame that is given in this one, in the parent of this one."""
         return BodyFrame(
             self.position + self.rotation @ other.position, self.rotation @ other.rotation
         )
 
 
 def moved(position: Iterable[float]) -> BodyFrame:
-    """Frame that is moved, m."""
+    """Return a translated frame, m."""
     return BodyFrame(np.array(position, dtype=np.float64), np.eye(3))
 
 
 def placed(position: Floats, quaternion: Floats) -> BodyFrame:
-    """Frame that is moved, m, and turned by a quaternion (w, x, y, z)."""
+    """Return a frame that is translated, m, and turned by a quaternion (w, x, y, z)."""
     rotation = np.zeros(9)
     mj.mju_quat2Mat(rotation, np.asarray(quaternion, dtype=np.float64))
     return BodyFrame(np.array(position, dtype=np.float64), rotation.reshape(3, 3))
 
 
 def turned(axis: Floats, angle: float) -> BodyFrame:
-    """Frame that is turned about an axis, rad."""
+    """Return a frame that is turned about an axis, rad."""
     quaternion = np.zeros(4)
     mj.mju_axisAngle2Quat(quaternion, np.asarray(axis, dtype=np.float64), angle)
     return placed(np.zeros(3), quaternion)

@@ -1,7 +1,7 @@
 """Conversion of MJCF in a process of its own, with bounded time and memory.
 
-MuJoCo is native code, and a line of a model can ask for more memory than a machine has. What the
-process cannot do ends the process, not the command.
+MuJoCo is native code, and a line of a model can request more memory than a machine has. Exceeding
+the bounds ends the process, not the command.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
 class ConvertedModel(NamedTuple):
-    """A model in URDF.
+    """Model in URDF.
 
     Attributes:
-        urdf: Its text.
-        meshes: STL files by the name that the text has for them.
+        urdf: Text of the URDF.
+        meshes: Contents of STL files, by their names in the text.
         remarks: Sentences about parts of the model that have no counterpart in URDF.
     """
 
@@ -44,7 +44,7 @@ def convert_bounded(path: Path, name: str) -> ConvertedModel:
     """Return the URDF of an MJCF model; see ``convert_mjcf``.
 
     Raises:
-        UrdfError: The model is refused, or takes too much time or memory.
+        UrdfError: If the model is refused, or takes too much time or memory.
     """
     paths = json.dumps([folder for folder in sys.path if folder])
     command = [sys.executable, "-P", "-c", _BEGIN, paths, str(path), name]
@@ -74,7 +74,7 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (_MOST_SECONDS, _MOST_SECONDS))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     answers = os.dup(1)
-    os.dup2(2, 1)  # warnings of native code are no answers
+    os.dup2(2, 1)  # warnings of native code must not mix with the answer
     answer: dict[str, object]
     try:
         from cbdsl.robot.mjcf.conversion import convert_mjcf

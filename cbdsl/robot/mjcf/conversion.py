@@ -1,7 +1,8 @@
-"""MJCF models as URDF.
+"""Conversion of MJCF models to URDF.
 
-Bodies and sites become links, joints keep their names and positions: where the model's bodies and
-sites are in a posture, the URDF's links are. Several joints of one body become a row of links.
+Bodies and sites become links; joints keep their names and positions. In every posture, the links of
+the URDF are at the places of the model's bodies and sites. Several joints of one body become a
+series of links.
 """
 
 from __future__ import annotations
@@ -25,24 +26,24 @@ from cbdsl.robot.urdf import UrdfError
 
 Floats = NDArray[np.float64]
 
-# Of links that a body of several joints, or a site, is given: mass, kg, and inertia, kg m^2. Some
-# simulators take a link without mass for one of 1 kg.
+# Mass, kg, and inertia, kg m^2, of the additional links for sites and for bodies with several
+# joints. Some simulators assume 1 kg for a link without mass.
 LEAST_MASS, LEAST_INERTIA = 1e-6, 1e-9
-# Geoms of the groups from this one on are not shown by MuJoCo's viewer, unless asked to.
+# First of the geom groups that MuJoCo's viewer hides by default.
 _HIDDEN_GROUP = 3
 _COUNTS = ("count", "nrow", "ncol", "width", "height")
 _MOST_COPIES, _MOST_PIXELS = 10_000, 100_000_000
-# MuJoCo reads names with these in them, and XML, of which URDF is, knows no way to write them.
+# Characters that MuJoCo allows in names and that XML, the syntax of URDF, cannot represent.
 _UNWRITABLE = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 class MjcfConversion(NamedTuple):
-    """A model in URDF.
+    """Model in URDF.
 
     Attributes:
-        urdf: its text.
-        meshes: STL files by the name that the text has for them.
-        remarks: sentences about parts of the model that have no counterpart in URDF.
+        urdf: Text of the URDF.
+        meshes: Contents of STL files, by their names in the text.
+        remarks: Sentences about parts of the model that have no counterpart in URDF.
     """
 
     urdf: str
@@ -51,14 +52,14 @@ class MjcfConversion(NamedTuple):
 
 
 def convert_mjcf(path: Path, name: str) -> MjcfConversion:
-    """The URDF of an MJCF model.
+    """Return the URDF of an MJCF model.
 
     Args:
-        path: of the model, whose includes and meshes MuJoCo finds.
-        name: of the robot; its meshes are in the folder ``NAME_meshes``.
+        path: Path of the model, whose includes and meshes MuJoCo finds.
+        name: Name of the robot; its meshes are in the folder ``NAME_meshes``.
 
     Raises:
-        UrdfError: MuJoCo refuses the model, or a joint is a ball joint.
+        UrdfError: If MuJoCo refuses the model, or a joint is a ball joint.
     """
     _require_few_copies(path)
     try:
@@ -77,15 +78,15 @@ def convert_mjcf(path: Path, name: str) -> MjcfConversion:
 
 
 def _require_few_copies(path: Path) -> None:
-    """Check how often a model repeats its parts, before MuJoCo does it.
+    """Check the number of a model's repeated parts, before MuJoCo creates them.
 
     Raises:
-        UrdfError: It is more often than any robot has parts.
+        UrdfError: If there are more than a robot can have.
     """
     try:
         root = xml_root(contents(path, MOST_BYTES), path, "MJCF")
     except (OSError, UrdfError):
-        return  # as MuJoCo says
+        return  # MuJoCo reports it
     waiting = [(root, 1)]
     while waiting:
         element, copies = waiting.pop()
@@ -109,11 +110,11 @@ def _converted(model: MjcfModel, name: str) -> MjcfConversion:
 
 
 class _Writer:
-    """The robot's XML.
+    """Writer of the robot's XML.
 
     Attributes:
-        robot: the root.
-        meshes: numbers of the meshes that are used, by their files' names.
+        robot: Root element.
+        meshes: Numbers of the used meshes, by their files' names.
     """
 
     def __init__(self, model: MjcfModel, name: str) -> None:
@@ -131,7 +132,7 @@ class _Writer:
         parent, placement, anchor = model.parent(body), model.placement(body), np.zeros(3)
         joints = model.joints(body)
         for number, joint in enumerate(joints):
-            # A slide goes along a line, wherever that is.
+            # The place of its axis does not matter for a slide.
             next_anchor = anchor if joint.slides else joint.anchor
             at_zero = (
                 moved(-joint.zero * joint.axis) if joint.slides else turned(joint.axis, -joint.zero)
@@ -167,7 +168,7 @@ class _Writer:
         SubElement(element, "parent", link=parent)
         SubElement(element, "child", link=child)
         SubElement(element, "axis", xyz=_numbers(joint.axis))
-        # MJCF bounds no velocity, and 0 leaves it open.
+        # MJCF has no velocity limit; 0 means unlimited.
         limit = SubElement(
             element, "limit", effort=_number(self._model.effort(number)), velocity="0"
         )
@@ -185,7 +186,7 @@ class _Writer:
         SubElement(element, "dynamics", damping=_number(damping), friction=_number(friction))
 
     def _damping(self, row: int) -> float:
-        """Damping of a joint; its first coefficient where MuJoCo has several."""
+        """Return the damping of a joint; its first coefficient if MuJoCo has several."""
         return float(np.ravel(self._model.compiled.dof_damping[row])[0])
 
     def _fix(self, name: str, parent: str, child: str, origin: BodyFrame) -> None:
@@ -224,7 +225,7 @@ class _Writer:
                         _add_color(element, _color(model, geom), f"geom_{geom}")
 
     def _shapes(self, geom: int) -> list[tuple[BodyFrame, str, dict[str, str]]]:
-        """The shapes of URDF that make up a geom: their placements, kinds and sizes."""
+        """Return the URDF shapes of a geom: their placements, kinds and sizes."""
         model = self._model.compiled
         place = placed(model.geom_pos[geom], model.geom_quat[geom])
         kind = mj.mjtGeom(int(model.geom_type[geom])).name.removeprefix("mjGEOM_").lower()
@@ -237,7 +238,7 @@ class _Writer:
         if kind == "cylinder":
             return [(place, "cylinder", {"radius": radius, "length": height})]
         if kind == "capsule":
-            # URDF has none, but its parts.
+            # URDF has no capsule, but its parts.
             ends = [place.then(moved([0.0, 0.0, end])) for end in (-size[1], size[1])]
             tube = (place, "cylinder", {"radius": radius, "length": height})
             return [tube, *((end, "sphere", {"radius": radius}) for end in ends)]
@@ -246,7 +247,7 @@ class _Writer:
         return []
 
     def _mesh(self, mesh: int) -> str:
-        """The file of a mesh, which is written once however many geoms have it."""
+        """Return the file of a mesh, which is written once for all its geoms."""
         plain = re.sub(r"[^\w.-]+", "_", self._model.compiled.mesh(mesh).name, flags=re.ASCII)
         file = f"{self._name}_meshes/{plain or mesh}.stl"
         if self.meshes.get(file, mesh) != mesh:
@@ -256,9 +257,9 @@ class _Writer:
 
 
 def _uses(model: Any, geom: int) -> list[str]:
-    """Whether a geom is seen, touched or both.
+    """Return whether a geom is visual, collision geometry or both.
 
-    The groups from 3 on are by convention those of shapes for contacts.
+    By convention, the groups from 3 on contain collision shapes.
     """
     hidden = int(model.geom_group[geom]) >= _HIDDEN_GROUP or _color(model, geom)[3] == 0.0
     touches = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
@@ -269,7 +270,7 @@ def _uses(model: Any, geom: int) -> list[str]:
 
 
 def _color(model: Any, geom: int) -> list[float]:
-    """Red, green, blue and opacity of a geom, of its material where it has one."""
+    """Return red, green, blue and opacity of a geom, from its material if it has one."""
     material = int(model.geom_matid[geom])
     rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
     return [float(each) for each in rgba]
@@ -281,7 +282,7 @@ def _add_color(visual: Element, rgba: list[float], name: str) -> None:
 
 
 def _add_mass(link: Element, place: BodyFrame, mass: float, moments: list[float]) -> None:
-    """Mass and principal moments of inertia, about the axes of a placement."""
+    """Add mass and principal moments of inertia, about the axes of a placement."""
     inertial = SubElement(link, "inertial")
     _add_origin(inertial, place)
     SubElement(inertial, "mass", value=_number(mass))
@@ -294,9 +295,9 @@ def _add_origin(element: Element, place: BodyFrame) -> None:
 
 
 def _rpy(rotation: Floats) -> tuple[float, float, float]:
-    """Turns about the fixed x, then y, then z axis, rad.
+    """Return turns about the fixed x, then y, then z axis, rad.
 
-    The roll is what yaw and pitch leave over: together they are exact at a pitch of 90 deg, too.
+    The roll is the remainder after yaw and pitch, so that all are exact at a pitch of 90 deg, too.
     """
     r = rotation
     yaw = math.atan2(r[1, 0], r[0, 0]) if math.hypot(r[0, 0], r[1, 0]) > 1e-12 else 0.0
@@ -307,7 +308,7 @@ def _rpy(rotation: Floats) -> tuple[float, float, float]:
 
 
 def _number(value: float) -> str:
-    # Without a minus before nothing.
+    # Adding 0.0 avoids a negative zero.
     return f"{float(value) + 0.0:.17g}"
 
 

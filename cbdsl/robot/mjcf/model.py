@@ -1,4 +1,4 @@
-"""MJCF models, as MuJoCo compiles them, by the names and in the terms of URDF."""
+"""MJCF models compiled by MuJoCo, with the names and terms of URDF."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from cbdsl.robot.urdf import UrdfError
 
 Floats = NDArray[np.float64]
 
-# Of stages, and how much that of a model may differ without a word, m/s^2.
+# Gravity of stages, and the largest difference without a remark, m/s^2.
 _GRAVITY, _GRAVITY_TOLERANCE = 9.81, 0.05
 
 
 class MjcfJoint(NamedTuple):
-    """A hinge or slide of the model, and what URDF says of it.
+    """Hinge or slide of the model, in terms of URDF.
 
     Attributes:
-        number: in the compiled model.
-        name: in the URDF.
-        slides: whether it slides.
-        zero: its position where bodies are as they are nested in the model, rad or m.
-        anchor, axis: in the body's frame, shape (3,).
-        mimic: the joint that it follows, with multiplier and offset, if any.
+        number: Number in the compiled model.
+        name: Name in the URDF.
+        slides: True for a slide.
+        zero: Position at which the bodies are placed as in the model file, rad or m.
+        anchor, axis: Anchor, m, and axis in the body's frame, shape (3,).
+        mimic: Followed joint, with multiplier and offset, if any.
     """
 
     number: int
@@ -43,14 +43,14 @@ class MjcfJoint(NamedTuple):
 
 
 class MjcfModel:
-    """A compiled model by the names and in the terms of URDF.
+    """Compiled model with the names and terms of URDF.
 
     Args:
-        path: names it in messages.
-        compiled: MuJoCo's model.
+        path: Path of the model, for messages.
+        compiled: Compiled model of MuJoCo.
 
     Raises:
-        UrdfError: one of its joints is a ball joint.
+        UrdfError: If one of its joints is a ball joint.
     """
 
     def __init__(self, path: Path, compiled: Any) -> None:
@@ -73,7 +73,7 @@ class MjcfModel:
         self.unknown_geoms: list[str] = []
 
     def bodies(self) -> list[int]:
-        """Bodies that belong to the robot, each after the one that carries it."""
+        """Return the bodies that belong to the robot, each after its parent."""
         model = self.compiled
         return [
             body
@@ -82,15 +82,15 @@ class MjcfModel:
         ]
 
     def parent(self, body: int) -> str:
-        """The link that carries a body."""
+        """Return the link that carries a body."""
         return self.links[int(self.compiled.body_parentid[body])]
 
     def placement(self, body: int) -> BodyFrame:
-        """A body in the frame of the one that carries it, with all joints as in the file."""
+        """Return a body's frame in its parent's, with all joints as in the file."""
         return placed(self.compiled.body_pos[body], self.compiled.body_quat[body])
 
     def joints(self, body: int) -> list[MjcfJoint]:
-        """The hinges and slides of a body, in the order in which they move it."""
+        """Return the hinges and slides of a body, in the order in which they move it."""
         model = self.compiled
         first, many = int(model.body_jntadr[body]), int(model.body_jntnum[body])
         numbers = [n for n in range(first, first + many) if self._kind(n) != "free"]
@@ -108,7 +108,7 @@ class MjcfModel:
         ]
 
     def effort(self, joint: int) -> float:
-        """The largest torque or force of a joint's actuators, N m or N; 0 leaves it open."""
+        """Return the largest torque or force of a joint's actuators, N m or N; 0 if unlimited."""
         model = self.compiled
         most = sum(self._force(each) for each in self.driven.get(joint, ()))
         if model.jnt_actfrclimited[joint]:
@@ -117,7 +117,7 @@ class MjcfModel:
         return most if math.isfinite(most) else 0.0
 
     def stl(self, mesh: int) -> bytes:
-        """A mesh as binary STL, in the frame that MuJoCo has given it."""
+        """Return a mesh as binary STL, in MuJoCo's frame of the mesh."""
         model = self.compiled
         start, many = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
         corners = model.mesh_vert[start : start + many]
@@ -129,7 +129,7 @@ class MjcfModel:
         return bytes(80) + many.to_bytes(4, "little") + bytes(triangles.tobytes())
 
     def remarks(self) -> Iterator[str]:
-        """Sentences about parts that have no counterpart in URDF."""
+        """Yield sentences about parts that have no counterpart in URDF."""
         model = self.compiled
         free = [self.links[self._body(n)] for n in self._numbers("free")]
         held = [link for link in free if self.links.index(link) not in self.left_out]
@@ -198,7 +198,8 @@ class MjcfModel:
         ]
 
     def _is_thing(self, body: int) -> bool:
-        """Whether a body is a thing beside the robot: free, or moved by hand, without joints."""
+        """Return whether a body is an object beside the robot: free or mocap, without further
+        joints."""
         model = self.compiled
         if int(model.body_parentid[body]) != 0:
             return False
@@ -213,7 +214,7 @@ class MjcfModel:
         return int(self.compiled.actuator_trntype[actuator]) in map(int, kinds)
 
     def _driven(self) -> dict[int, list[int]]:
-        """Actuators by the joint that they act on."""
+        """Return the actuators by their joint."""
         driven: dict[int, list[int]] = {}
         for actuator in range(self.compiled.nu):
             if self._acts_on_joint(actuator):
@@ -222,7 +223,7 @@ class MjcfModel:
         return driven
 
     def _force(self, actuator: int) -> float:
-        """The largest force of an actuator on its joint; infinite without a bound."""
+        """Return the largest force of an actuator on its joint; infinite without a bound."""
         model = self.compiled
         gear = abs(float(model.actuator_gear[actuator, 0]))
         if model.actuator_forcelimited[actuator]:
@@ -238,7 +239,7 @@ class MjcfModel:
         return math.inf
 
     def _mimics(self) -> dict[int, tuple[str, float, float]]:
-        """Joints that an equality makes proportional to another, by their number."""
+        """Return joints that an equality makes proportional to another, by their number."""
         model = self.compiled
         mimics: dict[int, tuple[str, float, float]] = {}
         for number in range(model.neq):
@@ -251,7 +252,7 @@ class MjcfModel:
         return mimics
 
     def _proportional(self, number: int) -> tuple[int, int, float, float] | None:
-        """Follower, followed joint, multiplier and offset of an equality, if it is a linear one."""
+        """Return follower, leader, multiplier and offset of an equality, if it is linear."""
         model = self.compiled
         follower, master = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
         is_joint = int(model.eq_type[number]) == int(mj.mjtEq.mjEQ_JOINT)
@@ -260,7 +261,7 @@ class MjcfModel:
         constant, ratio, *bends = map(float, model.eq_data[number][:5])
         if any(bends) or not ratio:
             return None
-        # MuJoCo counts from the positions in which the model is written.
+        # MuJoCo measures from the positions in the model file.
         offset = self._zero(follower) + constant - ratio * self._zero(master)
         if follower in self.driven and master not in self.driven:
             return master, follower, 1 / ratio, -offset / ratio
@@ -276,7 +277,7 @@ def _distinct(name: str, taken: set[str]) -> str:
 
 
 def _remark(names: list[str], trait: str) -> Iterator[str]:
-    """A sentence about parts that share a trait; nothing without any."""
+    """Yield a sentence about parts that share a trait, if there are any."""
     if not names:
         return
     if len(names) == 1:

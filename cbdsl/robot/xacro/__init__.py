@@ -1,1 +1,1 @@
-"""Expansion of xacro, the macros in which many robot models are written."""
+"""Expansion of xacro, a macro language of robot models."""

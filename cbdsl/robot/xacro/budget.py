@@ -1,19 +1,19 @@
-"""Bounds on the work that a model's macros and expressions may ask for."""
+"""Bounds on the work that a model's macros and expressions may request."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-#: Characters of a text, parts of a list or dictionary with all that is in it, and bits of a number.
+#: Characters of a text, parts of a list or dictionary including nested ones, and bits of a number.
 MOST_PARTS = 10_000
 
-# A public humanoid's model takes some 100,000; these take a few seconds.
+# A public humanoid's model takes some 100,000; this number takes a few seconds.
 _MOST_STEPS = 5_000_000
 
 
 class BudgetError(ValueError):
-    """A model asks for more work or larger values than any real model needs."""
+    """Request of a model for more work or larger values than any real model needs."""
 
 
 class StepBudget:
@@ -26,7 +26,7 @@ class StepBudget:
         """Take steps.
 
         Raises:
-            BudgetError: Fewer are left.
+            BudgetError: If fewer are left.
         """
         self._steps -= steps
         if self._steps < 0:
@@ -35,10 +35,10 @@ class StepBudget:
             )
 
     def require_small(self, value: Any) -> None:
-        """Check the size of a value, with all that is in it, and take a step for each part.
+        """Check the size of a value, including nested ones, and take a step for each part.
 
         Raises:
-            BudgetError: It is too large, or fewer steps are left.
+            BudgetError: If it is too large, or fewer steps are left.
         """
         if isinstance(value, list | tuple | Mapping | set | frozenset):
             self.spend(_parts(value))
@@ -49,17 +49,17 @@ class StepBudget:
 
 
 def require_small(size: int) -> None:
-    """Check the size of a value that is about to be made.
+    """Check the size of a value before it is created.
 
     Raises:
-        BudgetError: It is too large.
+        BudgetError: If it is too large.
     """
     if size > MOST_PARTS:
         raise BudgetError(f"a value has more than {MOST_PARTS} characters, parts or bits")
 
 
 def _parts(value: Any) -> int:
-    """Return the number of parts of a nested value: a part that is shared counts each time."""
+    """Return the number of parts of a nested value; a shared part counts each time."""
     count, left = 0, [value]
     while left:
         part = left.pop()

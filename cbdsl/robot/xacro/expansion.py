@@ -1,7 +1,7 @@
-"""Expansion of xacro, the macros in which many models are written.
+"""Expansion of xacro, a macro language of robot models.
 
-The library's macros are used with bounded parts of this project in place of those that run code,
-read the environment or open any file: see :mod:`cbdsl.robot.xacro.library_parts`.
+The library's macros are used. Bounded parts of this project replace the parts that run code, read
+the environment or open any file: see :mod:`cbdsl.robot.xacro.library_parts`.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ from cbdsl.robot.xacro.library_parts import LibraryParts
 
 
 def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:
-    """Return the text of the URDF that a xacro file stands for.
+    """Return the URDF text of a xacro file.
 
     Args:
         path: Xacro file.
-        arguments: Values by name, as ``name:=value`` gives them to xacro.
+        arguments: Values by name, in the form of ``name:=value`` in xacro.
         packages: Folders of packages, for ``$(find NAME)``.
 
     Raises:
-        UrdfError: The file is not xacro, asks for what is refused, or names an absent package or
+        UrdfError: If the file is not xacro, makes a refused request, or names an absent package or
             an unknown argument.
     """
     known = _AskedArguments(arguments)
     parts = LibraryParts(known, packages)
     try:
-        # Its warnings carry the colours and the frames of a stack, and a mistake is told below.
+        # Its warnings contain colours and stack frames; errors are reported below.
         with parts.installed(), redirect_stderr(StringIO()):
             document = xacro.process_file(str(path), mappings=known)
     except RecursionError:
         raise UrdfError(f"{path}: xacro cannot expand it: one of its macros uses itself") from None
     except Exception as error:
-        if parts.refusals:  # which xacro has wrapped, and says twice
+        if parts.refusals:  # which xacro has wrapped and repeated
             raise UrdfError(f"{path}: {parts.refusals[0]}") from None
-        # Expressions and macros of the file raise whatever they raise.
+        # Expressions and macros of the file can raise any exception.
         raise UrdfError(f"{path}: xacro cannot expand it: {_reason(error)}") from None
     unknown = next((name for name in arguments if name not in known.asked), None)
     if unknown is not None:
@@ -57,7 +57,7 @@ def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFold
 
 
 def _drop_repeated_materials(robot: Any) -> None:
-    """Keep one of the materials that a macro gives anew wherever it is used: readers want one."""
+    """Remove repeated materials, which macros add at each use and readers accept once."""
     seen: set[str] = set()
     for element in list(robot.childNodes):
         if getattr(element, "tagName", "") == "material":
@@ -68,7 +68,7 @@ def _drop_repeated_materials(robot: Any) -> None:
 
 
 class _AskedArguments(dict[str, str]):
-    """Arguments of a xacro file, and the names that it has declared or read.
+    """Arguments of a xacro file, with the names that it has declared or read.
 
     Attributes:
         asked: These names.

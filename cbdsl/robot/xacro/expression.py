@@ -1,9 +1,9 @@
 """Expressions of xacro, interpreted on their syntax tree.
 
-xacro itself hands them to ``eval``, which no list of forbidden names makes safe. Here each node of
+xacro itself passes them to ``eval``, which no list of forbidden names makes safe. Here each node of
 the tree is interpreted: numbers, texts, lists, dictionaries, operators, and calls of the documented
 functions alone. Lambdas, comprehensions and names that begin with an underscore have no
-interpretation, so that an expression reaches nothing but values of the model.
+interpretation. An expression thus reaches only values of the model.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _MOST_EXPONENT = 1024
 
 
 class ExpressionError(ValueError):
-    """An expression is refused, or has no value."""
+    """Expression that is refused, or has no value."""
 
 
 def evaluate(text: str, names: Mapping[str, Any], budget: StepBudget) -> Any:
@@ -34,8 +34,8 @@ def evaluate(text: str, names: Mapping[str, Any], budget: StepBudget) -> Any:
         budget: Remaining steps, which this takes from.
 
     Raises:
-        ExpressionError: The expression is refused, or has no value.
-        BudgetError: The value is too large, or the steps are spent.
+        ExpressionError: If the expression is refused, or has no value.
+        BudgetError: If the value is too large, or the steps are spent.
     """
     try:
         tree = ast.parse(text.strip(), mode="eval")

@@ -12,7 +12,7 @@ from cbdsl.robot.xacro.budget import MOST_PARTS, require_small
 
 
 class ModelFunction:
-    """Function that expressions may call; nothing else is called.
+    """Function that expressions may call; other objects are not called.
 
     Args:
         call: Function of the arguments.
@@ -27,7 +27,7 @@ class ModelFunction:
 
 
 class Namespace(dict[str, Any]):
-    """Functions and constants that are reached by a dot, as in ``math.pi``."""
+    """Functions and constants with dotted names, as in ``math.pi``."""
 
 
 def method(owner: Any, name: str) -> ModelFunction | None:
@@ -39,7 +39,7 @@ def method(owner: Any, name: str) -> ModelFunction | None:
 
 
 def _listed(values: Iterable[Any]) -> list[Any]:
-    """Return a list of values, whose number is bounded."""
+    """Return a list of values with a bounded length."""
     listed = list(islice(values, MOST_PARTS + 1))
     require_small(len(listed))
     return listed
@@ -75,7 +75,7 @@ def _joined(text: str, parts: Iterable[str]) -> str:
 
 
 def tokenize(text: str, sep: str = ",; ", skip_empty: bool = True) -> list[str]:
-    """Split a text at each of some characters."""
+    """Split a text at each of the given characters."""
     signs = sep or " "
     for sign in signs:
         text = text.replace(sign, signs[0])
@@ -92,7 +92,7 @@ def _limited_range(*bounds: int) -> list[int]:
 
 
 def _silent(*_: Any, **__: Any) -> str:
-    """Return nothing to insert: messages of a model are not printed."""
+    """Return an empty text, because messages of a model are not printed."""
     return ""
 
 
@@ -127,7 +127,7 @@ _PYTHON: Mapping[str, Callable[..., Any]] = {
     "tuple": lambda values=(): tuple(_listed(values)),
     "zip": lambda *values: _listed(zip(*values, strict=False)),
 }
-# Those of the module whose results are bounded: no factorial, no binomial.
+# Functions of the module with bounded results: no factorial, no binomial.
 _MATH = (
     *("acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "ceil", "copysign", "cos"),
     *("cosh", "degrees", "dist", "erf", "erfc", "exp", "expm1", "fabs", "floor", "fmod", "frexp"),

@@ -1,7 +1,8 @@
-"""Bounded parts that take the place of the library's own while xacro expands a model.
+"""Bounded parts that replace the library's own during the expansion of a model.
 
-The library evaluates expressions with ``eval``, takes time that grows with the square of a text's
-length, reads the environment, opens whatever a model names, and expands macros without a bound.
+The library evaluates expressions with ``eval`` and takes time that grows with the square of a
+text's length. It also reads the environment, opens every file that a model names, and expands
+macros without a bound.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ from cbdsl.robot.xacro.expression import ExpressionError, evaluate
 from cbdsl.robot.xacro.functions import functions
 
 _MOST_YAML_BYTES = 200_000
-_ELEMENT_STEPS = 100  # of an element beside its texts
-# Longest texts: a property of a property of … grows by a power with each.
+_ELEMENT_STEPS = 100  # for an element, in addition to its texts
+# Longest text, because nested properties grow by a power with each level.
 _MOST_TEXT = 1_000_000
 _PIECES = re.compile(
     r"\$(?P<escaped>\$+[{(])|\$\{(?P<expression>[^}]*)\}|\$\((?P<extension>[^)]*)\)"
@@ -62,7 +63,7 @@ class LibraryParts:
 
     @contextmanager
     def installed(self) -> Iterator[None]:
-        """Put the parts in the place of the library's while a model is expanded."""
+        """Replace the library's parts during the expansion of a model."""
         parts = {
             "_global_symbols": self._functions,
             "safe_eval": lambda text, names, _=None: self._evaluate(text, names),
@@ -173,7 +174,7 @@ class LibraryParts:
         return str(self._packages.folder(name))
 
     def _load_yaml(self, name: str) -> Any:
-        """Return the contents of a YAML file, which has no aliases: they can multiply its size."""
+        """Return the contents of a YAML file without aliases, which can multiply its size."""
         path = Path(xacro.abs_filename_spec(name))
         with self._reported():
             if path.suffix not in (".yaml", ".yml"):
@@ -198,7 +199,7 @@ class LibraryParts:
         return minidom.parseString(data)
 
     def _included(self, spec: str, names: Mapping[str, Any]) -> Iterator[str]:
-        """Yield the files that an include names, by a pattern in the last part if there is one."""
+        """Yield the files of an include, whose last part may be a pattern."""
         path = Path(xacro.abs_filename_spec(str(self._eval_text(spec, names))))
         if not any(sign in path.name for sign in "*?["):
             yield str(path)
@@ -216,7 +217,7 @@ def _read(path: Path, most: int) -> bytes:
 
 
 def _converted(value: str) -> Any:
-    """Return an argument as a number or truth value, if it reads like one."""
+    """Return an argument as a number or truth value, if it is one."""
     if value.lower() in ("true", "false"):
         return value.lower() == "true"
     for kind in (int, float):
@@ -228,7 +229,7 @@ def _converted(value: str) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return YAML's values as dictionaries and lists without the library's dotted access."""
+    """Return YAML's values as plain dictionaries and lists, without dotted access."""
     if isinstance(value, dict):
         return {key: _plain(part) for key, part in dict.items(value)}
     if isinstance(value, list):
