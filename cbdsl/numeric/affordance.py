@@ -1,4 +1,4 @@
-"""Affordance model: the features with which an action is rewarded, and how sure that is (6.1)."""
+"""Affordance model: features with which an action is rewarded, with their uncertainty (6.1)."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from cbdsl.numeric.sample_statistics import SampleStatistics
 Floats = NDArray[np.float64]
 Measure = Literal["sum", "trace", "determinant", "spread"]
 
-# Deviations of a prior that counts for something in a robot's workspace, by unit.
+# Significant deviations in a robot's workspace, for priors, by unit.
 _WORKSPACE: Mapping[str, float] = {
     "m": 0.03, "rad": 0.1, "1": 0.1, "m/s": 0.1, "rad/s": 0.1, "m^3": 1e-3,
 }  # fmt: skip
 
-# Of the variance of the prior, in which densities that predict are spread at least.
+# Smallest spread of predictive densities, in parts of the prior's variance.
 _LEAST_SPREAD = 0.01
 
 
@@ -37,9 +37,9 @@ def _determinant(covariance: Floats) -> float:
     return math.exp(float(logarithm) / len(covariance)) if sign > 0 else 0.0
 
 
-#: How much a covariance varies, as one number: the source adds all of its elements up. That sum
-#: depends on the signs of the axes, and each of the first three on the frame's origin, because the
-#: prior's mean is there. A spread is the trace for a prior whose mean is that of the samples.
+#: Measures of a covariance's size. The source adds up all of its elements. That sum depends on the
+#: signs of the axes. Each of the first three depends on the frame's origin, because the prior's
+#: mean is there. The spread is the trace with a prior whose mean is that of the samples.
 MEASURES: Mapping[str, Callable[[Floats], float]] = {
     "sum": _sum,
     "trace": _trace,
@@ -49,24 +49,24 @@ MEASURES: Mapping[str, Callable[[Floats], float]] = {
 
 
 def deviation_of(unit: str) -> float:
-    """Deviation of a component of this unit that counts for something in a workspace."""
+    """Return the significant deviation of a component of this unit in a workspace."""
     return _WORKSPACE.get(unit, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class AffordanceModel:
-    """Knowledge of one action: Pr(f | reward, a), and with it all that follows from counts.
+    """Knowledge of one action: Pr(f | reward, a), and counts of trials and rewards.
 
-    Samples are in SI; the prior is a Gaussian of zero mean whose deviation is the ``scale`` of
-    each component, and counts as ``prior`` samples.
+    Samples are in SI. The prior is a Gaussian of zero mean whose deviation is the ``scale`` of each
+    component. It counts as ``prior`` samples.
 
     Attributes:
-        scale: of each component of the features, in its unit, shape (d,).
-        prior: as how many samples the prior counts.
-        tried: how often the action was taken.
-        successes: how often it was rewarded, features or not.
-        rewarded: features when it was rewarded.
-        unrewarded: features when it was not.
+        scale: Deviation of each component of the features in the prior, in its unit, shape (d,).
+        prior: Weight of the prior, in samples.
+        tried: Number of trials.
+        successes: Number of rewarded trials, with or without features.
+        rewarded: Statistics of the features of rewarded trials.
+        unrewarded: Statistics of the features of unrewarded trials.
     """
 
     scale: Floats
@@ -78,16 +78,16 @@ class AffordanceModel:
 
     @classmethod
     def fresh(cls, scale: Floats, prior: float = 1.0) -> AffordanceModel:
-        """Model of an action that was never taken."""
+        """Return the model of an action without trials."""
         nothing = SampleStatistics.empty(len(scale))
         return cls(scale, prior, 0, 0, nothing, nothing)
 
     def updated(self, features: Floats | None, *, rewarded: bool) -> AffordanceModel:
-        """Model after the action was taken once more.
+        """Return the model after one more trial of the action.
 
         Args:
-            features: observed at its activation, shape (d,); ``None`` while one was undefined.
-            rewarded: whether it was rewarded.
+            features: Features at its activation, shape (d,); ``None`` if one was undefined.
+            rewarded: True if it was rewarded.
         """
         counted = replace(self, tried=self.tried + 1, successes=self.successes + rewarded)
         if features is None:
@@ -97,7 +97,7 @@ class AffordanceModel:
         return replace(counted, unrewarded=self.unrewarded.updated(features))
 
     def variance(self, measure: str = "sum") -> float:
-        """Variance of Pr(f | reward, a) in units of the scale, which habituates (Eq 6.3)."""
+        """Return the habituating variance of Pr(f | reward, a) in units of the scale (Eq 6.3)."""
         samples = _scaled(self.rewarded, self.scale)
         if measure == "spread":
             samples = replace(samples, mean=np.zeros(len(self.scale)))
@@ -105,13 +105,13 @@ class AffordanceModel:
 
     @property
     def reward_probability(self) -> float:
-        """Pr(reward | a), by Laplace's rule: a half before anything was tried."""
+        """Probability Pr(reward | a), by Laplace's rule: 0.5 without trials."""
         return (self.successes + 1) / (self.tried + 2)
 
     def reward_given(self, features: Floats) -> float:
-        """Pr(reward | f, a), by Bayes' rule from the features with reward and without.
+        """Return Pr(reward | f, a), by Bayes' rule from the features with and without reward.
 
-        It goes back to Pr(reward | a) where the features are as unlikely with reward as without.
+        It returns to Pr(reward | a) if the features are equally unlikely with and without reward.
         """
         prior = self.reward_probability
         if self.rewarded.weight == 0 or self.unrewarded.weight == 0:
@@ -124,7 +124,7 @@ class AffordanceModel:
         return 1 / (1 + math.exp(-odds)) if odds > -700 else 0.0
 
     def distance(self, features: Floats) -> float:
-        """Mahalanobis distance of features from those with reward."""
+        """Return the Mahalanobis distance of features from the rewarded ones."""
         if self.rewarded.weight == 0:
             return 0.0
         known = self._predictive(self.rewarded)
@@ -132,13 +132,13 @@ class AffordanceModel:
         return math.sqrt(float(apart @ np.linalg.solve(known.covariance, apart)))
 
     def log_density(self, features: Floats) -> float:
-        """Logarithm of Pr(f | reward, a) per unit of the features; -inf without samples."""
+        """Return log Pr(f | reward, a) per unit of the features; -inf without samples."""
         if self.rewarded.weight == 0:
             return -math.inf
         return self._predictive(self.rewarded).log_density(features)
 
     def over(self, components: Sequence[int]) -> AffordanceModel:
-        """The model of some of the features' components."""
+        """Return the model of some of the features' components."""
         chosen = np.array(components, dtype=np.int64)
         return replace(
             self,
@@ -148,7 +148,7 @@ class AffordanceModel:
         )
 
     def density(self, features: Floats) -> float:
-        """Pr(f | a) per unit of the features: the mixture over reward and none."""
+        """Return Pr(f | a) per unit of the features: the mixture with and without reward."""
         prior = self.reward_probability
         parts = ((prior, self.rewarded), (1 - prior, self.unrewarded))
         known = [(share, each) for share, each in parts if each.weight > 0]
@@ -159,10 +159,11 @@ class AffordanceModel:
         )
 
     def _predictive(self, samples: SampleStatistics) -> SampleStatistics:
-        """Gaussian of samples, with a spread of the prior's around their own mean.
+        """Return the Gaussian of samples, mixed with the prior's spread around their own mean.
 
-        Few samples lie in a plane, which would make all others impossible. As many samples as
-        there are components are needed before their own spread counts more than the prior's.
+        A few samples lie in a plane, and their Gaussian would exclude all other values. The
+        samples' own spread outweighs the prior's if their number exceeds half that of the
+        components.
         """
         own = samples.covariance
         weight, count = len(self.scale) / 2, samples.weight
@@ -176,13 +177,13 @@ def _prior(size: int, weight: float) -> SampleStatistics:
 
 
 def _part(samples: SampleStatistics, chosen: NDArray[np.int64]) -> SampleStatistics:
-    """Gaussian of some components of the samples."""
+    """Return the Gaussian of some components of the samples."""
     scatter = samples.scatter[np.ix_(chosen, chosen)]
     return SampleStatistics(samples.weight, samples.mean[chosen], scatter)
 
 
 def _scaled(samples: SampleStatistics, scale: Floats) -> SampleStatistics:
-    """Gaussian of the same samples, each component in units of its scale."""
+    """Return the Gaussian of the samples with each component in units of its scale."""
     return SampleStatistics(
         samples.weight, samples.mean / scale, samples.scatter / np.outer(scale, scale)
     )

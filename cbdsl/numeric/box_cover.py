@@ -1,4 +1,4 @@
-"""Box covers: what a closed surface encloses as a few boxes that do not overlap."""
+"""Box covers: the interior of a closed surface as a few boxes that do not overlap."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ Floats = NDArray[np.float64]
 Cells = NDArray[np.bool_]
 Counts = NDArray[np.int64]
 
-# Cells along the longest extent.
+# Number of cells along the longest extent.
 _CELLS = 32
-# Rays that would meet an edge are a little aside, in cells.
+# Offset of rays, in cells, so that they do not meet edges.
 _ASIDE = np.array((1.3e-4, 2.9e-4))
 
 
 class Cover(NamedTuple):
-    """Boxes inside of a surface.
+    """Boxes inside a surface.
 
     Attributes:
-        boxes: centre, then edges along x, y and z, m, shape (k, 2, 3); the largest first.
-        share: of the cells in the surface that the boxes have.
+        boxes: Centre, then edges along x, y and z, m, shape (k, 2, 3); the largest first.
+        share: Share of the cells inside the surface that the boxes cover.
     """
 
     boxes: Floats
@@ -32,11 +32,11 @@ class Cover(NamedTuple):
 
 
 def cover(triangles: Floats, most: int) -> Cover:
-    """The boxes along the axes that fill a closed surface, each the largest that is left.
+    """Return axis-aligned boxes that fill a closed surface, each the largest possible one.
 
     Args:
-        triangles: corners, m, shape (n, 3, 3).
-        most: number of boxes.
+        triangles: Corners of the triangles, m, shape (n, 3, 3).
+        most: Largest number of boxes.
     """
     low: Floats = triangles.reshape(-1, 3).min(axis=0)
     extent: Floats = triangles.reshape(-1, 3).max(axis=0) - low
@@ -57,7 +57,7 @@ def cover(triangles: Floats, most: int) -> Cover:
 
 
 def _inside(triangles: Floats, counts: Counts) -> Cells:
-    """Cells whose centres are inside: a ray along z has met the surface an odd number of times."""
+    """Return the cells with centres inside, by the parity of crossings of a ray along z."""
     met = np.zeros((*counts, 1), np.int64).squeeze(3)
     for triangle in triangles:
         first = np.maximum(np.floor(triangle[:, :2].min(axis=0) - 0.5).astype(int), 0)
@@ -81,7 +81,7 @@ def _inside(triangles: Floats, counts: Counts) -> Cells:
 
 @compiled_once
 def _largest(free: Cells) -> tuple[int, int, int, int, int, int]:
-    """The largest box of free cells: its first cell, and its cells along x, y and z."""
+    """Return the largest box of free cells: its first cell, and its cells along x, y and z."""
     columns, rows, layers = free.shape
     best, widest = 0, (0, 0, 0, 0, 0, 0)
     for bottom in range(layers):
@@ -92,7 +92,7 @@ def _largest(free: Cells) -> tuple[int, int, int, int, int, int]:
                 for row in range(rows):
                     flat[column, row] &= free[column, row, top]
                     depth[row] = depth[row] + 1 if flat[column, row] else 0
-                # The largest rectangle that ends in this column.
+                # Find the largest rectangle that ends in this column.
                 for first in range(rows):
                     width = depth[first]
                     for last in range(first, rows):

@@ -1,4 +1,4 @@
-"""Functions of arrays that become machine code when they are first called."""
+"""Functions of arrays that are compiled to machine code at their first call."""
 
 from __future__ import annotations
 

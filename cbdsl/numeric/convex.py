@@ -12,22 +12,22 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 _STEPS = 64
-# Squared distances and their gain by a step below which there is no more to gain, m^2.
+# Squared distances, and gains of a step in them, that count as zero, m^2.
 _CLOSE = 1e-12
-# Of a point's share in the nearest one, below which it does not take part.
+# Share of a point in the nearest one that counts as zero.
 _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
 class Convex:
-    """A ball, box, cylinder or hull in the world; a cylinder lies along its z axis.
+    """Ball, box, cylinder or hull in the world; a cylinder lies along its z axis.
 
     Attributes:
-        kind: which of them.
-        halves: half its extents along its own axes, m.
-        position: of its centre, m, shape (3,).
-        rotation: its axes as columns, shape (3, 3).
-        corners: of a hull, in its own axes around its centre, m, shape (k, 3).
+        kind: Kind of body.
+        halves: Half extents along its own axes, m.
+        position: Position of its centre, m, shape (3,).
+        rotation: Rotation matrix with its axes as columns, shape (3, 3).
+        corners: Corners of a hull, in its own axes around its centre, m, shape (k, 3).
     """
 
     kind: Literal["ball", "box", "cylinder", "hull"]
@@ -47,7 +47,7 @@ class Convex:
         return (a, c) if self.kind == "cylinder" else (a, b, c)
 
     def support(self, direction: Floats) -> Floats:
-        """The point of the body that is farthest in a direction, m, shape (3,)."""
+        """Return the point of the body that is farthest in a direction, m, shape (3,)."""
         along = direction @ self.rotation
         if self.corners is not None:
             farthest: Floats = self.corners[int(np.argmax(self.corners @ along))]
@@ -66,7 +66,7 @@ class Convex:
         return point
 
     def shrunk(self, margin: float) -> Convex:
-        """The body with its surface ``margin`` further inside, m, or half way to its middle."""
+        """Return the body shrunk by ``margin``, m, but at most half way to its middle."""
         a, b, c = (max(half - margin, half / 2) for half in self.halves)
         if self.corners is None:
             return replace(self, halves=(a, b, c))
@@ -77,11 +77,11 @@ class Convex:
 
 
 def gap(one: Convex, other: Convex) -> float:
-    """Distance between two bodies, m; 0 where they touch or overlap.
+    """Return the distance between two bodies, m; 0 if they touch or overlap.
 
-    The point of least norm of their difference, found by Wolfe's algorithm (Mathematical
-    Programming 11, 1976): of up to four points of the difference, the nearest point of their hull
-    decides which point of the difference comes next.
+    The distance is the least norm of a point in the bodies' difference, found by Wolfe's algorithm
+    (Mathematical Programming 11, 1976). Up to four points of the difference span a hull. The hull's
+    nearest point to the origin determines the next point of the difference.
     """
     nearest = one.position - other.position
     points, shares = np.empty((0, 3)), np.empty(0)
@@ -99,13 +99,13 @@ def gap(one: Convex, other: Convex) -> float:
 
 
 def _nearest_shares(points: Floats, shares: Floats) -> tuple[Floats, Floats]:
-    """The points that span the hull's nearest point to the origin, and their shares in it."""
+    """Return the points that span the hull's nearest point to the origin, and their shares."""
     while True:
         wanted = _affine_shares(points)
         outside = wanted <= _ROUNDING
         if not outside.any():
             return points, wanted
-        # Go from the shares before towards the wanted ones until the first becomes none.
+        # Move from the current shares towards the desired ones until the first becomes zero.
         steps = shares[outside] / np.maximum(shares[outside] - wanted[outside], _ROUNDING)
         shares = shares + min(1.0, float(steps.min())) * (wanted - shares)
         kept = shares > _ROUNDING
@@ -115,7 +115,7 @@ def _nearest_shares(points: Floats, shares: Floats) -> tuple[Floats, Floats]:
 
 
 def _affine_shares(points: Floats) -> Floats:
-    """Shares, of sum 1, of points in the point of their affine hull nearest to the origin."""
+    """Return the shares, of sum 1, of the affine hull's point that is nearest to the origin."""
     count = len(points)
     system = np.ones((count + 1, count + 1))
     system[0, 0] = 0.0

@@ -11,17 +11,18 @@ from scipy.spatial import ConvexHull
 Floats = NDArray[np.float64]
 Faces = NDArray[np.intp]
 
-# Corners of a hull, beyond which contacts cost more than they are better.
+# Number of a hull's corners beyond which contacts cost more without becoming better.
 _MOST = 128
 
 
 def hull_corners(points: Floats) -> Floats:
-    """Corners of the convex hull of points that span a volume, m, shape (k, 3).
+    """Return the corners of the convex hull of points that span a volume, m, shape (k, 3).
 
-    Of very many, those that are farthest in one of evenly spread directions, among them the axes.
+    Hulls with too many corners keep the farthest corners in evenly spread directions and along the
+    axes.
 
     Args:
-        points: m, shape (n, 3).
+        points: Points, m, shape (n, 3).
     """
     corners: Floats = points[ConvexHull(points).vertices]
     if len(corners) <= _MOST:
@@ -33,12 +34,12 @@ def hull_corners(points: Floats) -> Floats:
 
 
 def hull_faces(corners: Floats) -> Faces:
-    """Indices of the corners of a convex hull's triangles, shape (n, 3), in no order."""
+    """Return the corners' indices of a hull's triangles, shape (n, 3), in no particular order."""
     return np.asarray(ConvexHull(corners).simplices, dtype=np.intp)
 
 
 def _spread(count: int) -> Floats:
-    """Directions on a spiral from pole to pole, which spreads them evenly, shape (count, 3)."""
+    """Return evenly spread directions on a spiral from pole to pole, shape (count, 3)."""
     steps = np.arange(count) + 0.5
     heights, angles = 1 - 2 * steps / count, math.pi * (1 + math.sqrt(5)) * steps
     across = np.sqrt(1 - heights**2)

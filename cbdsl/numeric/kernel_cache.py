@@ -25,9 +25,9 @@ from numba.core.serialize import dumps
 
 from cbdsl.numeric.kernel_digest import NoDigestError, describe_type, digest_of
 
-# A file that no process has read for this long is deleted, s.
+# Time without use after which a file is deleted, s.
 _UNUSED = 60 * 24 * 3600.0
-# A file's time of use is noted at most this often, s.
+# Smallest interval between updates of a file's time of use, s.
 _NOTED = 24 * 3600.0
 
 
@@ -63,7 +63,7 @@ class KernelCache(_Cache):
             parts = pickle.loads(file.read_bytes())
             _note_use(file)
             return CompileResult._rebuild(target_context, *parts)  # type: ignore[no-untyped-call]
-        # Whatever is wrong with a file, its content can be compiled again.
+        # If a file is invalid for any reason, its content can be compiled again.
         except Exception:
             return None
 
@@ -106,7 +106,7 @@ class KernelCache(_Cache):
 
 
 def _is_own(file: Path) -> bool:
-    """Return whether no other user can have written a file: reading it runs what it holds."""
+    """Return whether no other user can have written a file, because reading it runs its code."""
     for status in (file.stat(), file.parent.stat()):
         if status.st_uid not in (os.geteuid(), 0) or status.st_mode & stat.S_IWOTH:
             return False

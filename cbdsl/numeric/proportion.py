@@ -1,20 +1,20 @@
-"""Proportions: how often something happens, and how sure that is."""
+"""Proportions: rates of events, with their uncertainty."""
 
 from __future__ import annotations
 
-#: How often an interval lies beyond the value on one side, by its construction.
+#: Probability that an interval lies beyond the value on one side, by its construction.
 TAIL = 0.025
 
 
 def exact_interval(hits: float, trials: float) -> tuple[float, float]:
-    """Clopper-Pearson interval of a proportion.
+    """Return the Clopper-Pearson interval of a proportion.
 
     Args:
-        hits: successes; between whole numbers the bounds are interpolated by the beta law.
-        trials: how many there were, more than none; an effective number need not be whole.
+        hits: Number of successes; between integers, the bounds are interpolated by the beta law.
+        trials: Number of trials, above 0; an effective number need not be an integer.
 
     Raises:
-        ValueError: there were no trials, or not as many as hits.
+        ValueError: If there were no trials, or fewer than hits.
     """
     if not (0 <= hits <= trials and trials > 0):
         raise ValueError(f"{hits} of {trials} is no proportion")

@@ -1,4 +1,4 @@
-"""Mean and scatter of samples, kept up to date one sample at a time."""
+"""Mean and scatter of samples, updated one sample at a time."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SampleStatistics:
-    """Sufficient statistics of a multivariate Gaussian; a sample more makes others.
+    """Sufficient statistics of a multivariate Gaussian; immutable.
 
     Attributes:
-        weight: number of the samples; of a prior as how many it counts.
-        mean: of them, shape (d,).
-        scatter: sum of the outer products of their deviations from the mean, shape (d, d).
+        weight: Number of samples; for a prior its weight in samples.
+        mean: Mean of the samples, shape (d,).
+        scatter: Sum of the outer products of their deviations from the mean, shape (d, d).
     """
 
     weight: float
@@ -27,16 +27,16 @@ class SampleStatistics:
 
     @classmethod
     def empty(cls, size: int) -> SampleStatistics:
-        """Statistics of no samples of this many components."""
+        """Return statistics without samples, for the given number of components."""
         return cls(0.0, np.zeros(size), np.zeros((size, size)))
 
     @classmethod
     def of(cls, weight: float, mean: Floats, covariance: Floats) -> SampleStatistics:
-        """Statistics of so many samples with this mean and this covariance."""
+        """Return statistics with the given weight, mean and covariance."""
         return cls(weight, mean, weight * covariance)
 
     def updated(self, sample: Floats) -> SampleStatistics:
-        """Statistics with one sample more, by Welford's update, which cancels no large numbers."""
+        """Return statistics with one more sample, by Welford's update, without cancellation."""
         weight = self.weight + 1.0
         before = sample - self.mean
         mean = self.mean + before / weight
@@ -44,7 +44,7 @@ class SampleStatistics:
         return SampleStatistics(weight, mean, scatter)
 
     def merged(self, other: SampleStatistics) -> SampleStatistics:
-        """Statistics of the samples of both."""
+        """Return statistics of the samples of both."""
         weight = self.weight + other.weight
         if not weight:
             return self
@@ -59,10 +59,10 @@ class SampleStatistics:
         return self.scatter / self.weight if self.weight else self.scatter
 
     def log_density(self, point: Floats) -> float:
-        """Logarithm of the Gaussian's density at a point.
+        """Return the logarithm of the Gaussian's density at a point.
 
         Raises:
-            numpy.linalg.LinAlgError: the covariance is not positive definite.
+            numpy.linalg.LinAlgError: If the covariance is not positive definite.
         """
         factor = np.linalg.cholesky(self.covariance)
         standard = np.linalg.solve(factor, point - self.mean)

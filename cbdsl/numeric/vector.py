@@ -1,4 +1,4 @@
-"""Arithmetic of small vectors, in loops: arrays' own takes long to compile and longer to run."""
+"""Arithmetic of small vectors in loops; array expressions compile and run more slowly."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ def scale(row: Floats, factor: float) -> None:
 
 @compiled
 def norm(row: Floats) -> float:
-    """The Euclidean length of a vector."""
+    """Return the Euclidean length of a vector."""
     return math.sqrt(dot(row, row))
 
 
 @compiled_sum
 def dot(first: Floats, second: Floats) -> float:
-    """The scalar product of two vectors."""
+    """Return the scalar product of two vectors."""
     total = 0.0
     for i in range(len(first)):
         total += first[i] * second[i]
@@ -57,7 +57,7 @@ def dot(first: Floats, second: Floats) -> float:
 
 @compiled
 def cross(left: Floats, right: Floats, product: Floats) -> None:
-    """The cross product of two vectors (3,)."""
+    """Write the cross product of two vectors (3,)."""
     product[0] = left[1] * right[2] - left[2] * right[1]
     product[1] = left[2] * right[0] - left[0] * right[2]
     product[2] = left[0] * right[1] - left[1] * right[0]

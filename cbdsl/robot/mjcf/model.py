@@ -198,8 +198,7 @@ class MjcfModel:
         ]
 
     def _is_thing(self, body: int) -> bool:
-        """Return whether a body is an object beside the robot: free or mocap, without further
-        joints."""
+        """Return whether a body is an object beside the robot: mocap, or only with a free joint."""
         model = self.compiled
         if int(model.body_parentid[body]) != 0:
             return False
