@@ -71,8 +71,8 @@ def compose(
             which damping sets in.
         total: Becomes the displacement, NaN if an argument is not finite, shape (n,).
         locked: Becomes True for joints that a limit held back, shape (n,).
-        values: Become the singular values of the rows that were left to each level, unsorted, 0
-            where rows were dependent or a level does not act, shape (k,).
+        values: Become the singular values of the rows that were left to each level, unsorted, shape
+            (k,); 0 for dependent rows and inactive levels.
 
     Returns:
         True if a level needs Hessians and ``bends`` is False; the displacement is then unfinished.

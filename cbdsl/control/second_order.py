@@ -166,7 +166,7 @@ def newton_step(
 
 @compiled
 def least_resisted(requested: float, fraction: float) -> float:
-    """Return the stiffness above which a level that asks for a displacement resists a direction."""
+    """Return the stiffness above which a level resists a direction, for a request."""
     return _RESISTED * requested / fraction + 1e-15
 
 

@@ -155,9 +155,9 @@ def tick(
         windows: Windows of their predicates.
         listed: Joints that searches observe.
         onsets: Load changes that slots wait for, shape (o,) of ``onset.ONSET``.
-        acting: Active slots, with those that others require first, shape (levels, 4). The columns
-            are the slot, the slots that it follows and requires, -1 for none that acts with it, and
-            its place in the order of priority.
+        acting: Active slots, required ones first, shape (levels, 4). The columns are the slot, the
+            slots that it follows and requires, -1 for none that acts with it, and its place in the
+            order of priority.
         columns: Joint index of each of the stack's n joints for a slot, -1 for a joint that it does
             not move, shape (levels, n).
         turn, levels: Clock and arrays of the stack, whose next tick begins.

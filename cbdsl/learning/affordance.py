@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 @dataclass
 class Affordance:
-    """An action of an exploration, and its model.
+    """Action of an exploration, and its model.
 
     The first reward selects the features of the model: those defined at that time.
 

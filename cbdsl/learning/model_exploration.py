@@ -29,7 +29,7 @@ class ModelConstants(ExplorationConstants):
 
 
 class ModelExploration(Exploration):
-    """A model-exploration program: Q-learning over the states of models (Eq 6.6)."""
+    """Model-exploration program: Q-learning over the states of models (Eq 6.6)."""
 
     Constants: type[ExplorationConstants] = ModelConstants
 

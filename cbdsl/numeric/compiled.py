@@ -26,17 +26,17 @@ _kernels: list[Any] = []
 
 
 def compiled(function: Function) -> Function:
-    """Return a function that compiled ones call."""
+    """Return a compiled function for calls from other compiled functions."""
     return cast(Function, _without_literals(njit(**_INNER)(function)))
 
 
 def compiled_sum(function: Function) -> Function:
-    """Return a function that compiled ones call, whose sums may be added up in any order."""
+    """Return a function for calls from compiled ones, with sums in any order."""
     return cast(Function, _without_literals(njit(fastmath={"reassoc"}, **_INNER)(function)))
 
 
 def compiled_once(function: Function) -> Function:
-    """Return a function that Python calls, whose machine code is kept; see ``KernelCache``."""
+    """Return a compiled function for calls from Python, kept on disk (see ``KernelCache``)."""
     dispatcher = _without_literals(njit(**_OUTER)(function))
     dispatcher._cache = KernelCache(dispatcher.py_func, str(sorted(_OUTER.items())))
     _kernels.append(dispatcher)
@@ -47,7 +47,7 @@ def _without_literals(dispatcher: Any) -> Any:
     """Return a function that is compiled for the types of its arguments, not for their values.
 
     A variable that begins at 0 has the type of this literal until types are unified. Without this,
-    functions that it is passed to would be compiled a second time, in vain.
+    other compiled functions with this argument would be compiled twice, without benefit.
     """
     resolve = dispatcher.get_call_template
 

@@ -116,7 +116,7 @@ def _is_own(file: Path) -> bool:
 def folder() -> Path | None:
     """Return the folder of the user's machine code, or ``None`` if the user has no home.
 
-    It is NUMBA_CACHE_DIR where that is set, else below the user's folder of caches.
+    It is NUMBA_CACHE_DIR if that is set, else a folder in the user's cache folder.
     """
     given = os.environ.get("NUMBA_CACHE_DIR")
     if given:

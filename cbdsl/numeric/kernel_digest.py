@@ -21,7 +21,7 @@ _PLAIN = (
 
 
 class NoDigestError(ValueError):
-    """A function depends on an object whose value cannot be described."""
+    """Dependency of a function on an object whose value cannot be described."""
 
 
 def digest_of(function: FunctionType, options: str) -> str:

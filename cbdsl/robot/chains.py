@@ -13,7 +13,7 @@ from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 
 
 class Chain(NamedTuple):
-    """Joints in series, each of which moves the next one.
+    """Series of joints, each mounted on the link of the preceding one.
 
     Attributes:
         name: Name for programs, distinct among the chains of a model.

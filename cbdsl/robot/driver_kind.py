@@ -14,7 +14,7 @@ Problem = tuple[Steps, str]
 
 
 class DriverKind(NamedTuple):
-    """A kind of driver.
+    """Kind of driver.
 
     Attributes:
         name: Name in robot documents.

@@ -23,7 +23,7 @@ class StepBudget:
         self._steps = _MOST_STEPS
 
     def spend(self, steps: int) -> None:
-        """Take steps.
+        """Subtract steps from the remaining ones.
 
         Raises:
             BudgetError: If fewer are left.
