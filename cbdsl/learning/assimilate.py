@@ -174,7 +174,7 @@ class Assimilate:
         return grow(samples, outcomes, likely, least, self._resolutions, _TRUST)
 
     def _tried(self, context: TriedContext, choice: Tree[Ranking]) -> bool:
-        """Return whether the allocation that is chosen first in a context was tried in it."""
+        """Return whether a context's preferred allocation was tried (as the first, if blamed)."""
         made = context.first_alone() if self._constants.blames_first else context
         first = (decide(choice, context.features) or ())[:1]
         return made.outcomes.keys() >= {*first}
