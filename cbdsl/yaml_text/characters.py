@@ -1,4 +1,4 @@
-"""Characters that no editor shows, and characters that only look like the ones that are meant."""
+"""Invisible characters, and look-alikes of ASCII characters."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from cbdsl.types.unit import is_quantity
 
 # Patterns are compiled where they are used: most texts have no such characters.
 
-# What YAML 1.2 excludes (5.1); C1 controls but NEL, and what is no character at all.
+# Excluded by YAML 1.2 (5.1): control characters except NEL, surrogates and noncharacters.
 _CONTROL = r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]"
-# Characters of no width, byte order marks, and those that turn the direction of writing.
+# Zero-width characters, byte order marks and direction marks.
 _INVISIBLE = r"[\u200b\u200e\u200f\u202a-\u202e\u2060\u2066-\u2069\ufeff]"
 
 _SPACES = "\xa0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u205f\u3000"
@@ -44,42 +44,42 @@ _BULLET = rf"^(\s*)[{_BULLETS}{_DASHES}]\s+(?=\S)"
 _COLON = rf"(?a:^(\s*(?:- +)*[\w.$*-]+)(?:[\uff1a\u2236]\s*|:[{_SPACES}]\s*))"
 
 
-# What lines begin with that git, or a comparison of two versions, leaves behind.
+# Beginnings of lines that a merge conflict or a diff leaves behind.
 _MARKS = ("<<<<<<<", "|||||||", "=======", ">>>>>>>", "\n+")
 
 
 def is_suspect(text: str) -> bool:
-    """Whether a text may hold a conflict or characters that no editor shows."""
+    """Return whether a text may hold a merge conflict or invisible characters."""
     return any(mark in text for mark in _MARKS) or invisible_in(text) is not None
 
 
 def control_in(text: str) -> re.Match[str] | None:
-    """The first character that no YAML text holds."""
+    """Return the first character that YAML excludes."""
     return None if _is_visible(text) else re.search(_CONTROL, text)
 
 
 def invisible_in(text: str) -> re.Match[str] | None:
-    """The first character that takes no room, or only turns the direction of writing."""
+    """Return the first zero-width character or direction mark."""
     return None if _is_visible(text) else re.search(_INVISIBLE, text)
 
 
 def without_invisible(text: str) -> str:
-    """A text without such characters."""
+    """Return a text without its invisible characters."""
     return re.sub(_INVISIBLE, "", text)
 
 
 def escaped_invisible(text: str) -> str:
-    """A text whose quotes hold such characters, with their escapes in place of them."""
+    """Return a text whose invisible characters, all within quotes, are escaped."""
     return re.sub(_INVISIBLE, lambda character: f"\\u{ord(character[0]):04x}", text)
 
 
 def _is_visible(text: str) -> bool:
-    """Whether it surely is all letters, digits, signs, spaces and ends of lines."""
+    """Return whether a text consists only of printable characters and line feeds."""
     return text.replace("\n", "").isprintable()
 
 
 def plain(text: str) -> str:
-    """A text with ASCII in place of whatever looks like it."""
+    """Return a text with its look-alikes replaced by ASCII characters."""
     if text.isascii():
         return text
     known = text.translate(_TABLE)
@@ -87,7 +87,7 @@ def plain(text: str) -> str:
 
 
 def suggested_value(text: str) -> str | None:
-    """The quantity or the name that a text only looks like; ``None`` where it is a text."""
+    """Return the quantity or name that a text resembles, or ``None`` if it is ordinary text."""
     suggestion = plain(text)
     if suggestion == text:
         return None
@@ -96,31 +96,31 @@ def suggested_value(text: str) -> str | None:
 
 
 def suggested_key(key: str) -> str | None:
-    """The key that a text only looks like, or ``None``; a typographic quote is left out."""
+    """Return the ASCII key that a text resembles, without typographic quotes, or ``None``."""
     suggestion = plain(key).strip(' "')
     return suggestion if suggestion.isascii() and not key.isascii() else None
 
 
 def suggested_line(line: str) -> str | None:
-    """A line whose indentation, bullet or colon only looks like one, as it should be."""
+    """Return a line with look-alike indentation, bullet and colon corrected, or ``None``."""
     mended = re.sub(_INDENTATION, lambda match: " " * len(match[0]), line, count=1)
     mended = re.sub(_COLON, r"\1: ", re.sub(_BULLET, r"\1- ", mended, count=1), count=1)
     return mended if mended != line else None
 
 
 def first_look_alike(text: str) -> int:
-    """Where the first character of a text stands that only looks like another, from 0."""
+    """Return the index of the first look-alike character of a text, from 0."""
     return next(index for index, character in enumerate(text) if plain(character) != character)
 
 
 def look_alike_message(text: str, suggestion: str) -> str:
-    """Message about a text with such a character."""
+    """Return the message about a text with a look-alike character."""
     character = spelled(text[first_look_alike(text)])
     return f"{character} is not the character that is meant; write '{' '.join(suggestion.split())}'"
 
 
 def spelled(character: str) -> str:
-    """A character, its number and its name, such as ``'-' (U+002D, hyphen-minus)``."""
+    """Return a character, its number and its name, such as ``'-' (U+002D, hyphen-minus)``."""
     import unicodedata  # only a fault needs it
 
     number, name = f"U+{ord(character):04X}", unicodedata.name(character, "").lower()

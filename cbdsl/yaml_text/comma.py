@@ -1,4 +1,4 @@
-"""Commas that cut a value in two: decimal commas, and lists without their brackets."""
+"""Commas that split a value: decimal commas, and lists without brackets."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from cbdsl.yaml_text.node import Node
 
 
 class Stray(NamedTuple):
-    """A quantity where a key should be, because a comma ended the value before it."""
+    """Quantity in the place of a key, because a comma ended the preceding value."""
 
     text: str
     place: Place
 
 
 class Cut(NamedTuple):
-    """A value that a comma ended.
+    """Explanation of a value that a comma split.
 
     Attributes:
-        problem: what is to be said of it, as a clause.
-        whole: its text, where that is beyond doubt.
+        problem: Diagnostic message, as a clause.
+        whole: Text of the whole value, if it is unambiguous.
     """
 
     problem: str
@@ -30,18 +30,18 @@ class Cut(NamedTuple):
 
 
 def is_stray(text: str, rest: str) -> bool:
-    """Whether what should be a key is a quantity, and no colon follows it.
+    """Return whether a quantity without a colon stands in the place of a key.
 
     Args:
-        text: in place of the key.
-        rest: of its line.
+        text: Text in the place of the key.
+        rest: Remainder of the line after the text.
     """
     begins = text.lstrip("+-.")[:1]
     return begins.isdigit() and rest.lstrip()[:1] in (",", "}")
 
 
 def explain(key: str, value: Node, strays: Sequence[Stray]) -> Cut:
-    """The value that a key's value and the quantities behind it probably are."""
+    """Explain which value a key's value and the stray quantities after it form."""
     parts = [_shown(value), *(stray.text for stray in strays)]
     row = f"[{', '.join(parts)}]"
     if len(parts) != 2 or not _are_halves(value.value, parts[1]):
@@ -53,7 +53,7 @@ def explain(key: str, value: Node, strays: Sequence[Stray]) -> Cut:
 
 
 def decimal_comma(node: Node) -> str | None:
-    """Message about a list in which a comma without a space cuts a number in two."""
+    """Return the message about a decimal comma in a list, or ``None``."""
     items = node.value if isinstance(node.value, list) else []
     for one, other in pairwise(items):
         if _is_tight(one.place, other.place) and _are_halves(one.value, str(other.value)):
@@ -62,19 +62,19 @@ def decimal_comma(node: Node) -> str | None:
 
 
 def _shown(value: Node) -> str:
-    """The text of a value, with the contents of collections left out."""
+    """Return the text of a value, with the contents of collections abbreviated."""
     if isinstance(value.value, list):
         return "[...]"
     return "{...}" if isinstance(value.value, dict) else str(value.value)
 
 
 def _are_halves(whole: object, rest: str) -> bool:
-    """Whether two values may be what is in front of a decimal point and what is behind it."""
+    """Return whether two values may be the integer and fractional parts of one number."""
     return isinstance(whole, int) and rest[:1].isdigit()
 
 
 def _is_tight(one: Place, other: Place) -> bool:
-    """Whether nothing but the comma is between two values."""
+    """Return whether only a comma separates two values, without a space."""
     return (one.line, one.end_column + 1) == (other.line, other.column)
 
 

@@ -1,4 +1,4 @@
-"""From YAML text to nodes, within bounds, with every trap as a located finding.
+"""Bounded composition of YAML text into nodes, with a located finding for every pitfall.
 
 It builds on libyaml's events instead of its nodes: the parser keeps its own stack and survives any
 depth, while libyaml's composer recurses, and crashes the process on deep input.
@@ -30,25 +30,25 @@ if TYPE_CHECKING:
     from cbdsl.yaml_text.comma import Stray
 
 DEEPEST = 64
-# Far more than any person writes; without bounds a few lines can keep the checker busy for ever.
+# Far above the size of any document; without bounds, a few lines could block the checker.
 MOST_NODES = 10_000
 MOST_ENTRIES = 2_000
 MOST_CHARACTERS = 256_000
 LONGEST_TEXT = LONGEST_LINE = 10_000
 LONGEST_KEY = 1_000
-#: No text of that many characters has more, a byte order mark included.
+#: Largest size in bytes of a text of that many characters, including a byte order mark.
 MOST_BYTES = 4 * MOST_CHARACTERS + 3
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class Composed(NamedTuple):
-    """The one document of a YAML text.
+    """Single document of a YAML text.
 
     Attributes:
-        root: all of its values; those with a finding are marked as faulty.
-        findings: what is wrong with single values.
-        lines: the text that the values are in.
+        root: Root of all values; values with a finding are marked as faulty.
+        findings: Findings about single values.
+        lines: Lines of the text.
     """
 
     root: Node
@@ -57,11 +57,11 @@ class Composed(NamedTuple):
 
 
 class SyntaxFaultError(Exception):
-    """A text that is no YAML.
+    """Text that is not valid YAML.
 
     Attributes:
-        error: libyaml's.
-        findings: what was found up to there.
+        error: Error of libyaml.
+        findings: Findings in the text up to the error.
     """
 
     def __init__(self, error: yaml.MarkedYAMLError, findings: Sequence[Diagnostic]) -> None:
@@ -71,11 +71,11 @@ class SyntaxFaultError(Exception):
 
 
 def compose(text: str, file: str) -> Composed:
-    """The one document of a YAML text, as it stands.
+    """Compose the single document of a YAML text, without repairs.
 
     Raises:
-        DiagnosticsError: with every finding up to the first one that hides the rest.
-        SyntaxFaultError: the text is no YAML.
+        DiagnosticsError: A fatal finding, together with all findings up to it.
+        SyntaxFaultError: The text is not valid YAML.
     """
     require_readable(text, file)
     composer = _Composer(text, file)
@@ -87,10 +87,10 @@ def compose(text: str, file: str) -> Composed:
 
 
 def require_readable(text: str, file: str) -> None:
-    """Refuse what is too long, or holds characters that no text has.
+    """Refuse a text that is too long or holds control characters.
 
     Raises:
-        DiagnosticsError: it does.
+        DiagnosticsError: The text is refused.
     """
     if len(text) > MOST_CHARACTERS:
         raise too_large(file)
@@ -99,10 +99,10 @@ def require_readable(text: str, file: str) -> None:
 
 
 def require_short_lines(text: str, file: str) -> None:
-    """Refuse lines of broken YAML in which a search for the slip would take long.
+    """Refuse broken YAML with lines so long that the search for the mistake would be slow.
 
     Raises:
-        DiagnosticsError: there is one.
+        DiagnosticsError: A line is too long.
     """
     for number, line in enumerate(lines_of(text), 1):
         if len(line) > LONGEST_LINE:
@@ -112,24 +112,24 @@ def require_short_lines(text: str, file: str) -> None:
 
 
 def too_large(file: str) -> DiagnosticsError:
-    """Refusal of a text that is longer than any person writes."""
+    """Return the error for a text that is too long."""
     bound = f"{MOST_CHARACTERS} characters"
     return DiagnosticsError([diagnostic("CB108", Place(file), bound=bound)])
 
 
 def unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
-    """A finding about a character that no editor shows."""
+    """Return a finding about an invisible character."""
     before = lines_of(match.string[: match.start()])
     place = Place(file, len(before), len(before[-1]) + 1, len(before[-1]) + 2)
     return diagnostic(code, place, character=spelled(match[0]))
 
 
-#: The key that adds the entries of another mapping (YAML 1.1).
+#: Key that adds the entries of another mapping (YAML 1.1).
 MERGE = "<<"
 
 
 class _Composer:
-    """Events to nodes; findings gather in ``findings`` and only a broken text stops it."""
+    """Composer of nodes from events; it collects ``findings`` and stops only at fatal ones."""
 
     def __init__(self, text: str, file: str) -> None:
         self.findings: list[Diagnostic] = []
@@ -250,7 +250,7 @@ class _Composer:
             self._merge(node, values, merged)
 
     def _merge(self, node: Node, values: dict[str, Node], merged: Node) -> None:
-        """Add the entries of other mappings that a mapping does not have itself.
+        """Add the entries of other mappings whose keys a mapping lacks.
 
         Args:
             node: Mapping with the merge key.
@@ -271,14 +271,14 @@ class _Composer:
             node.faulty |= source.faulty
 
     def _stray(self, key: str, place: Place) -> Stray | None:
-        """The quantity in the place of a key, if a comma cut it off the value in front of it."""
+        """Return the quantity in the place of a key, if a comma split it from its value."""
         from cbdsl.yaml_text.comma import Stray, is_stray  # only a key without a value needs it
 
         behind = self.lines[place.line - 1][place.end_column - 1 :]
         return Stray(key, place) if is_stray(key, behind) else None
 
     def _join(self, key: str, value: Node, strays: list[Stray]) -> None:
-        """Put a value together that commas cut in pieces, where it is certain what it was."""
+        """Join a value that commas split; mark it as faulty if its whole is ambiguous."""
         from cbdsl.yaml_text.comma import explain  # only a fault needs it
 
         cut = explain(key, value, strays)
@@ -290,7 +290,7 @@ class _Composer:
             value.place = value.place._replace(end_column=strays[-1].place.end_column)
 
     def _key(self, event: Any, place: Place) -> str | None:
-        """A key's text as written: 10 and X- are both patterns of a state."""
+        """Return the text of a key as written, because 10 and X- are both patterns of a state."""
         if isinstance(event, yaml.AliasEvent):
             key = f"*{event.anchor}"
             problem = f"a key that begins with '*' has to be quoted; write '{key}'"
@@ -308,7 +308,7 @@ class _Composer:
         return text
 
     def _one_more(self, entries: int, event: Any) -> int:
-        """The entries of a list or mapping with the one that begins here."""
+        """Return the number of entries including the one that begins at an event."""
         if entries == MOST_ENTRIES:
             bound = f"{MOST_ENTRIES} entries of one list or mapping"
             raise self._fatal("CB108", self._place(event), bound=bound)

@@ -18,7 +18,7 @@ _VENDORED = frozenset(
 )
 # Folders of the kernel: they change while they are read, and hold no documents.
 _SYSTEM = frozenset({"/proc", "/sys", "/dev"})
-# Files that mark a virtual environment, a cache, and a folder that colcon built.
+# Files that mark a virtual environment, a cache, and a colcon build folder.
 _MARKS = ("pyvenv.cfg", "CACHEDIR.TAG", "COLCON_IGNORE")
 # The keys that declare a document are within these bytes, which spares reading large data.
 _HEAD = 256 * 1024

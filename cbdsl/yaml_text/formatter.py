@@ -1,4 +1,4 @@
-"""Layout of YAML text in one way: the same values and comments, evenly indented and spaced."""
+"""Formatter of YAML text: the same values and comments, evenly indented and spaced."""
 
 from __future__ import annotations
 
@@ -12,35 +12,36 @@ import yaml
 from cbdsl.errors.lines import lines_of
 from cbdsl.yaml_text.composer import LOADER, SyntaxFaultError
 
-#: Columns by which a block is indented below what it belongs to.
+#: Columns by which a block is indented relative to its parent.
 INDENT = 2
 
-# A block text that says by how much it is indented: its columns cannot be changed.
+# A block text with an explicit indentation indicator: its columns cannot be changed.
 _COUNTED = re.compile(r"[|>][+-]?[1-9]")
 _OPENING = (yaml.FlowMappingStartToken, yaml.FlowSequenceStartToken)
 _CLOSING = (yaml.FlowMappingEndToken, yaml.FlowSequenceEndToken)
 _BLOCKS = (yaml.BlockMappingStartToken, yaml.BlockSequenceStartToken)
-# What documents have no use for, and what would need rules of its own.
+# Tokens that documents do not need and that would require rules of their own.
 _LEFT_ALONE = (yaml.TagToken, yaml.DirectiveToken)
 _UNSEEN = (yaml.StreamStartToken, yaml.StreamEndToken, yaml.BlockEndToken, *_BLOCKS)
 _TIGHT_AFTER = ("[", "{")
 _TIGHT_BEFORE = ("]", "}", ",", ":")
 
-#: Line and column of the first sign of something, from 0.
+#: Line and column of a first character, from 0.
 _Start = tuple[int, int]
 
 
 class UnknownLayoutError(Exception):
-    """A text whose layout means something that these rules do not know."""
+    """Text whose layout has a meaning that the formatter does not support."""
 
 
 class _Block(NamedTuple):
-    """A block collection: where its entries begin in the formatted text.
+    """Block collection in the formatted text.
 
     Attributes:
-        column: of its keys or dashes, from 0.
-        is_list: whether entries begin with a dash.
-        has_start: whether the scanner tells of its end; not of lists as deep as their key.
+        column: Column of its keys or dashes, from 0.
+        is_list: True if entries begin with a dash.
+        has_start: True if the scanner emits start and end tokens; false for lists at the
+            indentation of their key.
     """
 
     column: int
@@ -49,17 +50,17 @@ class _Block(NamedTuple):
 
 
 class _Piece(NamedTuple):
-    """A stretch of a line that belongs to one token.
+    """Part of a line that belongs to one token.
 
     Attributes:
-        text: as it stands in the line.
-        column: where it begins, from 0.
-        end: the column behind it.
-        indent: column that it gets where it begins a line; ``None`` keeps its distance to where
-            its brackets begin.
-        opened: where its outermost brackets, or its text, begin.
-        least: column that it must not be in front of.
-        is_sign: whether it is punctuation, and no text.
+        text: Text as written in the line.
+        column: First column, from 0.
+        end: Column after the last character.
+        indent: New column if the piece begins a line; ``None`` keeps its distance from the start
+            of its brackets.
+        opened: Start of its outermost brackets, or of its text.
+        least: Minimum new column.
+        is_sign: True if it is punctuation instead of text.
     """
 
     text: str
@@ -72,10 +73,10 @@ class _Piece(NamedTuple):
 
 
 def formatted(text: str) -> str:
-    """The text in the layout of all documents; as it is where that would change its meaning.
+    """Return the formatted text, or the text unchanged if formatting would alter its meaning.
 
     Raises:
-        SyntaxFaultError: it is no YAML.
+        SyntaxFaultError: The text is not valid YAML.
     """
     try:
         return _formatted(text)
@@ -89,7 +90,7 @@ def _formatted(text: str) -> str:
     try:
         layout = _Layout(source, lines)
     except UnknownLayoutError:
-        _events(source)  # raises where it is no YAML
+        _events(source)  # raises if the text is not valid YAML
         return text
     result = layout.text()
     is_same = _events(result) == _events(source) and comments(result) == comments(source)
@@ -97,10 +98,10 @@ def _formatted(text: str) -> str:
 
 
 def comments(text: str) -> list[str]:
-    """All comments of a text, from top to bottom.
+    """Return all comments of a text, from top to bottom.
 
     Raises:
-        yaml.YAMLError: it is no YAML.
+        yaml.YAMLError: The text is not valid YAML.
     """
     lines = lines_of(text)
     ends: dict[int, int] = {}
@@ -123,7 +124,7 @@ def _tokens(text: str) -> Iterator[Any]:
 
 
 def _events(text: str) -> list[tuple[Any, ...]]:
-    """Values and structure of a text, without places and styles of brackets."""
+    """Return the values and structure of a text, without positions and bracket styles."""
     return [
         (type(event), *(getattr(event, name, None) for name in ("value", "style", "anchor")))
         for event in yaml.parse(text, Loader=LOADER)
@@ -135,7 +136,7 @@ def _position(mark: Any) -> tuple[int, int]:
 
 
 def _inner_lines(token: Any) -> range:
-    """The lines that a text goes on in, behind its first."""
+    """Return the numbers of the lines that continue a scalar after its first line."""
     if not isinstance(token, yaml.ScalarToken):
         return range(0)
     end = token.end_mark
@@ -143,30 +144,30 @@ def _inner_lines(token: Any) -> range:
 
 
 class _Layout:
-    """Lines of a text, taken apart and put together again.
+    """Lines of a text, split into pieces and joined in the new layout.
 
     Args:
-        source: the text, with one sign at the end of each line.
-        lines: the same without.
+        source: Text with a line feed at the end of each line.
+        lines: Lines of the text without line ends.
     """
 
     def __init__(self, source: str, lines: Sequence[str]) -> None:
         self._lines = lines
         self._pieces: list[list[_Piece]] = [[] for _ in lines]
-        # Lines of texts over several lines that are kept but for their indentation.
+        # Shifts of the lines of block texts, which change only in their indentation.
         self._shifts: dict[int, int] = {}
-        # Lines that go on with a text, empty ones too.
+        # Lines that continue a text, including empty ones.
         self._continued: set[int] = set()
         self._blocks: list[_Block] = []
         self._opened: list[_Start] = []
-        # Columns that pieces get, by where they were.
+        # New columns of pieces by their old positions.
         self._columns: dict[_Start, int] = {}
         self._key_begins = False
         for token in _tokens(source):
             self._take(token)
 
     def text(self) -> str:
-        """The whole in its layout."""
+        """Return the formatted text."""
         indents: list[int | None] = []
         made: list[str] = []
         for number in range(len(self._lines)):
@@ -177,7 +178,7 @@ class _Layout:
         return "\n".join(self._without_gaps(kept)).strip("\n") + "\n"
 
     def _take(self, token: Any) -> None:
-        """Place a token, which follows those that were taken."""
+        """Place the next token."""
         if isinstance(token, _LEFT_ALONE):
             raise UnknownLayoutError
         if isinstance(token, _BLOCKS):
@@ -201,9 +202,9 @@ class _Layout:
             self._opened.pop()
 
     def _enter_bare_list(self) -> None:
-        """Lists may be as deep as their key, and stay so."""
+        """Enter a list at the indentation of its key, which is kept."""
         if self._opened:
-            raise UnknownLayoutError  # between brackets, which a parser refuses
+            raise UnknownLayoutError  # between brackets, where a parser refuses it
         if not self._blocks[-1].is_list:
             self._blocks.append(_Block(self._blocks[-1].column, True, has_start=False))
 
@@ -215,7 +216,7 @@ class _Layout:
             self._key_begins = True
 
     def _below(self) -> int:
-        """The column of a block that begins here."""
+        """Return the column of a block that begins here."""
         return self._blocks[-1].column + INDENT if self._blocks else 0
 
     def _leave_bare_list(self) -> None:
@@ -223,7 +224,7 @@ class _Layout:
             self._blocks.pop()
 
     def _place(self, token: Any) -> None:
-        """Note where a token that can be seen goes."""
+        """Record the pieces of a visible token."""
         start, end = token.start_mark, token.end_mark
         line = self._lines[start.line] if start.line < len(self._lines) else ""
         is_text = isinstance(token, yaml.ScalarToken)
@@ -267,7 +268,7 @@ class _Layout:
         self._shifts.update(dict.fromkeys(inner, shift))
 
     def _indent(self, token: Any) -> int | None:
-        """The column of a token that begins a line."""
+        """Return the column of a token that begins a line, or ``None`` within brackets."""
         if self._opened:
             return None
         if isinstance(token, yaml.BlockEntryToken):
@@ -277,7 +278,7 @@ class _Layout:
         return self._below()
 
     def _line(self, number: int) -> tuple[int | None, str]:
-        """A line in its layout, and by how much it is indented; comments alone wait."""
+        """Return a line's indentation and its formatted text; full-line comments get none yet."""
         line = self._lines[number]
         if number in self._shifts:
             content = line.lstrip(" ")
@@ -301,7 +302,7 @@ class _Layout:
         return indent, (made + rest).rstrip()
 
     def _with_comments(self, made: Sequence[str], indents: Sequence[int | None]) -> list[str]:
-        """The lines with comments that stand alone indented like the line that they are about."""
+        """Return the lines with full-line comments indented like the line that they describe."""
         result = list(made)
         below: tuple[int, int] | None = None
         for number in range(len(made) - 1, -1, -1):
@@ -319,7 +320,7 @@ class _Layout:
         return result
 
     def _alike(self, number: int, old: int, indents: Sequence[int | None]) -> int | None:
-        """New indentation of the nearest line above that was indented like a comment."""
+        """Return the new indentation of the nearest line above that was indented like a comment."""
         for above in range(number - 1, -1, -1):
             line = self._lines[above]
             if indents[above] is not None and len(line) - len(line.lstrip()) == old:
@@ -327,7 +328,7 @@ class _Layout:
         return None
 
     def _without_gaps(self, lines: Sequence[str]) -> Iterator[str]:
-        """The lines with one empty line where there were several, but not within texts."""
+        """Yield the lines with consecutive empty lines merged, except within texts."""
         for number, line in enumerate(lines):
             is_gap = not line and number not in self._shifts and number not in self._continued
             if not (is_gap and number and not lines[number - 1]):
@@ -335,10 +336,10 @@ class _Layout:
 
 
 def _gap(one: _Piece, other: _Piece) -> str:
-    """The space between two neighbours in a line."""
+    """Return the space between two neighbouring pieces of a line."""
     if one.is_sign and one.text in _TIGHT_AFTER:
         return ""
-    # A colon right behind an alias would be part of its name.
+    # A colon directly after an alias would be part of its name.
     is_alias = other.text == ":" and one.text.startswith("*")
     if other.is_sign and other.text in _TIGHT_BEFORE and not is_alias:
         return ""

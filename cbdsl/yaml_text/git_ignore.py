@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from pathspec import GitIgnoreSpec
 
 
-# Larger files, longer patterns and those with many stars are left out: stars take turns.
+# Larger files, and patterns that are long or have many stars, are skipped: stars backtrack.
 _MOST_BYTES = 100_000
 _LONGEST = 200
 _MOST_STARS = 6

@@ -1,4 +1,4 @@
-"""Comments that silence a finding: ``# cb: ignore CB701 kept for the demonstration``."""
+"""Comments that suppress a finding: ``# cb: ignore CB701 kept for the demonstration``."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _COMMENT = re.compile(r"\s*(?:#|$)")
 
 
 class Ignore(NamedTuple):
-    """One such comment.
+    """Comment that suppresses a finding.
 
     Attributes:
-        code: the finding that it silences, as written.
-        reason: why; empty where nothing is said.
-        place: where it stands.
-        line: where the finding has to be, from 1.
+        code: Code of the suppressed finding, as written.
+        reason: Reason given, or an empty text.
+        place: Place of the comment.
+        line: Line of the suppressed finding, from 1.
     """
 
     code: str
@@ -34,10 +34,10 @@ class Ignore(NamedTuple):
 
 
 def read_ignores(text: str, file: str) -> list[Ignore]:
-    """The comments of a text that silence findings.
+    """Return the comments of a text that suppress findings.
 
-    One behind a value is for its own line, one on a line of its own for the next line that is
-    neither empty nor a comment.
+    A trailing comment suppresses findings on its line; a full-line comment, those on the next
+    non-blank, non-comment line.
     """
     if len(text) > MOST_CHARACTERS:
         return []
@@ -54,7 +54,7 @@ def read_ignores(text: str, file: str) -> list[Ignore]:
 
 
 def _lines_below(lines: list[str]) -> list[int]:
-    """For each line the number of the next that is neither empty nor a comment, or its own."""
+    """Return for each line the number of the next non-blank, non-comment line, or its own."""
     below, following = [], 0
     for number in range(len(lines), 0, -1):
         below.append(following or number)
@@ -64,7 +64,7 @@ def _lines_below(lines: list[str]) -> list[int]:
 
 
 class _Scalars:
-    """Where the texts of a document are, in which a ``#`` begins no comment."""
+    """Spans of the scalars of a document, in which a ``#`` does not begin a comment."""
 
     def __init__(self, text: str) -> None:
         spans = [(_position(e.start_mark), _position(e.end_mark)) for e in _scalars(text)]
@@ -72,7 +72,7 @@ class _Scalars:
         self._ends = [end for _, end in spans]
 
     def hold(self, line: int, column: int) -> bool:
-        """Whether a character is part of a text; lines from 1, columns from 0."""
+        """Return whether a character is part of a scalar; lines from 1, columns from 0."""
         position = (line - 1, column)
         i = bisect_right(self._starts, position) - 1
         return i >= 0 and position < self._ends[i]
@@ -83,7 +83,7 @@ def _position(mark: Any) -> tuple[int, int]:
 
 
 def _scalars(text: str) -> Iterator[Any]:
-    """The scalars of a YAML text, up to where it stops being one."""
+    """Yield the scalar events of a YAML text, up to its first syntax error."""
     loader = LOADER(text)
     try:
         while loader.check_event():

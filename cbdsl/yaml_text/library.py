@@ -1,4 +1,4 @@
-"""Documents by name: next to the document that names them, here, or as shipped."""
+"""Lookup of documents by name: beside the naming document, in a folder, or as shipped."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ D = TypeVar("D", bound=Document)
 
 
 def shipped() -> Path:
-    """The folder that holds the robots and programs that come with the package."""
+    """Return the folder of the robots and programs that are shipped with the package."""
     package = Path(__file__).resolve().parent.parent
     installed = package / "shipped"
     return installed if installed.is_dir() else package.parent
 
 
 class Library:
-    """Finds and reads documents by name, each file once.
+    """Reader of documents by name, which reads each file once.
 
     Attributes:
-        here: the folder that is searched after those of the naming document.
+        here: Folder that is searched after the folders of the naming document.
     """
 
     def __init__(self, here: Path | None = None, given: Mapping[Path, bytes] | None = None) -> None:
         """Start with nothing read.
 
         Args:
-            here: the folder; without it the working folder.
-            given: what stands in for the bytes of files, such as what an editor has not saved.
+            here: Folder to search; by default, the working folder.
+            given: Contents that replace the bytes of files, such as unsaved editor buffers.
         """
         self.here = here or Path.cwd()
         self._given = {Path(os.path.realpath(path)): data for path, data in (given or {}).items()}
@@ -50,19 +50,19 @@ class Library:
         self._real: dict[Path, Path] = {}
 
     def real(self, path: Path) -> Path:
-        """The file itself, whichever links lead to it; the disk is asked once."""
+        """Return the file with all links resolved; the result is cached."""
         if path not in self._real:
-            # Path.resolve fails on links that lead to themselves; their reader tells of them.
+            # Path.resolve fails on cyclic links; reading the file reports them.
             self._real[path] = Path(os.path.realpath(path))
         return self._real[path]
 
     def find(self, kind: type[Document], name: str, beside: Path | None = None) -> Path | None:
-        """The file ``<name>.yaml``: beside another, else in a folder of its kind, else ``None``.
+        """Find ``<name>.yaml`` beside another file, else in a folder of its kind, else ``None``.
 
         Args:
-            kind: the kind of document.
-            name: its name.
-            beside: a file whose folder and the folders above are searched first.
+            kind: Kind of document.
+            name: Name of the document.
+            beside: File whose folder and the folders above it are searched first.
         """
         key = (kind, name, beside and beside.parent)
         if key not in self._files_by_name:
@@ -75,7 +75,7 @@ class Library:
         return self._files_by_name[key]
 
     def named_in(self, path: Path) -> set[Path]:
-        """The files that a document names, as far as they were looked for and found."""
+        """Return the files named by a document that were searched for and found."""
         return {self.real(file) for file in self._named.get(self.real(path), ())}
 
     def _search(self, kind: type[Document], name: str, beside: Path | None) -> Path | None:
@@ -90,7 +90,7 @@ class Library:
         return None
 
     def names(self, kind: type[Document], beside: Path | None = None) -> list[str]:
-        """Names of all documents of a kind that ``find`` would find."""
+        """Return the names of all documents of a kind that ``find`` can find."""
         folders = (root / kind_of(kind).folder for root in self._roots(beside))
         names = {path.stem for folder in folders for path in folder.glob("*.yaml")}
         if beside is not None:
@@ -99,27 +99,27 @@ class Library:
         return sorted(names)
 
     def text(self, path: Path) -> str:
-        """The text of a file.
+        """Return the text of a file.
 
         Raises:
-            DiagnosticsError: it cannot be read, or is not UTF-8.
+            DiagnosticsError: The file cannot be read, or is not UTF-8.
         """
         given = self._given.get(self.real(path))
         return read_text(path) if given is None else decode(given, str(path))
 
     def read(self, path: Path, kind: type[D]) -> Loaded[D]:
-        """Read a file, or remember it.
+        """Read a document, or return it from the cache.
 
         Raises:
-            DiagnosticsError: it is no valid document of this kind.
+            DiagnosticsError: The file is not a valid document of this kind.
         """
         return flawless(self.read_sound_parts(path, kind))
 
     def read_sound_parts(self, path: Path, kind: type[D]) -> Loaded[D]:
-        """Read what has no faults of a file, or remember it.
+        """Read the sound parts of a document, or return them from the cache.
 
         Raises:
-            DiagnosticsError: there is nothing that could be checked.
+            DiagnosticsError: No part of the file can be checked.
         """
         key = self.real(path)
         if key not in self._read or not isinstance(self._read[key].document, kind):
@@ -128,12 +128,11 @@ class Library:
         return loaded
 
     def replace(self, path: Path, data: bytes) -> bool:
-        """Have other bytes stand in for those of a file, and forget what was read of it.
+        """Replace the contents of a file by other bytes, and drop its cached document.
 
         Returns:
-            Whether no robot that was read can have changed by that: not where the file was or
-            becomes a robot or its calibration, or was not known, which may be found by a name from
-            now on.
+            True if no cached robot can have changed. False if the file was or becomes a robot or
+            a calibration, or if it is new, because a name may now refer to it.
         """
         key = self.real(path)
         before = self._given.get(key)
@@ -143,13 +142,13 @@ class Library:
         return before is not None and len(kinds) == 1 and kinds.isdisjoint(("robot", "calibration"))
 
     def locate(self, kind: type[Document], name: str | Path) -> Path:
-        """The file that a user means by a path, or by a name as a document here would use it.
+        """Return the file for a path, or for a name as a document in this folder would use it.
 
         Raises:
-            UsageError: no document has this name.
+            UsageError: No document has this name.
         """
         path = Path(name)
-        # A folder may well have the name of a document, such as that of a robot's model.
+        # A folder may have the name of a document, such as the folder of a robot's model.
         if path.suffix or len(path.parts) > 1 or is_file(path):
             return path
         file = self.find(kind, str(name), self.here / path)
@@ -158,16 +157,16 @@ class Library:
         return file
 
     def locate_any(self, word: str) -> list[Path]:
-        """The files that a user means by a path, or by a name whatever kinds of documents have it.
+        """Return the files for a path, or for a name among documents of all kinds.
 
         Raises:
-            UsageError: no document has this name.
+            UsageError: No document has this name.
         """
         path = Path(word)
         if path.suffix or len(path.parts) > 1 or is_file(path):
             return [path]
         builtin = [KINDS.get(name).model for name in KINDS.builtins]
-        # Package metadata are read only where they may help.
+        # Package metadata is read only if the built-in kinds have no such document.
         files = self._files(word, builtin) or self._files(word, models().values())
         if is_folder(path) and (not files or documents_below(path).documents):
             return [path]
@@ -196,7 +195,7 @@ class Library:
 
 
 def is_of(kind: type[Document], path: Path) -> bool:
-    """Whether a file says that it is of a kind; its other faults are for its reader to tell."""
+    """Return whether a file declares a kind; other faults of the file are not checked."""
     try:
         declared = declared_kind(contents(path, MOST_BYTES).decode("utf-8-sig"))
     except (OSError, UnicodeDecodeError):
@@ -205,6 +204,6 @@ def is_of(kind: type[Document], path: Path) -> bool:
 
 
 def _shortened(path: Path) -> Path:
-    """A path as a person would write it from here."""
+    """Return a path relative to the working folder if it is below it."""
     here = Path.cwd()
     return path.relative_to(here) if path.is_relative_to(here) else path

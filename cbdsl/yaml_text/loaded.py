@@ -1,4 +1,4 @@
-"""A document and where its parts stand."""
+"""A document and the places of its parts."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ D = TypeVar("D", bound=Document, covariant=True)
 
 
 class Loaded(NamedTuple, Generic[D]):
-    """A document and where its parts stand.
+    """Document and the places of its parts.
 
     Attributes:
-        document: without what is faulty.
-        source: its text.
-        faults: findings about the text; ``source.broken`` says what was left out.
+        document: Document without its faulty parts.
+        source: Source map of the document.
+        faults: Findings about the text; ``source.broken`` lists the omitted parts.
     """
 
     document: D
@@ -27,5 +27,5 @@ class Loaded(NamedTuple, Generic[D]):
 
     @property
     def path(self) -> Path:
-        """Its file."""
+        """File of the document."""
         return self.source.path

@@ -1,4 +1,4 @@
-"""The values of a YAML text, each with its place."""
+"""Values of a YAML text, each with its place."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from cbdsl.yaml_text.scalar import Scalar
 
 
 class Node:
-    """A scalar, a sequence or a mapping, and where it stands.
+    """Scalar, sequence or mapping with its place.
 
     Attributes:
-        place: its first line, up to its end where it is a scalar.
-        value: the scalar, the items, or the values by key.
-        keys: places of a mapping's keys.
-        faulty: whether it was found to be no value of any document.
-        weight: number of nodes, with aliases written out.
-        height: levels of nesting below it.
+        place: First line of the value; for a scalar in one line, up to its end.
+        value: Scalar, items of a sequence, or values of a mapping by key.
+        keys: Places of a mapping's keys.
+        faulty: True if no document can hold this value.
+        weight: Number of nodes, with aliases expanded.
+        height: Levels of nesting below the node.
     """
 
     __slots__ = ("faulty", "height", "keys", "place", "value", "weight")
@@ -31,21 +31,21 @@ class Node:
         self.height = 0
 
     def children(self) -> Iterator[Node]:
-        """Items or values, in order."""
+        """Yield the items or values, in order."""
         if isinstance(self.value, dict):
             yield from self.value.values()
         elif isinstance(self.value, list):
             yield from self.value
 
     def steps(self) -> Iterator[tuple[str | int, Node]]:
-        """Items with their indices, or values with their keys, in order."""
+        """Yield items with their indices, or values with their keys, in order."""
         if isinstance(self.value, dict):
             yield from self.value.items()
         elif isinstance(self.value, list):
             yield from enumerate(self.value)
 
     def drop(self, step: str | int) -> None:
-        """Take the value of a key or the item at an index away, where there is one."""
+        """Remove the value of a key or the item at an index, if it exists."""
         if isinstance(self.value, dict):
             self.value.pop(str(step), None)
             self.keys.pop(str(step), None)
@@ -53,7 +53,7 @@ class Node:
             del self.value[step]
 
     def plain(self) -> object:
-        """The same as dicts, lists and scalars."""
+        """Return the value as dicts, lists and scalars."""
         if isinstance(self.value, dict):
             return {key: node.plain() for key, node in self.value.items()}
         if isinstance(self.value, list):

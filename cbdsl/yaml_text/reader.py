@@ -1,4 +1,4 @@
-"""From a file to a document and the places of its parts."""
+"""Reader of a file into a document and the places of its parts."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def read_document(path: Path) -> Loaded[Document]:
     """Read a document of any kind.
 
     Raises:
-        DiagnosticsError: the file cannot be read, or is no valid document.
+        DiagnosticsError: The file cannot be read, or is not a valid document.
     """
     return read(path, Document)
 
@@ -44,21 +44,21 @@ def read(path: Path, kind: type[D], text: str | None = None) -> Loaded[D]:
     """Read a document of one kind.
 
     Args:
-        path: its file.
-        kind: the kind that it has to be of.
-        text: what stands in for the file's text.
+        path: File of the document.
+        kind: Required kind of document.
+        text: Text that replaces the file's text.
 
     Raises:
-        DiagnosticsError: as ``read_document``, or where the document is of another kind.
+        DiagnosticsError: As ``read_document``, or the document is of another kind.
     """
     return flawless(read_sound_parts(path, kind, text))
 
 
 def flawless(loaded: Loaded[D]) -> Loaded[D]:
-    """The same document, if nothing was left out of it.
+    """Return the same document if it has no faults.
 
     Raises:
-        DiagnosticsError: its faults.
+        DiagnosticsError: The document has faults.
     """
     if loaded.faults:
         raise DiagnosticsError(loaded.faults)
@@ -66,10 +66,10 @@ def flawless(loaded: Loaded[D]) -> Loaded[D]:
 
 
 def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Loaded[D]:
-    """Read what has no faults of a document of one kind; the arguments are those of ``read``.
+    """Read the sound parts of a document of one kind; the arguments are the same as of ``read``.
 
     Raises:
-        DiagnosticsError: there is nothing that could be checked.
+        DiagnosticsError: No part of the document can be checked.
     """
     text = read_text(path) if text is None else text
     composed = _composed(path, text)
@@ -82,17 +82,17 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
 
 
 def formatted_text(text: str, file: str) -> str:
-    """Lay a document out; see ``formatted``.
+    """Format the text of a document; see ``formatted``.
 
-    The result reads as the text does: with the same values and the same findings. A text whose
-    findings depend on its spaces, such as one with a decimal comma, stays as it is.
+    The result has the same values and the same findings as the text. A text whose findings
+    depend on its spaces, such as one with a decimal comma, is returned unchanged.
 
     Args:
         text: Text of the document.
         file: Name of its file, for findings.
 
     Raises:
-        DiagnosticsError: it is too large, or no YAML.
+        DiagnosticsError: The text is too large, or not valid YAML.
     """
     from cbdsl.yaml_text.formatter import formatted  # most reading needs none
 
@@ -108,7 +108,7 @@ def formatted_text(text: str, file: str) -> str:
 
 
 def _reading(path: Path, text: str) -> tuple[Document | None, list[tuple[str, str, str | None]]]:
-    """The document that a text is read as, and its findings without their places."""
+    """Return the document read from a text, and its findings without their places."""
     document: Document | None = None
     faults: tuple[Diagnostic, ...]
     try:
@@ -120,7 +120,7 @@ def _reading(path: Path, text: str) -> tuple[Document | None, list[tuple[str, st
 
 
 def _composed(path: Path, text: str) -> Composed | None:
-    """The nodes of a text as it stands, or ``None`` where it is no YAML, or has to be mended."""
+    """Return the nodes of a text, or ``None`` if it is not valid YAML or needs repair."""
     if is_suspect(text):
         return None
     try:
@@ -130,7 +130,7 @@ def _composed(path: Path, text: str) -> Composed | None:
 
 
 def _read_clean(path: Path, kind: type[D], composed: Composed) -> Loaded[D] | None:
-    """A document of one kind, or ``None`` where there may be anything wrong with its text."""
+    """Return a document of one kind, or ``None`` if its text may have a fault."""
     try:
         data = composed.root.plain()
         name = data.get("kind") if isinstance(data, dict) else None
@@ -146,9 +146,9 @@ def _read_clean(path: Path, kind: type[D], composed: Composed) -> Loaded[D] | No
 
 
 def _named_alike(path: Path) -> list[str]:
-    """The document beside a missing one that was probably meant.
+    """Return the most similarly named document in the folder of a missing one, as a list.
 
-    Endings do not count: all have the same, which would make any two short names alike.
+    File endings are ignored, because a shared ending would make any two short names similar.
     """
     near = (file.name for file in path.parent.glob("*.y*ml") if file.name != path.name)
     beside = {Path(name).stem: name for name in near}
@@ -157,10 +157,10 @@ def _named_alike(path: Path) -> list[str]:
 
 
 def read_text(path: Path) -> str:
-    """The text of a file.
+    """Return the text of a file.
 
     Raises:
-        DiagnosticsError: it cannot be read, is too large, or is not UTF-8.
+        DiagnosticsError: The file cannot be read, is too large, or is not UTF-8.
     """
     try:
         data = contents(path, MOST_BYTES)
@@ -175,10 +175,10 @@ def read_text(path: Path) -> str:
 
 
 def decode(data: bytes, file: str) -> str:
-    """The text that bytes hold; a byte order mark at its start is left out.
+    """Decode bytes as UTF-8, without a leading byte order mark.
 
     Raises:
-        DiagnosticsError: they are too many, or not UTF-8.
+        DiagnosticsError: The bytes are too many, or not UTF-8.
     """
     if len(data) > MOST_BYTES:
         raise too_large(file)

@@ -1,8 +1,8 @@
 """Values of unquoted scalars: the core schema of YAML 1.2, with ``1e-3`` as a number.
 
-Reader and writer share these patterns, so that what is written reads back as it was. Where YAML 1.1
-has another meaning (``NO`` as false, ``0755`` as 493, ``12:30:45`` as 45045) the text is refused: a
-document means the same to every reader, or nothing.
+Reader and writer share these patterns, so that written values read back unchanged. A text to which
+YAML 1.1 gives another meaning is refused (``NO`` as false, ``0755`` as 493, ``12:30:45`` as 45045).
+An accepted document therefore has the same meaning for every reader.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ INTEGER = re.compile(r"[-+]?[0-9]+\Z")
 FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+\.?[0-9]*)(?:[eE][-+]?[0-9]+)?\Z")
 NOT_FINITE = re.compile(r"(?:[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))\Z")
 LEADING_ZERO = re.compile(r"[-+]?0[0-9]+\Z")
-# What PyYAML reads as true or false; the y and n of YAML 1.1 it leaves alone, and they are axes.
+# Words that PyYAML reads as true or false; it keeps y and n as texts, and they name axes.
 WORD = re.compile(r"(?:yes|Yes|YES|no|No|NO|on|On|ON|off|Off|OFF)\Z")
 SEXAGESIMAL = re.compile(r"[-+]?[0-9][0-9_]*(?::[0-5]?[0-9])+(?:\.[0-9_]*)?\Z")
 # Hexadecimal, octal and binary numbers, and digits in groups.
@@ -31,19 +31,19 @@ REFUSED = {
     SEXAGESIMAL: "CB115",
     FOREIGN: "CB116",
 }
-# What most numbers look like, and nothing that is refused.
+# Form of most numbers; it matches no refused text.
 _SIMPLE = re.compile(r"-?(?:0|[1-9][0-9]{0,8})(?:\.[0-9]{1,9})?\Z")
 # The largest integer up to which a 64-bit float holds every one.
 _LARGEST = 2**53
 
-# What a scalar of these patterns can begin with: most texts need no match at all.
+# First characters of scalars that match a pattern: most texts need no match at all.
 _FIRST = frozenset("~nNtTfFyYoO+-.0123456789")
 
 Scalar = str | int | float | bool | None
 
 
 class ScalarError(ValueError):
-    """A scalar that no document may hold; ``code`` is the catalogue's."""
+    """Scalar that no document may hold; ``code`` refers to the catalogue of diagnostics."""
 
     def __init__(self, code: str) -> None:
         super().__init__(code)
@@ -51,10 +51,10 @@ class ScalarError(ValueError):
 
 
 def resolve(text: str) -> Scalar:
-    """The value of a plain (unquoted) scalar.
+    """Return the value of a plain (unquoted) scalar.
 
     Raises:
-        ScalarError: YAML 1.1 would read it as something else, or no number of 64 bits holds it.
+        ScalarError: YAML 1.1 would read another value, or the number does not fit into 64 bits.
     """
     # No pattern has a space, which most quantities have.
     if text and (text[0] not in _FIRST or " " in text):

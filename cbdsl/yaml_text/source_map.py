@@ -1,4 +1,4 @@
-"""Where every value of a document stands in its text."""
+"""Places of the values of a document in its text."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _NOTHING = Broken()
 
 
 class SourceMap(NamedTuple):
-    """A document's file, lines and places.
+    """File, lines and places of a document.
 
-    Paths into the document are sequences of keys and indices. Steps that the text does not have,
-    such as the tags that unions add, are passed over.
+    Paths into the document are sequences of keys and indices. Steps that are absent from the
+    text, such as the tags of unions, are skipped.
 
     Attributes:
-        path: the file.
-        lines: its text.
-        root: its values.
-        broken: what is faulty and was left out of ``root``.
+        path: File of the document.
+        lines: Lines of its text.
+        root: Root of its values.
+        broken: Faulty parts that were left out of ``root``.
     """
 
     path: Path
@@ -36,24 +36,24 @@ class SourceMap(NamedTuple):
     broken: Broken = _NOTHING
 
     def is_whole(self, *steps: Step) -> bool:
-        """Whether nothing was left out at, above or below a path."""
+        """Return whether no part at, above or below a path was left out."""
         return not self.broken.touches(steps)
 
     def declared(self, entries: Mapping[str, T], *section: Step) -> Declared[T]:
-        """The entries of a section, together with those that were left out of it."""
+        """Return the entries of a section, including the omitted ones as unknown."""
         return Declared(entries, self.broken, section)
 
     def place(self, *steps: Step) -> Place:
-        """Where the value at a path stands, or what encloses it where it is absent."""
+        """Return the place of the value at a path, or of its enclosing value if it is absent."""
         return self.node(steps).place
 
     def key(self, *steps: Step) -> Place:
-        """Where the key at a path stands, or what encloses it where it is absent."""
+        """Return the place of the key at a path, or of its enclosing value if it is absent."""
         parent = self.node(steps[:-1])
         return parent.keys.get(str(steps[-1]), parent.place) if steps else parent.place
 
     def inside(self, steps: Sequence[Step], start: int, end: int) -> Place:
-        """Where a stretch of a text value stands; columns within it from 1, ``end`` exclusive."""
+        """Return the place of a substring of a text value; columns from 1, ``end`` exclusive."""
         node = self.node(steps)
         place, value = node.place, node.value
         if not isinstance(value, str):
@@ -66,7 +66,7 @@ class SourceMap(NamedTuple):
         return self._in_lines(place, value, start, end) or place
 
     def _in_lines(self, place: Place, value: str, start: int, end: int) -> Place | None:
-        """Where a stretch of a text of several lines stands; YAML joins them with spaces."""
+        """Return the place of a substring of a multi-line text; YAML joins lines by spaces."""
         written = self._written(place)
         row, column, stretch = 0, 0, []
         for number, character in enumerate(value[: end - 1], 1):
@@ -82,9 +82,9 @@ class SourceMap(NamedTuple):
         return Place(place.file, row, first, last + 1)
 
     def _written(self, place: Place) -> Iterator[tuple[int, int, str]]:
-        """Line, column and character of what is written from a place on, but for spaces."""
+        """Yield line, column and character of the text from a place on, without spaces."""
         opening = self.lines[place.line - 1][place.column - 1 : place.column]
-        # A text of a block, as after `>-`, begins on the line below, a quoted one behind its quote.
+        # A block text, as after `>-`, begins on the next line; a quoted text, after its quote.
         below = opening in (">", "|")
         skipped = 0 if below else place.column - 1 + (opening in ("'", '"'))
         for row in range(place.line + below, len(self.lines) + 1):
@@ -94,14 +94,14 @@ class SourceMap(NamedTuple):
             skipped = 0
 
     def node(self, steps: Sequence[Step]) -> Node:
-        """The deepest node along a path."""
+        """Return the deepest existing node along a path."""
         node = self.root
         for step in steps:
             node = child_of(node, step) or node
         return node
 
     def written(self, node: Node) -> str:
-        """A value in brackets, with its texts and numbers as they are written."""
+        """Return a value in flow style, with its texts and numbers as written."""
         if isinstance(node.value, dict):
             return f"{{{', '.join(f'{k}: {self.written(v)}' for k, v in node.value.items())}}}"
         if isinstance(node.value, list):
@@ -110,7 +110,7 @@ class SourceMap(NamedTuple):
         return self.lines[place.line - 1][place.column - 1 : place.end_column - 1].strip()
 
     def holds(self, *steps: Step) -> bool:
-        """Whether the text itself gives a value at a path, instead of a default doing so."""
+        """Return whether the text itself holds a value at a path, instead of a default."""
         node: Node | None = self.root
         for step in steps:
             node = child_of(node, step) if node else None
@@ -118,7 +118,7 @@ class SourceMap(NamedTuple):
 
 
 def child_of(node: Node, step: Step) -> Node | None:
-    """A mapping's value or a sequence's item, or ``None``."""
+    """Return the value of a mapping's key or the item of a sequence, or ``None``."""
     if isinstance(node.value, dict):
         return node.value.get(str(step))
     if isinstance(node.value, list) and isinstance(step, int) and step < len(node.value):

@@ -1,7 +1,7 @@
-"""The error value: it stands for what is written, and was left out because it is faulty.
+"""Error value in place of a faulty part that was left out of the document.
 
-As the error types of compilers do, it silences whatever depends on it: the fault is reported where
-it stands, and nowhere else.
+Like the error types of compilers, it suppresses dependent diagnostics: a fault is reported only
+at its own place.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 class Unknown(str):
-    """A name, or what has a name, that nobody can know; equal to nothing but itself."""
+    """Placeholder for an unknown name or named object; equal only to itself."""
 
     __slots__ = ()
     __hash__ = object.__hash__
@@ -31,21 +31,21 @@ UNKNOWN: Final = Unknown("unknown")
 
 
 class Declared(Mapping[str, T | Unknown]):
-    """The entries of a section by name, with ``UNKNOWN`` for each that was left out.
+    """Entries of a section by name, with ``UNKNOWN`` for each omitted entry.
 
-    Iteration passes over what is unknown.
+    Iteration skips unknown entries.
 
     Args:
-        entries: those without faults.
-        broken: the parts that were left out.
-        steps: path of the section.
+        entries: Entries without faults.
+        broken: Omitted parts of the document.
+        steps: Path of the section.
     """
 
     def __init__(self, entries: Mapping[str, T], broken: Broken, steps: Steps) -> None:
         self._entries, self._broken, self._steps = entries, broken, steps
 
     def extended(self, entries: Mapping[str, T]) -> Declared[T]:
-        """These entries and others, which hide those of the same name."""
+        """Return these entries extended by others, which override entries of the same name."""
         return Declared({**self._entries, **entries}, self._broken, self._steps)
 
     def __getitem__(self, name: str) -> T | Unknown:

@@ -1,4 +1,4 @@
-"""From a document to a file that reads back as the same document."""
+"""Writer of a document to a file that reads back as the same document."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from cbdsl.yaml_text.characters import (
 
 
 class _Dumper(yaml.SafeDumper):
-    """Quotes exactly the texts that the reader would take for something else."""
+    """Dumper that quotes exactly the texts that the reader would resolve to other types."""
 
     # PyYAML's stubs declare no class variable here.
     yaml_implicit_resolvers = {  # noqa: RUF012
@@ -43,14 +43,14 @@ class _Dumper(yaml.SafeDumper):
     def represent_sequence(
         self, tag: str, sequence: Iterable[Any], flow_style: bool | None = None
     ) -> yaml.SequenceNode:
-        """A row of numbers is written as one, not as a column."""
+        """Represent a list of scalars in one line."""
         items = list(sequence)
         plain = not any(isinstance(item, (dict, list, tuple)) for item in items)
         return super().represent_sequence(tag, items, flow_style or plain)
 
     def text(self, data: str) -> yaml.ScalarNode:
-        # YAML folds these line breaks into spaces unless they are escaped; what only looks like a
-        # number or a name is taken for one; what nobody sees has to be escaped.
+        # YAML folds these line breaks into spaces unless they are escaped. The reader takes a
+        # look-alike for a number or a name. Invisible characters have to be escaped.
         is_strange = not data.isascii() and (
             suggested_value(data) or suggested_key(data) or invisible_in(data)
         )
@@ -63,26 +63,26 @@ _Dumper.add_representer(str, _Dumper.text)
 
 
 def dump(document: Document) -> str:
-    """A document as YAML; what equals its default is left out."""
+    """Return a document as YAML, without values that equal their defaults."""
     return dump_plain(document.model_dump(mode="json", by_alias=True, exclude_defaults=True))
 
 
 def dump_plain(data: Mapping[str, Any]) -> str:
-    """A document's dicts, lists and scalars as YAML, in their order."""
+    """Return the dicts, lists and scalars of a document as YAML, in their order."""
     text = yaml.dump(dict(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
     return escaped_invisible(text)
 
 
 def write(document: Document, path: Path) -> None:
-    """Write a document in one step; see ``write_text``."""
+    """Write a document atomically; see ``write_text``."""
     write_text(dump(document), path)
 
 
 def make_room(path: Path) -> None:
-    """Make the folder of a file, so that whatever is written there later has a place.
+    """Create the folder of a file, and check that the file can be written later.
 
     Raises:
-        OSError: the folder cannot be made, or nothing can be written there.
+        OSError: The folder cannot be created or written to.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     _require_replaceable(path)
@@ -91,19 +91,19 @@ def make_room(path: Path) -> None:
 
 
 def write_text(text: str, path: Path) -> None:
-    """Write a file in one step, so that no reader ever sees half of it.
+    """Write a file atomically, so that no reader sees a partial file.
 
     Raises:
-        OSError: the file cannot be written.
+        OSError: The file cannot be written.
     """
     write_bytes(text.encode("utf-8"), path)
 
 
 def write_bytes(contents: bytes, path: Path) -> None:
-    """Write a file in one step; see ``write_text``.
+    """Write a file atomically; see ``write_text``.
 
     Raises:
-        OSError: the file cannot be written.
+        OSError: The file cannot be written.
     """
     _require_replaceable(path)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path))
@@ -111,7 +111,7 @@ def write_bytes(contents: bytes, path: Path) -> None:
         with os.fdopen(handle, "wb") as file:
             file.write(contents)
             file.flush()
-            os.fsync(file.fileno())  # before its name replaces that of the old contents
+            os.fsync(file.fileno())  # before the rename replaces the old contents
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     except BaseException:
@@ -121,7 +121,7 @@ def write_bytes(contents: bytes, path: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Have the names in a folder survive a power failure, where its file system can."""
+    """Flush the entries of a folder to disk, if its file system supports this."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         try:
@@ -131,10 +131,10 @@ def _sync_folder(folder: Path) -> None:
 
 
 def _require_replaceable(path: Path) -> None:
-    """A new file would take the place even of a device such as /dev/null, for the whole machine.
+    """Refuse a path that is a folder or a device such as /dev/null, which a rename would replace.
 
     Raises:
-        OSError: what is there is no file.
+        OSError: The path exists and is not a file.
     """
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
@@ -143,12 +143,12 @@ def _require_replaceable(path: Path) -> None:
 
 
 def remove_leftovers(path: Path) -> None:
-    """Remove what processes left that were killed while they wrote a file.
+    """Remove the temporary files of processes that were killed while they wrote a file.
 
-    Whoever calls this has to know that nobody is writing the file now.
+    The caller must ensure that no process is writing the file.
 
     Raises:
-        OSError: it cannot be removed.
+        OSError: A temporary file cannot be removed.
     """
     for leftover in path.parent.glob(f"{escape(_prefix(path))}*"):
         leftover.unlink()

@@ -1,7 +1,7 @@
-"""Two versions of the same lines, as git and comparisons of files leave them behind.
+"""Merge conflicts and diffs: two versions of the same lines in one text.
 
-Git writes both versions between markers where it could not merge them; a comparison writes ``-`` in
-front of what was and ``+`` in front of what is instead.
+If git cannot merge two versions, it writes both between markers. A diff writes ``-`` in front of
+old lines and ``+`` in front of new lines.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ _COMPARED = (
     "is of a comparison of two versions; keep the lines that begin with '+', without it, and "
     "delete those that begin with '-', or the other way round"
 )
-# A line of a newer version is told by its sign in front of a key or of an item.
+# A line of the newer version has a plus sign in front of a key or an item.
 _NEWER = re.compile(r"\+\s*(?:- \s*\S|[\w*'\"-]+\s*:(?:\s|$))")
 
 
 def conflicts(lines: list[str], file: str) -> Iterator[Diagnostic]:
-    """One finding for each conflict or comparison, and for each line that is left of one."""
+    """Yield one finding for each conflict or diff, and for each stray marker."""
     is_inside = False
     for number, line in enumerate(lines, 1):
         if not _is_marker(line):
@@ -43,7 +43,7 @@ def conflicts(lines: list[str], file: str) -> Iterator[Diagnostic]:
 
 
 def one_side(lines: list[str]) -> list[str]:
-    """The first side of each conflict, and what is newer by each comparison.
+    """Return the first side of each conflict and the newer version of each diff.
 
     Every line keeps its number.
     """
@@ -65,7 +65,7 @@ def _is_marker(line: str) -> bool:
 
 
 def _comparisons(lines: list[str]) -> Iterator[list[int]]:
-    """The numbers of lines of each run that begins with signs of a comparison."""
+    """Yield the line numbers of each run of lines that begin with the signs of a diff."""
     for is_signed, run in groupby(enumerate(lines, 1), lambda row: row[1][:1] in ("+", "-")):
         numbered = list(run) if is_signed else []
         if any(_NEWER.match(line) for _, line in numbered):

@@ -1,4 +1,4 @@
-"""Slips in entries, values and names: nearly right ones, and their remedies."""
+"""Mistakes in entries, values and names, and their remedies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _KEY_AND_VALUE = re.compile(r"(\w+)(:?) *(?:&\w+ +)?[-{\[*]")
 
 
 def slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
-    """The slip that made a key out of something else."""
+    """Return the mistake by which other text became a key, or ``None``."""
     mapping, key = source.node(path[:-1]).value, str(path[-1])
     if not isinstance(mapping, dict) or key not in mapping:
         return None
@@ -31,7 +31,7 @@ def slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
 
 
 def slip_in_text(value: object) -> str | None:
-    """The slip that made a text out of a key and its value."""
+    """Return the mistake by which a key and its value became a text, or ``None``."""
     match = _KEY_AND_VALUE.match(value) if isinstance(value, str) else None
     if match is None:
         return None
@@ -40,7 +40,7 @@ def slip_in_text(value: object) -> str | None:
 
 
 def left_out(value: object, expected: str) -> str:
-    """The sign that made something else of what is expected, and has to be left out."""
+    """Return the advice to omit a sign that gives a value another type than expected."""
     if "a mapping" in expected and isinstance(value, list) and all(map(_is_entry, value)):
         return "; leave out the '-' in front of each key" if value else ""
     is_key = isinstance(value, dict) and [child.value for child in value.values()] == [None]
@@ -54,7 +54,7 @@ def _is_entry(node: Node) -> bool:
 
 
 def named_instead(text: str) -> str:
-    """Remedy for a text that is no name, such as a document's file."""
+    """Return the remedy for a text that is not a valid name, such as a document's file."""
     core, *words = re.split(r"\s*(?:#|//)\s*", text, maxsplit=1)
     if words and re.match(NAME_PATTERN, core):
         return f"; a comment begins with a space and '#': write {core} # {words[0]}"

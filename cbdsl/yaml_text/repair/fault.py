@@ -41,7 +41,7 @@ _PROBLEMS = {
     "too_short": "{actual_length} given, at least {min_length} needed",
     "too_long": "{actual_length} given, at most {max_length} possible",
 }
-#: What the values of a list are that always has as many.
+#: Names of the components of fixed-length lists.
 _PARTS = {
     "offset": "x, y, z",
     "position": "x, y, z",
@@ -53,25 +53,25 @@ _OF_KEYS = ("extra_forbidden", "string_pattern_mismatch")
 
 
 class Fault(NamedTuple):
-    """One of pydantic's errors at the path that the text really has."""
+    """Validation error of pydantic at its path in the text."""
 
     path: tuple[Step, ...]
     error: ErrorDetails
 
     @property
     def is_wrong_kind(self) -> bool:
-        """Whether it is that the value is none of the kind that is wanted."""
+        """True if the value has the wrong type."""
         return self.error["type"] in (*_EXPECTED, "not_named")
 
     @property
     def expected(self) -> str:
-        """Name of the right kind of value."""
+        """Name of the expected type of value."""
         kind, context = self.error["type"], self.error.get("ctx", {})
         return str(context["expected"]) if kind == "not_named" else _EXPECTED[kind]
 
     @property
     def is_of_parts(self) -> bool:
-        """Whether it may be there only because of a fault inside, which says more."""
+        """True if a more specific fault inside the value may cause this one."""
         is_whole = self.error["type"] == "value_error" and isinstance(self.error["input"], _MANY)
         return self.is_wrong_kind or is_whole or self.error["type"] == "too_short"
 
@@ -79,13 +79,13 @@ class Fault(NamedTuple):
 def diagnose(
     path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
-    """Diagnostic of the faults of one value.
+    """Return the diagnostic of the faults of one value.
 
     Args:
-        path: where it is.
-        same: its faults; several where it failed several ways of a union.
-        source: the text.
-        model: the kind of document.
+        path: Path of the value.
+        same: Faults of the value; several if it fails several members of a union.
+        source: Source map of the document.
+        model: Model of the kind of document.
     """
     if row := _row(path, same, source, model):
         return row
@@ -104,7 +104,7 @@ def diagnose(
 def _row(
     path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic | None:
-    """Diagnostic of a value that should be a list, or a list less, and has its items."""
+    """Return the diagnostic of a value with the items of a list in a wrong form, or ``None``."""
     steps = path[:-1] if path and path[-1] == 0 else path
     is_inner = steps != path and isinstance(source.node(path).value, list)
     if not is_inner and all(fault.error["type"] != "tuple_type" for fault in same):
@@ -119,7 +119,7 @@ def _row(
 
 
 def not_allowed(place: Place, names: Sequence[str], value: object) -> Diagnostic:
-    """Diagnostic of a value that is none of some names."""
+    """Return the diagnostic of a value that is not among the allowed names."""
     if isinstance(value, str):
         return diagnostic("CB206", place, names=names, name=value)
     expected = "one of the words that are allowed"
@@ -129,7 +129,7 @@ def not_allowed(place: Place, names: Sequence[str], value: object) -> Diagnostic
 
 
 def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Diagnostic:
-    """Diagnostic of a list that ends before its last value."""
+    """Return the diagnostic of a list with too few values."""
     missing = [fault.error["loc"][-1] for fault in same if fault.error["type"] == "missing"]
     wanted = max(index for index in missing if isinstance(index, int)) + 1
     given = source.node(path)
@@ -143,7 +143,7 @@ def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Di
 def _special(
     path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
-    """Diagnostic of a value of the right kind that cannot be used."""
+    """Return the diagnostic of a value of the right type that is invalid."""
     error = next(fault.error for fault in same if not fault.is_wrong_kind)
     name = str(path[-1]) if path else ""
     context: dict[str, Any] = error.get("ctx", {})
@@ -153,7 +153,7 @@ def _special(
         case "missing" if isinstance(error["loc"][-1], int):
             return _too_few(path, same, source)
         case "missing":
-            # A missing key has no place of its own: its parent's key stands for it.
+            # A missing key has no place of its own: the place of its parent's key is reported.
             place = source.key(*path[:-1])
             related = [(place, text) for text in _documentation(path, model)]
             return diagnostic("CB203", place, key=name, related=related)
@@ -185,7 +185,7 @@ def _problem(error: ValueError, value: object) -> str:
 
 
 def _documentation(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
-    """Docstrings of a key."""
+    """Return the docstrings of a key."""
     from cbdsl.documents.json_schema import docstrings  # only a missing key needs it
 
     return {
@@ -196,7 +196,7 @@ def _documentation(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
 
 
 def describe(value: object) -> str:
-    """A value in the words of messages."""
+    """Describe a value for a message."""
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list):

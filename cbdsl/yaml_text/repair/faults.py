@@ -1,4 +1,4 @@
-"""From what pydantic finds in a document to located diagnostics, one for each mistake."""
+"""Conversion of pydantic's errors into located diagnostics, one for each mistake."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def faults(
     model: type[BaseModel],
     follows: Callable[[tuple[Step, ...], str], bool],
 ) -> list[Diagnostic]:
-    """One diagnostic for each value that is wrong, however many ways of a union it failed.
+    """Return one diagnostic for each invalid value, even if it fails several members of a union.
 
     Args:
-        errors: what pydantic found.
-        source: the text.
-        model: the kind of document.
-        follows: whether an error of a type at a path is there only because of another one.
+        errors: Errors of pydantic.
+        source: Source map of the document.
+        model: Model of the kind of document.
+        follows: Predicate that is true if an error of a type at a path only follows from another.
     """
     every = [Fault(path_of(error, source), error) for error in errors]
     enclosing = {fault.path[:depth] for fault in every for depth in range(len(fault.path))}
@@ -47,7 +47,7 @@ def faults(
 
 
 def _numbered_again(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tuple[Step, ...]]:
-    """Further items of lists in which something else than a name was reported already."""
+    """Return the further items of lists in which an item without a name is already reported."""
     seen: set[tuple[Step, ...]] = set()
     again: set[tuple[Step, ...]] = set()
     for path, same in by_path.items():
@@ -59,12 +59,12 @@ def _numbered_again(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tupl
 
 
 def _is_nameless(path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]) -> bool:
-    """Whether where names are wanted there is what should be below one of them."""
+    """Return whether a mapping of names directly holds the keys of an entry instead."""
     value, shape = source.node(path).value, SchemaShape((model,)).at(path)
     keys = shape.child("").keys
     if not (shape.is_of_names and keys and isinstance(value, dict)):
         return False
-    # A section may well be named like one of the keys below it.
+    # A section may have the same name as one of the keys below it.
     are_sections = all(isinstance(node.value, dict) for node in value.values())
     return keys.keys() >= value.keys() and not are_sections
 
@@ -76,7 +76,7 @@ def _is_below(path: tuple[Step, ...], above: set[tuple[Step, ...]]) -> bool:
 def _without_a_name(
     path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
-    """Diagnostic of a section without the name that it should have."""
+    """Return the diagnostic of a section without its name."""
     value = source.node(path).value
     keys = ", ".join(f"'{key}'" for key in value) if isinstance(value, dict) else ""
     expected = f"names, as in {form(model, path)}"
@@ -84,7 +84,7 @@ def _without_a_name(
 
 
 def _misspelt(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tuple[Step, ...]]:
-    """Keys that are missing because they are there under names that are nearly right."""
+    """Return the missing keys that are present under misspelt names."""
     unknown: dict[tuple[Step, ...], list[str]] = {}
     for path, same in by_path.items():
         if any(fault.error["type"] == "extra_forbidden" for fault in same):
@@ -98,7 +98,7 @@ def _misspelt(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tuple[Step
 
 
 def path_of(error: ErrorDetails, source: SourceMap) -> tuple[Step, ...]:
-    """The steps of an error's ``loc`` that the text has, and the missing key at its end."""
+    """Return the steps of an error's ``loc`` that exist in the text, plus a missing final key."""
     node, path = source.root, []
     for step in error["loc"]:
         child = child_of(node, step)

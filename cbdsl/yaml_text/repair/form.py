@@ -1,4 +1,4 @@
-"""Forms of values, for whoever wrote one otherwise."""
+"""Sketches of the expected form of a value, for messages."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.shape import SchemaShape, fields_of, is_section, required_keys, shape_of
 from cbdsl.yaml_text.source_map import Step
 
-# What is further inside is left to the imagination.
+# Deeper levels are abbreviated.
 _DEPTH = 3
-# Of keys without which a section does, some give an idea.
+# A section without required keys is sketched by its first optional keys.
 _MOST_KEYS = 3
 
 
 def form(model: type[BaseModel], steps: tuple[Step, ...], node: Node | None = None) -> str | None:
-    """How a mapping or a list at a path is written, as in ``{link: ...}``.
+    """Sketch the form of a mapping or a list at a path, as in ``{link: ...}``.
 
     Args:
-        model: the kind of document.
-        steps: the path.
-        node: what is written there, if it may have been meant to be a part of that.
+        model: Model of the kind of document.
+        steps: Path of the value.
+        node: Value written there, if it may be intended as a part of the mapping or list.
 
     Returns:
-        ``None`` where neither a mapping nor a list may be.
+        Sketch, or ``None`` if neither a mapping nor a list is allowed there.
     """
     wanted = [kind for kind in SchemaShape((model,)).at(steps).kinds if _is_collection(kind)]
     return _sketch(wanted[0], _DEPTH, node) if wanted else None
@@ -76,7 +76,7 @@ def _sketch_of_section(section: type[BaseModel], depth: int, node: Node | None) 
 
 
 def _suits(kind: Any, node: Node | None) -> bool:
-    """Whether what was written may have been meant for a part of a section."""
+    """Return whether a written value may be intended as a part of a section."""
     if node is None or isinstance(node.value, dict):
         return False
     if isinstance(node.value, list):
@@ -85,7 +85,7 @@ def _suits(kind: Any, node: Node | None) -> bool:
 
 
 def _written(node: Node) -> str:
-    """A value of one line, as it was written."""
+    """Return a value in one line, as written."""
     if isinstance(node.value, list):
         return f"[{', '.join(_written(item) for item in node.value)}]"
     return "..." if isinstance(node.value, dict) else str(node.value)

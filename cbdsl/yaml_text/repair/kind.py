@@ -1,4 +1,4 @@
-"""The kind of document that a text is, by what it says and by its keys."""
+"""Identification of the kind of a document by its declaration and its keys."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.fault import describe, not_allowed
 from cbdsl.yaml_text.source_map import SourceMap
 
-# Fewer keys of another kind are mistakes of their own.
+# Fewer keys of another kind are separate mistakes.
 _LEAST_EVIDENCE = 2
 
 
 def identify(
     source: SourceMap, findings: tuple[Diagnostic, ...]
 ) -> tuple[type[Document], tuple[Diagnostic, ...]]:
-    """The kind of document that a text is, and what was found with what it says of that."""
+    """Return the model of a document's kind, and the findings including one about its ``kind``."""
     root = source.root
     if not isinstance(root.value, dict):
         described = describe(root.value)
@@ -43,7 +43,7 @@ def identify(
 
 
 def _model_of(kind: str) -> type[Document] | None:
-    """The model of a kind; ``None`` where there is none that can be used."""
+    """Return the model of a kind, or ``None`` if it is unavailable."""
     try:
         return KINDS.get(kind).model
     except UsageError:
@@ -53,7 +53,7 @@ def _model_of(kind: str) -> type[Document] | None:
 def _contradicted(
     keys: Iterable[str], declared: str | None, model: type[Document] | None
 ) -> str | None:
-    """The kind that the keys of a document are those of, where it says that it is another."""
+    """Return the document kind whose keys match, if it differs from the declared kind."""
     if model is not None and model.model_fields.keys() >= set(keys):
         return None
     return kind_by_keys(keys, declared, models())
@@ -62,7 +62,7 @@ def _contradicted(
 def _wrong_kind(
     source: SourceMap, declared: str | None, model: type[Document] | None, suggestion: str | None
 ) -> Diagnostic:
-    """Diagnostic of a kind that is missing, unknown or contradicted by the keys."""
+    """Return the diagnostic of a kind that is missing, unknown or contradicted by the keys."""
     if declared is None:
         names = [suggestion] if suggestion else list(models())
         return diagnostic("CB203", source.root.place, names=names, key="kind")
@@ -77,15 +77,15 @@ def _wrong_kind(
 def kind_by_keys(
     keys: Iterable[str], declared: str | None, kinds: Mapping[str, type[Document]]
 ) -> str | None:
-    """The kind that the keys of a document are those of, instead of the one that it says.
+    """Return the document kind that matches the keys clearly better than the declared kind.
 
     Args:
-        keys: of the document.
-        declared: the kind that it says it is.
-        kinds: models by kind.
+        keys: Keys of the document.
+        declared: Declared kind, if any.
+        kinds: Models by kind.
 
     Returns:
-        ``None`` where the keys do not contradict it, or tell nothing.
+        Matching kind, or ``None`` if the keys do not contradict the declared kind or are ambiguous.
     """
     given = frozenset(keys)
     evidence = {kind: _evidence(given, model) for kind, model in kinds.items()}
@@ -98,13 +98,13 @@ def kind_by_keys(
 def telling_keys(
     keys: Iterable[str], kind: str, declared: str | None, kinds: Mapping[str, type[Document]]
 ) -> list[str]:
-    """The keys that documents of one kind have, and those of another do not."""
+    """Return the keys that are valid for one kind of document but not for the declared kind."""
     others = kinds.get(declared or "", Document).model_fields
     return [key for key in keys if key in kinds[kind].model_fields and key not in others]
 
 
 def _evidence(keys: frozenset[str], model: type[Document]) -> int:
-    """How many keys are of a kind of document, less those that it would have and are missing."""
+    """Return the number of keys that match a kind, minus its missing required keys."""
     fields = model.model_fields.items()
     missing = sum(field.is_required() and name not in keys for name, field in fields)
     return len(keys & model.model_fields.keys()) - missing

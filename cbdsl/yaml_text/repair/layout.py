@@ -1,4 +1,4 @@
-"""How the lines of a document are indented, and which of them is out of line."""
+"""Indentation of the lines of a document, and search for the misaligned line."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _ANCHOR_ALONE = re.compile(r"\s*(?:&\w+\s*)?(?:#.*)?\Z")
 
 
 class Row(NamedTuple):
-    """A line that begins a key or an item.
+    """Line that begins a key or an item.
 
     Attributes:
-        line: its number, from 1.
-        indent: how many spaces are in front.
-        is_item: whether it begins with ``-``.
-        name: its key or what is in the item.
-        opens: whether what belongs to its key is below it.
+        line: Line number, from 1.
+        indent: Number of leading spaces.
+        is_item: True if the line begins with ``-``.
+        name: Key, or the content of the item.
+        opens: True if the value of its key is on the lines below.
     """
 
     line: int
@@ -39,13 +39,13 @@ class Row(NamedTuple):
 
 
 class Realignment(NamedTuple):
-    """Remedy for a line that is out of line.
+    """Remedy for a misaligned line.
 
     Attributes:
-        problem: as a sentence without a full stop.
-        line: where, from 1.
-        column: of its first character, from 1.
-        lines: what the lines should be, where that is certain, by number.
+        problem: Message, as a sentence without a full stop.
+        line: Line number, from 1.
+        column: Column of the line's first character, from 1.
+        lines: Corrected lines by number, if the correction is certain.
     """
 
     problem: str
@@ -55,7 +55,7 @@ class Realignment(NamedTuple):
 
 
 def find_shift(lines: Sequence[str], line: int) -> Realignment | None:
-    """The line that is out of line, where YAML stops making sense at a line because of it."""
+    """Return the remedy for the misaligned line that causes a syntax error at a line."""
     rows = list(_rows(lines))
     index = next((i for i, row in enumerate(rows) if row.line == line), 0)
     if index == 0:
@@ -65,7 +65,7 @@ def find_shift(lines: Sequence[str], line: int) -> Realignment | None:
 
 
 def _rows(lines: Sequence[str]) -> Iterator[Row]:
-    """The lines that begin something; those within texts and brackets are left out."""
+    """Yield the lines that begin a key or an item, except within texts and brackets."""
     below, text_indent, depth, last = -1, None, 0, 0
     for number, line in enumerate(lines, 1):
         stripped = line.strip()
@@ -92,7 +92,7 @@ def _rows(lines: Sequence[str]) -> Iterator[Row]:
 
 
 class _Outline:
-    """The rows around the one at which YAML stops making sense."""
+    """Rows around the row of a syntax error."""
 
     def __init__(self, lines: Sequence[str], rows: list[Row], index: int) -> None:
         self._lines = lines
@@ -102,7 +102,7 @@ class _Outline:
         self._before = rows[index - 1]
 
     def children(self) -> Realignment | None:
-        """Rows that stand at the level of the key that they belong to."""
+        """Return the remedy for rows that are indented like their own parent key."""
         row = self._row
         for parent, child in list(pairwise(self._rows[: self._index]))[::-1]:
             is_level = not child.is_item and child.indent == parent.indent < row.indent
@@ -116,7 +116,7 @@ class _Outline:
         return None
 
     def dash(self) -> Realignment | None:
-        """A row with ``-`` among rows without it, or the other way round."""
+        """Return the remedy for a row with ``-`` among rows without it, or vice versa."""
         row, level = self._row, self._level()
         sibling = next((other for other in level if other.is_item != row.is_item), None)
         if sibling is None or (row.is_item and self._before.is_item):
@@ -133,7 +133,7 @@ class _Outline:
         return Realignment(problem, row.line, begin)
 
     def odd_one(self) -> Realignment | None:
-        """The row that is indented unlike the rows around it."""
+        """Return the remedy for a row that is indented differently from the rows around it."""
         row, before = self._row, self._before
         earlier = self._rows[self._index - 2] if self._index > 1 else None
         level, run = self._level_of(before), self._run()
@@ -146,7 +146,7 @@ class _Outline:
         return self._shift(row, self._neighbours())
 
     def _neighbours(self) -> list[Row]:
-        """The rows above on the next levels, or the one that the row below is on, too."""
+        """Return the rows above on the adjacent levels, preferring the level of the row below."""
         above, indent = self._rows[: self._index][::-1], self._row.indent
         inner = list(takewhile(lambda other: other.indent > indent, above))
         levels = [min(inner, key=lambda other: other.indent)] if inner else []
@@ -165,7 +165,7 @@ class _Outline:
         return Realignment(problem, row.line, row.indent + 1, moved)
 
     def _level(self) -> list[Row]:
-        """Rows above the one in question with its indentation, in the same section."""
+        """Return the rows above with the indentation of this row, in the same section."""
         rows = []
         for other in self._rows[: self._index][::-1]:
             if other.indent < self._row.indent:
@@ -175,7 +175,7 @@ class _Outline:
         return rows
 
     def _level_of(self, row: Row) -> list[Row]:
-        """A row and those directly above it with the same indentation."""
+        """Return a row and the rows directly above it with the same indentation."""
         rows = []
         for other in self._rows[: self._index][::-1]:
             if other.indent != row.indent:
@@ -184,7 +184,7 @@ class _Outline:
         return rows
 
     def _run(self) -> list[Row]:
-        """The row in question and those below it with the same indentation, in the same section."""
+        """Return this row and the rows below it with the same indentation, in the same section."""
         rows = []
         for other in self._rows[self._index :]:
             if other.indent < self._row.indent or other.is_item != self._row.is_item:
@@ -194,7 +194,7 @@ class _Outline:
         return rows
 
     def _opening(self, indent: int) -> Row | None:
-        """The key above whose section has an indentation."""
+        """Return the nearest key above that opens a section and is indented less."""
         above = self._rows[: self._index][::-1]
         return next((row for row in above if row.opens and row.indent < indent), None)
 

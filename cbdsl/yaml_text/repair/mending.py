@@ -1,4 +1,4 @@
-"""Texts that are no YAML: what is wrong beyond doubt is mended, so that it hides nothing."""
+"""Correction of unambiguous mistakes in invalid YAML, so that they hide no other findings."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from cbdsl.yaml_text.composer import (
 from cbdsl.yaml_text.repair.conflict import conflicts, one_side
 from cbdsl.yaml_text.repair.syntax import find_slip
 
-# More slips in one text are found once these are mended.
+# Further mistakes in a text are found once these are corrected.
 _MOST_SLIPS = 10
 
 
 def mend(text: str, file: str, known: Composed | None = None) -> Composed:
-    """The one document of a text, with slips mended; lines keep their numbers.
+    """Compose the single document of a text, with mistakes corrected; lines keep their numbers.
 
     Args:
-        text: as it stands.
-        file: names it in findings.
-        known: nodes of the text as it stands, if somebody has composed it before.
+        text: Text as written.
+        file: Name of the file in findings.
+        known: Nodes of the text as written, if they are already composed.
 
     Raises:
-        DiagnosticsError: with every finding up to the first one that hides the rest.
+        DiagnosticsError: A fatal finding, together with all findings up to it.
     """
     require_readable(text, file)
     given, (text, findings) = text, _legible(text, file)
@@ -57,10 +57,10 @@ def mend(text: str, file: str, known: Composed | None = None) -> Composed:
 
 
 def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
-    """A text without invisible characters and conflicts, and the findings about these."""
+    """Return a text without invisible characters and conflicts, and the findings about these."""
     findings = []
     if invisible := invisible_in(text):
-        # One stands for all: they tend to come in swarms.
+        # One finding represents all: invisible characters tend to occur in large numbers.
         findings.append(unseen("CB118", invisible, file))
         text = without_invisible(text)
     lines = lines_of(text)

@@ -1,8 +1,8 @@
 """Keys that are one level too high or too low, and where they belong.
 
-A section that was written flat, or at the level of its parent, leaves keys behind that their
-mapping does not know, while a section in it, or one around it, does. They are put there, so that
-one slip is one finding and the rest is checked as it was meant.
+A section that is written flat, or at the level of its parent, leaves keys that are unknown in their
+mapping but known in a section inside or around it. Such keys are moved there. One mistake thus
+yields one finding, and the rest is checked as intended.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]
 
-# More names are summed up.
+# Further names are summarized as a number.
 _MOST_NAMES = 4
 
 
 class Move(NamedTuple):
-    """Keys that belong elsewhere.
+    """Move of misplaced keys.
 
     Attributes:
-        keys: their names, in order.
-        start: path of the mapping that they are in.
-        goal: path of the mapping that they belong to.
-        followers: keys behind them that belong below the last of them.
+        keys: Names of the keys, in order.
+        start: Path of the mapping that holds them.
+        goal: Path of the mapping to which they belong.
+        followers: Subsequent keys that belong below the last of them.
     """
 
     keys: tuple[str, ...]
@@ -42,12 +42,12 @@ class Move(NamedTuple):
 
 
 def find_moves(source: SourceMap, model: type[BaseModel], wrong: Iterable[Steps]) -> list[Move]:
-    """The keys that belong elsewhere; one move for each mapping.
+    """Return the moves of misplaced keys, at most one for each mapping.
 
     Args:
-        source: the text.
-        model: the kind of document.
-        wrong: paths of values with faults.
+        source: Source map of the document.
+        model: Model of the kind of document.
+        wrong: Paths of values with faults.
     """
     at_or_above = {path[:depth] for path in wrong for depth in range(len(path) + 1)}
     finder = _Finder(at_or_above)
@@ -55,7 +55,7 @@ def find_moves(source: SourceMap, model: type[BaseModel], wrong: Iterable[Steps]
 
 
 def move(source: SourceMap, moved: Move) -> Diagnostic:
-    """Put keys where they belong, and say so."""
+    """Move keys to the mapping to which they belong, and return the diagnostic."""
     fault = diagnostic(
         "CB209", source.key(*moved.start, moved.keys[0]), problem=_message(source, moved)
     )
@@ -68,7 +68,7 @@ def move(source: SourceMap, moved: Move) -> Diagnostic:
 
 
 def _mapping(source: SourceMap, path: Steps, place: Place) -> Node:
-    """The mapping at a path; a new one where there is nothing yet."""
+    """Return the mapping at a path, or insert a new one."""
     if source.holds(*path) and isinstance(source.node(path).value, dict):
         return source.node(path)
     parent, key = source.node(path[:-1]), str(path[-1])
@@ -102,29 +102,29 @@ def _message(source: SourceMap, moved: Move) -> str:
 
 
 class _Enclosing(NamedTuple):
-    """A mapping on the way to a value."""
+    """Mapping on the path to a value."""
 
     path: Steps
     node: Node
     shape: SchemaShape
 
     def lacks(self, key: str) -> bool:
-        """Whether it may have a key, and does not."""
+        """Return whether the mapping may have a key but does not."""
         value = self.node.value
         return key in self.shape.keys and isinstance(value, dict) and key not in value
 
 
-#: The mappings around a value, from the outermost on.
+#: Mappings around a value, outermost first.
 Around = tuple[_Enclosing, ...]
 
 
 class _Fit(NamedTuple):
-    """How well unknown keys fit into a section.
+    """Fit of unknown keys into a section.
 
     Attributes:
-        section: its key.
-        keys: those that it knows.
-        is_lacking: whether it is there, and incomplete without them.
+        section: Key of the section.
+        keys: Keys that the section accepts.
+        is_lacking: True if the section is present and incomplete without them.
     """
 
     section: str
@@ -141,7 +141,7 @@ class _Finder:
         self._wrong = wrong
 
     def below(self, node: Node, shape: SchemaShape, path: Steps, around: Around) -> Iterator[Move]:
-        """The moves of a value and of what is in it."""
+        """Yield the moves of keys in a value and in the values below it."""
         if path not in self._wrong and not isinstance(node.value, dict):
             return
         here = (*around, _Enclosing(path, node, shape))
@@ -157,12 +157,12 @@ class _Finder:
                 return
         for step, child in node.steps():
             inner = shape.child(step)
-            # An entry named like a key of entries is no entry: its own name is missing.
+            # A name equal to a key of entries is not a name: the entry's own name is missing.
             if not (shape.is_of_names and step in inner.keys):
                 yield from self.below(child, inner, (*path, step), here)
 
     def _keys(self, node: Node, shape: SchemaShape, path: Steps) -> Move | None:
-        """Keys that a section does not know, and a section in it does."""
+        """Return the move of keys unknown in a section but known in a section inside it."""
         assert isinstance(node.value, dict)
         unknown = [key for key in node.value if key not in shape.keys]
         if not shape.keys or not unknown:
@@ -177,7 +177,7 @@ class _Finder:
         return Move(chosen[0].keys, path, (*path, chosen[0].section)) if len(chosen) == 1 else None
 
     def _children(self, node: Node, shape: SchemaShape, parent: str) -> tuple[str, ...]:
-        """The keys behind an empty one that belong to it."""
+        """Return the keys after an empty key that belong to it."""
         assert isinstance(node.value, dict)
         inner, keys = shape.child(parent), list(node.value)
         behind = keys[keys.index(parent) + 1 :]
@@ -186,7 +186,7 @@ class _Finder:
         return tuple(takewhile(lambda key: key in inner.keys, behind))
 
     def _fit(self, node: Node, shape: SchemaShape, section: str, unknown: list[str]) -> _Fit:
-        """The unknown keys that a section of this one lacks, where they make it complete."""
+        """Return the fit of the unknown keys that complete an inner section."""
         assert isinstance(node.value, dict)
         inner, child = shape.child(section), node.value.get(section)
         has = child.value if child is not None else {}
@@ -198,7 +198,7 @@ class _Finder:
         return _Fit(section, keys, child is not None and not inner.is_complete(set(has)))
 
     def _names(self, node: Node, shape: SchemaShape, path: Steps) -> Move | None:
-        """Keys of a section that stand beside its name."""
+        """Return the move of the keys of an entry that are written beside its name."""
         assert isinstance(node.value, dict)
         known = shape.child("").keys
         keys = list(node.value)
@@ -209,7 +209,10 @@ class _Finder:
         return None
 
     def _belong(self, above: Node, run: tuple[str, ...], path: Steps) -> bool:
-        """Whether keys behind an entry are of it: it is empty, or they are wrong beside it."""
+        """Return whether the keys after an entry belong to it.
+
+        They do if the entry is empty, or if they are all invalid beside it and absent in it.
+        """
         if above.value is None or not isinstance(above.value, dict):
             return above.value is None
         return all((*path, key) in self._wrong and key not in above.value for key in run)
@@ -221,7 +224,7 @@ class _Finder:
         path: Steps,
         around: Around,
     ) -> Move | None:
-        """A key that belongs to a section around this one, with what is behind it."""
+        """Return the move of a key that belongs to an enclosing section, with the keys after it."""
         assert isinstance(node.value, dict)
         for key, child in node.value.items():
             is_wrong = (*path, key) in self._wrong and (shape.is_of_names or key not in shape.keys)
@@ -234,5 +237,5 @@ class _Finder:
 
 
 def _around(key: str, around: Around) -> Steps | None:
-    """The nearest section around that has this key, and lacks it."""
+    """Return the path of the nearest enclosing section that may have this key but lacks it."""
     return next((level.path for level in around[::-1] if level.lacks(key)), None)

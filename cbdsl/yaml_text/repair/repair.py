@@ -1,4 +1,4 @@
-"""Texts with faults: the one door to all guesses at what was meant."""
+"""Repair of faulty texts: the single entry point to all corrections."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ D = TypeVar("D", bound=Document)
 
 
 def repair(path: Path, kind: type[D], text: str, composed: Composed | None = None) -> Loaded[D]:
-    """The sound parts of a document of one kind, with all faults of its text.
+    """Return the sound parts of a document of one kind, with all faults of its text.
 
     Args:
-        path: its file.
-        kind: the kind that it has to be of.
-        text: the file's text.
-        composed: its nodes, where they are known already.
+        path: File of the document.
+        kind: Required kind of document.
+        text: Text of the file.
+        composed: Nodes of the text, if they are already composed.
 
     Raises:
-        DiagnosticsError: there is nothing that could be checked.
+        DiagnosticsError: No part of the document can be checked.
     """
     composed = mend(text, str(path), composed)
     source = SourceMap(path, composed.lines, composed.root)
@@ -43,10 +43,10 @@ def repair(path: Path, kind: type[D], text: str, composed: Composed | None = Non
 
 
 def _require_version(source: SourceMap) -> None:
-    """Refuse a later version of the language, in which nobody knows what the keys mean.
+    """Refuse a later version of the language, whose keys may have other meanings.
 
     Raises:
-        DiagnosticsError: the document is written in one.
+        DiagnosticsError: The document declares a later version.
     """
     root = source.root.value
     version = root.get("cbdsl") if isinstance(root, dict) else None

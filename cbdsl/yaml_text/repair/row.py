@@ -1,4 +1,4 @@
-"""The list that somebody meant who wrote something else, with its values put right."""
+"""Suggestion of the list that was intended by a value of another form."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _DASH = re.compile(r"(?:^|\s)-\s*(?=[^\W\d])")
 
 
 def suggested_row(node: Node, source: SourceMap) -> str | None:
-    """The list in brackets that a mapping, a text or a list within a list was meant to be."""
+    """Return the list, in brackets, that a mapping, a text or a nested list probably represents."""
     value = node.value
     if isinstance(value, list):
         inner = value[0] if len(value) == 1 else None
@@ -29,7 +29,7 @@ def _is_flat(node: Node) -> bool:
 
 
 def _of_mapping(node: Node, value: dict[str, Node], source: SourceMap) -> str:
-    """Its values, or its keys where these have none, as in ``{left_arm, right_arm}``."""
+    """Return its values, or its keys if these have no values, as in ``{left_arm, right_arm}``."""
     if all(child.value is None for child in value.values()):
         return f"[{', '.join(value)}]"
     return f"[{', '.join(source.written(child) for child in node.children())}]"

@@ -1,8 +1,8 @@
-"""From a text with faults to a document of what is left without them.
+"""Reading of the sound parts of a document with faults.
 
-One fault must not hide the others: what is faulty is left out of the nodes, as a whole controller,
-thing or row, and the rest is validated again. What was left out is remembered, so that nothing is
-said to be missing because of it.
+One fault must not hide the others. A faulty entry, such as a controller, an object or a row, is
+removed from the nodes, and the rest is validated again. Removed parts are recorded, so that they
+are not reported as missing.
 """
 
 from __future__ import annotations
@@ -30,24 +30,24 @@ from cbdsl.yaml_text.unknown import UNKNOWN
 
 Steps = tuple[Step, ...]
 
-# Of a word that YAML 1.1 takes for true or false.
+# Code of a word that YAML 1.1 takes for true or false.
 _WORD = "CB114"
-# Each round leaves out what encloses the faults of the one before.
+# Each round removes the parts that enclose the faults of the previous round.
 _MOST_ROUNDS = 12
 
 D = TypeVar("D", bound=Document)
 
 
 def salvage(source: SourceMap, model: type[D], findings: Iterable[Diagnostic]) -> Loaded[D]:
-    """Read a document from its nodes, from which faulty ones are taken away.
+    """Read a document from its nodes, after removal of the faulty ones.
 
     Args:
-        source: the text, whose nodes change.
-        model: the kind of document.
-        findings: what is wrong with the values that are marked as faulty.
+        source: Source map of the document; its nodes are modified.
+        model: Model of the kind of document.
+        findings: Findings about the values that are marked as faulty.
 
     Raises:
-        DiagnosticsError: nothing that could be checked is left.
+        DiagnosticsError: No remaining part can be checked.
     """
     return _Salvage(source, model, findings).salvage()
 
@@ -81,9 +81,9 @@ class _Salvage(Generic[D]):
         return self._model.model_validate(self._source.root.plain(), context=self._context)
 
     def _judge_words(self) -> None:
-        """Take words such as ``off`` for texts where no text is wanted: what is says more.
+        """Treat words such as ``off`` as texts if no text is allowed, for a better diagnostic.
 
-        To put them in quotes is a remedy only where a text may be.
+        Quoting a word is a remedy only if a text is allowed.
         """
         words = {finding.place for finding in self._faults if finding.code == _WORD}
         if not words:
@@ -107,14 +107,14 @@ class _Salvage(Generic[D]):
         return []
 
     def _mend(self, errors: list[ErrorDetails]) -> None:
-        """Report what is wrong, and take it away."""
+        """Report the faults, and remove the faulty parts."""
         located = [(path_of(error, self._source), error) for error in errors]
         if moves := find_moves(self._source, self._model, [path for path, _ in located]):
-            # What else is wrong is found where these keys are in their places.
+            # Other faults are found in the next round, with these keys in their places.
             self._faults += [move(self._source, moved) for moved in moves]
             return
         self._faults += faults(errors, self._source, self._model, self._follows)
-        # Where something inside is wrong as well, the whole may be right without that.
+        # A value with a fault inside may be valid once the inner fault is removed.
         outer = {path[:depth] for path, _ in located for depth in range(len(path))}
         wrong = [p for p, e in located if e["type"] != "missing" and p not in outer]
         unknown = {path: e["loc"] for path, e in located if e["type"] == "extra_forbidden"}
@@ -127,13 +127,13 @@ class _Salvage(Generic[D]):
                 self._stand_in(str(path[0]))
 
     def _follows(self, path: Steps, kind: str) -> bool:
-        """Whether a fault is there only because of another."""
+        """Return whether a fault only follows from another."""
         if kind == "extra_forbidden":
             return False
         return path in self._respelt or self._broken.is_below(path)
 
     def _respell(self, path: Steps, loc: Steps) -> bool:
-        """Put a value under the key that was probably meant; whether there is one."""
+        """Move a value to the key that was probably intended, and return whether one exists."""
         parent, key = self._source.node(path[:-1]), str(path[-1])
         if not isinstance(parent.value, dict) or key not in parent.value:
             return False
@@ -150,9 +150,9 @@ class _Salvage(Generic[D]):
         return suggestion is not None
 
     def _leave_out(self, paths: Iterable[Steps]) -> None:
-        """Take the parts of the document away that paths lead to."""
+        """Remove the parts of the document at the given paths."""
         parts = {_part(path, self._model) for path in paths}
-        # Of a list the last items go first: the others keep their places until then.
+        # The last items of a list are removed first, so that the indices of the others stay valid.
         for part in sorted(parts, key=lambda part: [str(step).zfill(9) for step in part])[::-1]:
             if not part:
                 raise self._hopeless()
@@ -162,7 +162,7 @@ class _Salvage(Generic[D]):
 
     def _stand_in(self, key: str) -> None:
         root = self._source.root
-        # They take the place of required values; checks do not look at them.
+        # Placeholders for required values; checks ignore them.
         stand_ins = {"name": "unknown", **kind_of(self._model).stand_ins}
         if key not in stand_ins or not isinstance(root.value, dict):
             raise self._hopeless()
@@ -178,7 +178,7 @@ class _Salvage(Generic[D]):
 
 
 def _faulty(node: Node, path: Steps) -> Iterator[Steps]:
-    """Paths of the nodes that are no part of any document."""
+    """Yield the paths of the nodes that are marked as faulty."""
     if node.faulty:
         yield path
     for step, child in node.steps():
@@ -186,9 +186,9 @@ def _faulty(node: Node, path: Steps) -> Iterator[Steps]:
 
 
 def _part(path: Steps, model: type[BaseModel]) -> Steps:
-    """The first entry of a list or of names along a path, or all of it.
+    """Return the path of the outermost list item or named entry along a path, or the whole path.
 
-    What else is in the entry makes no sense without what is faulty.
+    The rest of an entry is meaningless without its faulty part.
     """
     for depth, step in enumerate(path):
         field = model.model_fields.get(str(step))
@@ -202,7 +202,7 @@ def _part(path: Steps, model: type[BaseModel]) -> Steps:
 
 
 def _node(value: Any, place: Place) -> Node:
-    """A value as if it stood at a place."""
+    """Return a value as a node at a place."""
     if isinstance(value, dict):
         return Node(place, {key: _node(inner, place) for key, inner in value.items()})
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""Shapes that the models of documents want at a place: sections with keys, names, or lists."""
+"""Shapes that the models of documents expect at a place: sections with keys, names, or lists."""
 
 from __future__ import annotations
 
@@ -14,44 +14,44 @@ from cbdsl.yaml_text.source_map import Step
 
 
 class SchemaShape(NamedTuple):
-    """The shape of a value.
+    """Shape of a value.
 
     Attributes:
-        kinds: the types that it may have, but for ``None``.
+        kinds: Types that the value may have, except ``None``.
     """
 
     kinds: tuple[Any, ...] = ()
 
     @property
     def sections(self) -> tuple[type[Section], ...]:
-        """The sections that it may be."""
+        """Types of sections that the value may be."""
         return tuple(kind for kind in self.kinds if is_section(kind))
 
     @property
     def keys(self) -> Mapping[str, FieldInfo]:
-        """Fields by key, of all sections that it may be."""
+        """Fields by key of all sections that the value may be."""
         return _fields(self.sections)
 
     @property
     def renamed(self) -> Mapping[str, str]:
-        """Keys of older documents, and their names now."""
+        """New names of keys by the names in older documents."""
         return {old: new for section in self.sections for old, new in section.renamed.items()}
 
     @property
     def is_of_names(self) -> bool:
-        """Whether its keys are names that the document chooses."""
+        """True if the keys are names that the document defines."""
         return any(get_origin(kind) is dict for kind in self.kinds)
 
     def child(self, step: Step) -> SchemaShape:
-        """The shape of a value or an item in it."""
+        """Return the shape of a value or an item inside the value."""
         return SchemaShape(tuple(kind for outer in self.kinds for kind in _kinds_in(outer, step)))
 
     def at(self, steps: Iterable[Step]) -> SchemaShape:
-        """The shape at a path below it."""
+        """Return the shape at a path below the value."""
         return reduce(SchemaShape.child, steps, self)
 
     def located(self, loc: Iterable[Step]) -> SchemaShape:
-        """The shape at a ``loc`` of pydantic's, which also names what it chose of unions."""
+        """Return the shape at a ``loc`` of pydantic, which also names chosen members of unions."""
         shape = self
         for step in loc:
             inner = shape.child(step)
@@ -59,35 +59,35 @@ class SchemaShape(NamedTuple):
         return shape
 
     def is_complete(self, keys: set[str]) -> bool:
-        """Whether some section of it has all that it needs in these keys."""
+        """Return whether these keys include all required keys of one of the sections."""
         return any(required_keys(section) <= keys for section in self.sections)
 
     def _tagged(self, tag: Step) -> SchemaShape:
-        """The sections that carry a tag, or all where it is none."""
+        """Return the shape of the sections with a tag, or of all kinds if no section has it."""
         return SchemaShape(
             tuple(known for known in self.sections if _carries(known, tag)) or self.kinds
         )
 
 
 def shape_of(annotation: Any) -> SchemaShape:
-    """The shape that an annotation of a model's field stands for."""
+    """Return the shape of the annotation of a model's field."""
     return SchemaShape(tuple(_kinds(annotation)))
 
 
 def is_section(kind: Any) -> TypeGuard[type[Section]]:
-    """Whether values of a type are mappings whose keys are fixed."""
+    """Return whether values of a type are mappings with fixed keys."""
     return isinstance(kind, type) and issubclass(kind, Section)
 
 
 @cache
 def fields_of(section: type[Section]) -> Mapping[str, FieldInfo]:
-    """The fields of a section by the keys that documents have for them."""
+    """Return the fields of a section by their keys in documents."""
     return {field.alias or name: field for name, field in section.model_fields.items()}
 
 
 @cache
 def required_keys(section: type[Section]) -> frozenset[str]:
-    """The keys that a section cannot do without."""
+    """Return the required keys of a section."""
     return frozenset(key for key, field in fields_of(section).items() if field.is_required())
 
 
@@ -97,7 +97,7 @@ def _fields(sections: tuple[type[Section], ...]) -> Mapping[str, FieldInfo]:
 
 
 def _kinds(annotation: Any) -> Iterator[Any]:
-    """The parts of a union, without what is said of their values."""
+    """Yield the members of a union, without their annotations."""
     origin = get_origin(annotation)
     if origin is Annotated:
         yield from _kinds(get_args(annotation)[0])
@@ -109,7 +109,7 @@ def _kinds(annotation: Any) -> Iterator[Any]:
 
 
 def _kinds_in(kind: Any, step: Step) -> Iterator[Any]:
-    """The types of a value or an item in a value of a type."""
+    """Yield the types of a value or an item inside a value of a type."""
     if is_section(kind):
         field = fields_of(kind).get(str(step))
         if field is not None:
@@ -122,5 +122,5 @@ def _kinds_in(kind: Any, step: Step) -> Iterator[Any]:
 
 
 def _carries(section: type[Section], tag: Step) -> bool:
-    """Whether a section is the one of a union that a tag chooses."""
+    """Return whether a tag selects a section from a union."""
     return any(get_args(field.annotation) == (tag,) for field in fields_of(section).values())

@@ -1,4 +1,4 @@
-"""Slips behind YAML's syntax errors: libyaml says where it gave up, and people slipped before."""
+"""Mistakes that cause YAML syntax errors, often before the place that libyaml reports."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NO_START = "did not find expected <document start>"
 _NO_DIRECTIVE = "could not find expected directive name"
 _NO_TOKEN = "found character that cannot start any token"
 _ALIAS = "while scanning an alias"
-# What libyaml says where it noticed too late.
+# Errors that libyaml reports behind the mistake.
 _OPEN = "found unexpected end of stream"
 _LATE = (_NO_COLON, _OPEN)
 _OPENED = {
@@ -41,20 +41,20 @@ _UNQUOTED = re.compile(r"(?P<text>[^,\[\]{}#]*[^,\[\]{}#\s])")
 _ROW = re.compile(r"\[[^\[\]{}]*\]")
 _BEGINS = re.compile(r"\s*(?:- |---|\.\.\.|(?:- +)*['\"]?[\w$*-]+['\"]?:(?:\s|$))")
 _FENCE = re.compile(r"\s*(?:```|~~~)\w*\s*\Z")
-# Words of a line that may be a key and its value.
+# Most words of a line that may be a key and its value.
 _LONGEST_ENTRY = 7
 _NO_PROSE = re.compile(r"[\[{◁]|<\|")
 
 
 class Slip(NamedTuple):
-    """A probable slip of the pen.
+    """Probable mistake in a text.
 
     Attributes:
-        problem: as a clause.
-        line: where it is, from 1.
-        column: of its first character, from 1.
-        code: in the catalogue.
-        lines: what the lines should be, where that is certain, by number from 1.
+        problem: Message, as a clause.
+        line: Line number, from 1.
+        column: Column of its first character, from 1.
+        code: Code in the catalogue of diagnostics.
+        lines: Corrected lines by number from 1, if the correction is certain.
     """
 
     problem: str
@@ -64,20 +64,20 @@ class Slip(NamedTuple):
     lines: Mapping[int, str] = {}
 
     def mended(self, lines: Sequence[str]) -> list[str]:
-        """All lines of the text without it."""
+        """Return all lines of the text with the mistake corrected."""
         return [self.lines.get(number, line) for number, line in enumerate(lines, 1)]
 
 
 class _Trouble(NamedTuple):
-    """Where libyaml gave up.
+    """Syntax error as libyaml reports it.
 
     Attributes:
-        problem: in its words.
-        context: what it was doing.
-        lines: of the text.
-        line: from 1.
-        column: from 1.
-        opened: line and column of what it was in.
+        problem: Message of libyaml.
+        context: Context that libyaml reports.
+        lines: Lines of the text.
+        line: Line number, from 1.
+        column: Column, from 1.
+        opened: Line and column at which the enclosing structure begins, from 1.
     """
 
     problem: str
@@ -89,7 +89,7 @@ class _Trouble(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The line."""
+        """Text of the line."""
         return self.lines[self.line - 1]
 
     @property
@@ -99,41 +99,41 @@ class _Trouble(NamedTuple):
 
     @property
     def rest(self) -> str:
-        """Text at the place, and behind it."""
+        """Text from the place to the end of its line."""
         return self.text[self.column - 1 :]
 
     @property
     def above(self) -> int:
-        """The line above that is neither empty nor a comment, or 0."""
+        """Number of the nearest non-blank, non-comment line above, or 0."""
         numbers = range(self.line - 1, 0, -1)
         return next((n for n in numbers if not re.match(r"\s*(#|$)", self.lines[n - 1])), 0)
 
     @property
     def at_end(self) -> bool:
-        """Whether nothing but comments is left of the text."""
+        """True if only comments and empty lines follow in the text."""
         left = [self.rest, *self.lines[self.line :]]
         return all(re.match(r"\s*(#|$)", line) for line in left)
 
     @property
     def is_outside(self) -> bool:
-        """Whether a line begins here that is indented too little to be within brackets."""
+        """True if an entry begins on this line and is indented too little to be within brackets."""
         row = self.opened[0]
         indents = [len(text) - len(text.lstrip()) for text in (self.text, self.lines[row - 1])]
         return row < self.line and indents[0] <= indents[1] and _BEGINS.match(self.text) is not None
 
     def instead(self, line: str) -> Mapping[int, str]:
-        """Another line in place of this one."""
+        """Return the correction that replaces this line by another."""
         return {self.line: line}
 
 
 def find_slip(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> Slip:
-    """The slip behind a syntax error, or libyaml's words where nobody can tell.
+    """Return the mistake that causes a syntax error, or else libyaml's message.
 
     Args:
-        error: what libyaml says.
-        lines: of the text.
+        error: Error of libyaml.
+        lines: Lines of the text.
     """
-    # libyaml may give up behind the last line.
+    # libyaml may report an error after the last line.
     trouble = _trouble(error, [*lines, ""])
     slips = (
         (explain(trouble) for explain in _EXPLANATIONS) if trouble.line <= len(lines) + 1 else ()
@@ -159,7 +159,7 @@ def _tab(trouble: _Trouble) -> Slip | None:
 
 
 def _look_alike(trouble: _Trouble) -> Slip | None:
-    """A space, a bullet or a colon that is none, here or in the line above."""
+    """Detect a look-alike of a space, a bullet or a colon, in this line or the one above."""
     for number in (trouble.line, trouble.above):
         line = trouble.lines[number - 1]
         suggestion = characters.suggested_line(line) if number else None
@@ -179,7 +179,7 @@ def _fence(trouble: _Trouble) -> Slip | None:
 
 
 def _unquoted(trouble: _Trouble) -> Slip | None:
-    """A text that begins with a sign that has a meaning of its own."""
+    """Detect an unquoted text that begins with a sign of YAML."""
     if trouble.context == _ALIAS:
         line, column = trouble.opened
     elif trouble.problem == _NO_TOKEN:
@@ -196,7 +196,7 @@ def _unquoted(trouble: _Trouble) -> Slip | None:
         return None
     quoted = f"'{match['text'].strip('`')}'"
     problem = f"text that begins with '{rest[0]}' has to be quoted; write {quoted}"
-    # Whether a value may begin with such a sign nobody knows yet.
+    # Only the schema can decide whether a value may begin with such a sign.
     is_certain = key is not None or rest[0] == "`"
     mended = {line: before + quoted + rest[match.end() :]} if is_certain else {}
     return Slip(problem, line, column, "CB124", mended)
@@ -210,7 +210,7 @@ def _state_in_brackets(state: re.Match[str], line: int) -> Slip:
 
 
 def _after_the_end(trouble: _Trouble) -> Slip | None:
-    """Something behind a bracket or a quote that closes a value."""
+    """Detect text after a bracket or a quote that closes a value."""
     before, rest = trouble.before.rstrip(), trouble.rest.rstrip()
     if trouble.problem not in (_NO_KEY, _NO_ITEM) or before[-1:] not in ("]", "}", "'", '"'):
         return None
@@ -228,11 +228,11 @@ def _after_the_end(trouble: _Trouble) -> Slip | None:
 
 
 def _row_in_text(trouble: _Trouble) -> Slip | None:
-    """A text within braces that holds a row, such as a displaced reference."""
+    """Detect a text within braces that holds a row, such as a displaced reference."""
     if trouble.problem not in _OPENED:
         return None
     row = _ROW.match(trouble.rest)
-    # A text that goes on with a row, as a displaced reference does.
+    # Text that continues with a row, as a displaced reference does.
     text = trouble.before[_after_signs(trouble.before) :].lstrip()
     if row is None or len(text.rstrip(" ")) < 2 or text.rstrip(" ")[-1] not in "+-":
         return None
@@ -249,7 +249,7 @@ def _after_signs(text: str) -> int:
 
 
 def _within_brackets(trouble: _Trouble) -> Slip | None:
-    """A bracket that is not closed, or a comma that is missing in brackets."""
+    """Detect an unclosed bracket, or a missing comma within brackets."""
     if trouble.problem not in _OPENED:
         return None
     opening, closing = _OPENED[trouble.problem]
@@ -283,7 +283,7 @@ def _directive(trouble: _Trouble) -> Slip | None:
 
 
 def _comment(trouble: _Trouble) -> Slip | None:
-    """A line that is a comment in other languages."""
+    """Detect a line that is a comment in other languages."""
     match = _COMMENT.match(trouble.text)
     if match is None:
         return None
@@ -292,7 +292,7 @@ def _comment(trouble: _Trouble) -> Slip | None:
 
 
 def _colon(trouble: _Trouble) -> Slip | None:
-    """A key without its colon, or a colon without its space."""
+    """Detect a key without its colon, or a colon without its space."""
     if trouble.problem == _NO_COLON:
         return _comment(trouble) or _no_colon(trouble.lines, trouble.line)
     if trouble.problem != _NO_KEY:
@@ -303,7 +303,7 @@ def _colon(trouble: _Trouble) -> Slip | None:
 
 
 def _colon_before_comment(trouble: _Trouble) -> Slip | None:
-    """A line that lacks its colon, and is followed by a comment, which ends a text."""
+    """Detect a line that lacks its colon before a comment, which ends a text."""
     number = trouble.above
     between = trouble.lines[number : trouble.line - 1]
     text, sign, _ = trouble.lines[number - 1].partition(" #") if number else ("", "", "")
@@ -314,12 +314,12 @@ def _colon_before_comment(trouble: _Trouble) -> Slip | None:
 
 
 def _no_colon(lines: Sequence[str], line: int) -> Slip | None:
-    """A line that should have a key, and has no colon after it, or no space after that."""
+    """Detect a line whose key lacks its colon or the space after it."""
     return _sign_of_key(lines[line - 1], line) or _bare_word(lines, line)
 
 
 def _sign_of_key(text: str, line: int) -> Slip | None:
-    """A colon without its space, or another sign in its place."""
+    """Detect a colon without its space, or another sign in its place."""
     if tight := _TIGHT.match(text):
         key, value = tight["key"], tight["value"].strip()
         problem = f"a space is missing after the ':' of '{key}'; write '{key}: {value}'"
@@ -332,7 +332,7 @@ def _sign_of_key(text: str, line: int) -> Slip | None:
 
 
 def _bare_word(lines: Sequence[str], line: int) -> Slip | None:
-    """A word without any sign behind it: a key, an item, or more of a text."""
+    """Detect a word without a sign after it: a key, an item, or the continuation of a text."""
     text = lines[line - 1]
     first = _FIRST.match(text)
     if first is None or first["key"].endswith(":"):
@@ -349,13 +349,13 @@ def _bare_word(lines: Sequence[str], line: int) -> Slip | None:
 
 
 def _is_prose(line: str) -> bool:
-    """Whether a line goes on with a text: only a key that begins its line has as many words."""
+    """Return whether a line continues a text: it is indented and has more words than an entry."""
     words = line.partition(" #")[0].split()
     return line[:1] == " " and len(words) > _LONGEST_ENTRY and not _NO_PROSE.search(line)
 
 
 def _second_colon(trouble: _Trouble) -> Slip | None:
-    """A text on the line of its key that holds a colon and a space."""
+    """Detect a text on the line of its key that holds a colon and a space."""
     if trouble.problem != _NO_MAPPING:
         return None
     line, text = trouble.line, trouble.text
@@ -383,7 +383,7 @@ def _two_keys(trouble: _Trouble, key: re.Match[str], value: str) -> Slip:
 
 
 def _indentation(trouble: _Trouble) -> Slip | None:
-    """A line that is indented unlike its neighbours."""
+    """Detect a line that is indented differently from its neighbours."""
     if trouble.problem not in (_NO_KEY, _NO_ITEM, _NO_MAPPING):
         return None
     shift = find_shift(trouble.lines, trouble.line)
@@ -391,7 +391,7 @@ def _indentation(trouble: _Trouble) -> Slip | None:
 
 
 def _colon_above(trouble: _Trouble) -> Slip | None:
-    """A line that lacks its colon, and is taken for more of the text above it."""
+    """Detect a line that lacks its colon and is read as a continuation of the text above it."""
     number = trouble.above
     is_no_key = number and not _KEY.match(f"{trouble.lines[number - 1]} ")
     is_text = trouble.problem == _NO_MAPPING and is_no_key
@@ -399,7 +399,7 @@ def _colon_above(trouble: _Trouble) -> Slip | None:
 
 
 def _never_closed(trouble: _Trouble) -> Slip | None:
-    """The bracket at the end of a text that lacks what follows it."""
+    """Detect an unclosed bracket at the end of a text."""
     line = trouble.above
     before = trouble.lines[line - 1].partition(" #")[0].rstrip()
     closing = {"[": "]", "{": "}"}.get(before[-1:])
@@ -420,7 +420,7 @@ def _missing_value(trouble: _Trouble) -> Slip | None:
 
 
 def _before_the_document(trouble: _Trouble) -> Slip | None:
-    """A line in front of the document that makes a document of its own."""
+    """Detect a line before or after the document that forms a second document."""
     if trouble.problem != _NO_START:
         return None
     number = trouble.above or trouble.line
