@@ -1,4 +1,4 @@
-"""Arcs of transition diagrams: which state follows which, under a policy."""
+"""Arcs of transition diagrams: successions of states under a policy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cbdsl.types.state import matches
 
 
 class ActionArc(NamedTuple):
-    """A state, an action, and the state that followed."""
+    """State, action, and next state."""
 
     state: str
     action: str
@@ -23,13 +23,13 @@ class ActionArc(NamedTuple):
 
 @dataclass(frozen=True)
 class DrawnArc:
-    """An arc that the source has, or some arcs of which one is enough.
+    """Arc that the source draws, or alternative arcs of which one suffices.
 
     Attributes:
-        state: pattern of the state that it leaves.
-        action: what is done there.
-        next_states: patterns of the state that it leads to.
-        context: of the stage; only there it is looked for, where it is not ``None``.
+        state: Pattern of the state that it leaves.
+        action: Action in that state.
+        next_states: Patterns of the state to which it leads.
+        context: Context of the stage to which the search is limited; ``None`` for all contexts.
     """
 
     state: str
@@ -42,15 +42,15 @@ class DrawnArc:
         return f"{self.state}, {self.action} → {' or '.join(self.next_states)}{where}"
 
     def is_among(self, arcs: Iterable[ActionArc]) -> bool:
-        """Whether a diagram has it."""
+        """Return whether a diagram has the arc."""
         return any(arc.action == self.action and self._joins(arc) for arc in arcs)
 
     def is_turned_among(self, arcs: Iterable[ActionArc]) -> bool:
-        """Whether a diagram has it with the parts of its action in whatever order."""
+        """Return whether a diagram has the arc with the parts of its action in any order."""
         return any(_parts(arc.action) == _parts(self.action) and self._joins(arc) for arc in arcs)
 
     def is_joined(self, arcs: Iterable[ActionArc]) -> bool:
-        """Whether a diagram has it with any action."""
+        """Return whether a diagram has the arc with any action."""
         return any(self._joins(arc) for arc in arcs)
 
     def _joins(self, arc: ActionArc) -> bool:
@@ -60,16 +60,16 @@ class DrawnArc:
 
 
 def _parts(action: str) -> frozenset[str]:
-    """The controllers of an action."""
+    """Return the controllers of an action."""
     return frozenset(action.split(SUBJECT_TO))
 
 
 def diagram_of(experiences: Iterable[Experience], least: float = ABOVE) -> dict[ActionArc, float]:
-    """The arcs that are drawn, with the share of what leaves their state.
+    """Return the drawn arcs, with their share of the transitions that leave their state.
 
     Args:
-        experiences: episodes under a policy.
-        least: rarer ones are left out.
+        experiences: Episodes under a policy.
+        least: Share above which an arc is drawn.
     """
     passed = Counter(
         ActionArc(each.state, each.action, each.next_state)

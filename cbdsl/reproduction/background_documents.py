@@ -1,4 +1,4 @@
-"""Background models as documents: where each channel is expected (Section 5.2.1)."""
+"""Background models as documents: expected postures for each channel (Section 5.2.1)."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from pathlib import Path
 from cbdsl.documents.model import Kernel, ModelDocument
 from cbdsl.yaml_text.writer import write
 
-# How far from where a thing was tracked its like is expected, rad: a head at rest is within 5 deg
-# of what it tracks.
+# Deviation of expected from tracked postures, rad: a head at rest is within 5 deg of the tracked
+# object.
 _BANDWIDTH = 0.05
 
 Postures = Sequence[tuple[float, ...]]
@@ -18,13 +18,13 @@ Postures = Sequence[tuple[float, ...]]
 def background_documents(
     robot: str, effector: str, stage: str, tracked: Mapping[str, Postures]
 ) -> Iterator[ModelDocument]:
-    """A model for each channel that was tracked at all.
+    """Yield a model for each channel that was tracked at least once.
 
     Args:
-        robot: its name.
-        effector: that moves its cameras.
-        stage: where.
-        tracked: configurations in which a channel was tracked, rad, by its name.
+        robot: Name of the robot.
+        effector: Effector that moves its cameras.
+        stage: Name of the stage.
+        tracked: Configurations in which a channel was tracked, rad, by the channel's name.
     """
     for channel, postures in tracked.items():
         if postures:
@@ -47,6 +47,6 @@ def background_documents(
 def write_backgrounds(
     folder: Path, robot: str, effector: str, stage: str, tracked: Mapping[str, Postures]
 ) -> None:
-    """Write those models to a folder, each to a file of its name."""
+    """Write the background models to a folder, each to a file of its name."""
     for document in background_documents(robot, effector, stage, tracked):
         write(document, folder / f"{document.name}.yaml")

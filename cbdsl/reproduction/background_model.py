@@ -1,8 +1,8 @@
-"""Background model: where each channel can be tracked in a room (Figures 5.3 to 5.5).
+"""Background model: head postures at which each channel is tracked in a room (Figures 5.3 to 5.5).
 
-SEARCHTRACK is run with one channel after another in the place of its own. Where it was tracked, the
-posture of the head is a sample of what is expected there; after ten looks without anything to track
-the channel is given up (Section 5.2.1).
+SEARCHTRACK is run with one channel after another. If the channel is tracked, the posture of the
+head is a sample of the background model. After ten unsuccessful looks the channel is given up
+(Section 5.2.1).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from cbdsl.robot.channel_names import channel_names
 from cbdsl.runtime.episode import Tick
 
 _PROGRAM, _STAGE, _EFFECTOR = "searchtrack", "furnished", "head"
-#: The figures of the source by the beginning of their channels' names.
+#: Figures of the source by the beginning of their channels' names.
 FIGURES = {"sat": ("5.3", "saturation"), "hue": ("5.4", "hue"), "int": ("5.5", "intensity")}
 _POSITIVES, _QUICK_POSITIVES = 50, 1
 # Ten looks have two transitions each: on the way, and there. Tracking takes three more.
@@ -36,12 +36,12 @@ Posture = tuple[float, ...]
 
 
 class ChannelSearch(NamedTuple):
-    """Up to ten looks for a channel.
+    """Search for a channel with up to ten looks.
 
     Attributes:
-        channel: what was looked for.
-        seed: of the search.
-        posture: of the head where the channel was tracked, rad; empty where it was not.
+        channel: Name of the channel.
+        seed: Seed of the search.
+        posture: Posture of the head that tracks the channel, rad; empty if it was not tracked.
     """
 
     channel: str
@@ -50,10 +50,10 @@ class ChannelSearch(NamedTuple):
 
 
 class KeptSearches:
-    """Searches that are kept in a file as soon as they are over.
+    """Searches that are stored in a file as soon as they end.
 
     Args:
-        path: the file, a line of JSON for each search; it need not be there.
+        path: File with a line of JSON for each search; it need not exist.
     """
 
     def __init__(self, path: Path) -> None:
@@ -64,7 +64,7 @@ class KeptSearches:
         }
 
     def get(self, channel: str, seed: int, look: Callable[[int], Posture]) -> ChannelSearch:
-        """A search, from the file or by looking."""
+        """Return a search, from the file or by running it."""
         known = self._known.get((channel, seed))
         if known is None:
             known = self._known[channel, seed] = ChannelSearch(channel, seed, look(seed))
@@ -77,9 +77,9 @@ class TrackedPostures:
     """Postures in which a channel was tracked.
 
     Attributes:
-        channel: its name.
-        postures: of the head where it was tracked, rad.
-        given_up: whether it ended with a search in vain.
+        channel: Name of the channel.
+        postures: Postures of the head that tracks the channel, rad.
+        given_up: True if the last search was unsuccessful.
     """
 
     channel: str
@@ -88,7 +88,7 @@ class TrackedPostures:
 
 
 def run(settings: RunSettings) -> Result:
-    """Look for every channel, and picture where each was tracked."""
+    """Search for every channel, and draw the postures at which each was tracked."""
     wanted = _QUICK_POSITIVES if settings.quick else settings.trials or _POSITIVES
     kept = KeptSearches(settings.folder / "background_searches.jsonl")
     channels: list[TrackedPostures] = []
@@ -108,7 +108,7 @@ def run(settings: RunSettings) -> Result:
 
 
 def tracked_postures(channel: str, searches: Iterable[ChannelSearch]) -> TrackedPostures:
-    """ChannelSearch as often as asked for, or until a search was in vain."""
+    """Collect the postures of searches, up to the first unsuccessful one."""
     postures: list[Posture] = []
     for search in searches:
         if not search.posture:
@@ -118,7 +118,7 @@ def tracked_postures(channel: str, searches: Iterable[ChannelSearch]) -> Tracked
 
 
 def looker(lab: SimulationFixture) -> Callable[[int], Posture]:
-    """Looks for the channel of a program; the posture of the head in the end."""
+    """Return a function that searches for a channel and returns the final head posture."""
     program = lab.program._replace(transitions=_TRANSITIONS)
     runner = replace(lab, program=program).runner()
 
@@ -136,7 +136,7 @@ def looker(lab: SimulationFixture) -> Callable[[int], Posture]:
 
 
 def quantities(channels: Sequence[TrackedPostures]) -> Iterator[Quantity]:
-    """How many channels respond, and which do not."""
+    """Yield the shares of channels that can be tracked."""
     for prefix, (figure, word) in FIGURES.items():
         own = [each for each in channels if each.channel.startswith(prefix)]
         empty = [each.channel for each in own if not each.postures]

@@ -1,4 +1,4 @@
-"""Bars in one part or two, and their picture as SVG: how often actions were taken, and rewarded."""
+"""Bar chart as SVG, with bars of one or two parts, such as counts of actions and rewards."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ _FULL, _REST, _INK = "#0072b2", "#b5e0cf", "#222222"
 
 
 class Bar(NamedTuple):
-    """One bar.
+    """Bar of a chart.
 
     Attributes:
-        name: what it is of.
-        first: length of its first part.
-        second: length of the part behind it.
+        name: Label of the bar.
+        first: Length of its first part.
+        second: Length of its second part.
     """
 
     name: str
@@ -29,10 +29,10 @@ class BarChart:
     """Bars over a common axis.
 
     Attributes:
-        name: of its file, without suffix.
-        title: what it shows.
-        bars: from top to bottom.
-        first, second: what the parts are; no second one where it is empty.
+        name: Name of its file, without suffix.
+        title: Title of the chart.
+        bars: Bars from top to bottom.
+        first, second: Labels of the parts; an empty label means that there is no second part.
     """
 
     name: str
@@ -42,12 +42,12 @@ class BarChart:
     second: str = ""
 
     def data(self) -> dict[str, object]:
-        """The data of the chart, for scripts."""
+        """Return the data of the chart, for scripts."""
         kinds = [self.first, self.second] if self.second else [self.first]
         return {bar.name: dict(zip(kinds, bar[1:], strict=False)) for bar in self.bars}
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         longest = max((bar.first + bar.second for bar in self.bars), default=1.0) or 1.0
         scale, height = (_WIDTH - _LEFT - _RIGHT) / longest, _TOP + _ROW * len(self.bars) + 10
         parts = [

@@ -1,4 +1,4 @@
-"""One trial of Figure 3.6: a barcode in front of a camera, to be told from two others."""
+"""One trial of Figure 3.6: a barcode in front of a camera, to be distinguished from two others."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ FOCAL_LENGTH = 837.0
 
 @dataclass(frozen=True)
 class BarcodeTrial:
-    """A barcode, wherever it is and whoever holds it.
+    """Barcode in front of a camera, at any place and held by any hand.
 
     Attributes:
-        picture: what the camera's lens gets to see (``Cameras.resolve``), RGB.
-        fineness: how many times as many pixels as 640 x 480 it has, each way.
-        depth: of the barcode along the camera's axis, m.
-        barcode: which one it is.
-        candidates: the class that it is known to be of.
-        seed: of the sensor's noise.
+        picture: Scene in front of the camera's lens (``Cameras.resolve``), RGB.
+        fineness: Factor by which it exceeds 640 x 480 pixels, along each axis.
+        depth: Depth of the barcode along the camera's axis, m.
+        barcode: Shown barcode.
+        candidates: Class to which it is known to belong.
+        seed: Seed of the sensor's noise.
     """
 
     picture: Image
@@ -36,10 +36,10 @@ class BarcodeTrial:
     seed: tuple[int, ...]
 
     def image(self, lens: Lens) -> Image:
-        """The camera's image through a lens, RGB, shape (480, 640, 3)."""
+        """Return the camera's image through a lens, RGB, shape (480, 640, 3)."""
         rng = np.random.default_rng(self.seed)
         return lens.photograph(self.picture, self.fineness, FOCAL_LENGTH, self.depth, rng)
 
     def is_read(self, lens: Lens) -> bool:
-        """Whether the robot tells which one it is."""
+        """Return whether the robot identifies the barcode."""
         return classify(self.image(lens), self.candidates) is self.barcode

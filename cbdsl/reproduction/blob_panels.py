@@ -1,4 +1,4 @@
-"""Blobs of things in a camera's image, one panel for each moment (Figures 7.15 and 7.16)."""
+"""Blobs of objects in a camera's image, one panel for each moment (Figures 7.15 and 7.16)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
 
-# px; of what an image shows, rad, to either side and up and down.
+# Sizes of panels, px; half-widths of the shown field of view, horizontally and vertically, rad.
 _WIDTH, _HEIGHT, _GAP, _TOP = 240, 180, 16, 58
 _ACROSS, _UP = 0.365, 0.28
 _LONGEST = 5
@@ -17,14 +17,14 @@ Blobs = Mapping[str, tuple[float, ...]]
 
 @dataclass(frozen=True)
 class BlobPanels:
-    """Ellipses with the second moments of the regions.
+    """Picture of ellipses with the second moments of the regions.
 
     Attributes:
-        name: of the file, without suffix.
-        title: what it shows.
-        panels: by what the moment is: heading and semi-axes of each thing, two angles each, and the
-            direction of the longer axis where it has one; rad.
-        colors: of the things.
+        name: Name of the file, without suffix.
+        title: Title of the picture.
+        panels: Blobs of each object by the description of the moment: heading and semi-axes, two
+            angles each, and the direction of the longer axis if it has one, rad.
+        colors: Colours of the objects.
     """
 
     name: str
@@ -33,14 +33,14 @@ class BlobPanels:
     colors: Mapping[str, str]
 
     def data(self) -> dict[str, object]:
-        """The blobs, for scripts."""
+        """Return the blobs, for scripts."""
         return {
             moment: {thing: list(blob) for thing, blob in blobs.items()}
             for moment, blobs in self.panels.items()
         }
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         width = len(self.panels) * (_WIDTH + _GAP) + _GAP
         height = _TOP + _HEIGHT + 40
         parts = [
@@ -75,7 +75,7 @@ def _ellipse(blob: tuple[float, ...], color: str) -> str:
     azimuth, elevation, longer, shorter = blob[:4]
     scale = _WIDTH / (2 * _ACROSS)
     x, y = (_ACROSS - azimuth) * scale, (_UP - elevation) * scale
-    # An azimuth goes to the left and an elevation up; both signs cancel out.
+    # Azimuth increases to the left and elevation upwards; both signs cancel out.
     turn = math.degrees(blob[4]) if len(blob) == _LONGEST else 0.0
     return (
         f'<ellipse rx="{longer * scale:.1f}" ry="{shorter * scale:.1f}" fill="{color}" '

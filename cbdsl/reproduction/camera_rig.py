@@ -1,4 +1,4 @@
-"""Dexter, and white boxes with barcodes that are put up in front of its left camera."""
+"""Dexter, and white boxes with barcodes in front of its left camera."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cbdsl.reproduction.simulation_fixture import REFERENCE
 from cbdsl.sensing.observation import Image
 from cbdsl.yaml_text.library import Library, shipped
 
-#: How many times as many pixels as the source's cameras have, each way, a picture has.
+#: Factor by which a picture has more pixels than the source's cameras, along each axis.
 FINENESS = 4
 
 _SOURCE_CAMERA = {"width": 640, "height": 480, "focal_length": FOCAL_LENGTH}
@@ -29,12 +29,12 @@ _AHEAD = {"pan": 0.0, "tilt": 0.0}
 
 @dataclass(frozen=True)
 class Placement:
-    """Where the printed side is, seen by the left camera.
+    """Pose of the printed side relative to the left camera.
 
     Attributes:
-        depth: along the camera's axis, m.
-        left, up: of the axis, m.
-        turn: about the upright, rad; at 0 the side is square to the axis.
+        depth: Depth along the camera's axis, m.
+        left, up: Offsets from the axis, m.
+        turn: Rotation about the vertical, rad; at 0 the side is perpendicular to the axis.
     """
 
     depth: float
@@ -44,7 +44,7 @@ class Placement:
 
 
 def with_source_cameras(robot: RobotDocument) -> RobotDocument:
-    """The robot with the cameras of Section 3.2: 640 x 480 pixels, focal length 837 px."""
+    """Return the robot with the cameras of Section 3.2: 640 x 480 pixels, focal length 837 px."""
     cameras = {
         name: camera.model_copy(update=_SOURCE_CAMERA) for name, camera in robot.cameras.items()
     }
@@ -52,7 +52,7 @@ def with_source_cameras(robot: RobotDocument) -> RobotDocument:
 
 
 class CameraRig:
-    """Takes pictures of boxes that nobody holds.
+    """Rig that takes pictures of boxes fixed in space.
 
     Attributes:
         robot: Dexter with the source's cameras.
@@ -63,20 +63,20 @@ class CameraRig:
         self._backend = backend
 
     def baseline(self) -> float:
-        """Distance between the two cameras, m."""
+        """Return the distance between the two cameras, m."""
         self._backend.reset(self._stage({}, []), None, np.random.default_rng(0))
         left, right = (view.pose.position for view in self._backend.cameras.views().values())
         return float(np.linalg.norm(left - right))
 
     def picture(self, stripes: Sequence[float], placement: Placement) -> Image:
-        """The view of the left camera's lens on a box.
+        """Return the view of the left camera's lens on a box.
 
         Args:
-            stripes: printed on its side, 10 cm high: widths of bar, gap, ..., bar, m.
-            placement: of that side.
+            stripes: Widths of bar, gap, ..., bar printed on its side, m; they are 10 cm high.
+            placement: Placement of that side.
 
         Returns:
-            RGB, with ``FINENESS`` times as many pixels as the camera each way, without noise.
+            RGB picture without noise, with ``FINENESS`` times the camera's pixels along each axis.
         """
         rng = np.random.default_rng(0)
         self._backend.reset(self._stage({"joints": _AHEAD}, []), None, rng)
@@ -105,7 +105,7 @@ class CameraRig:
 
 
 def _place(view: View, placement: Placement) -> dict[str, float]:
-    """Where the box has to be for its printed side to be there."""
+    """Return the pose of the box that puts its printed side at a placement."""
     forward, left, up = view.pose.rotation.T
     side = (
         view.pose.position + placement.depth * forward + placement.left * left + placement.up * up
@@ -120,9 +120,9 @@ def camera_rig(engine: str = REFERENCE) -> Iterator[CameraRig]:
     """Set up Dexter on the backend of this name.
 
     Raises:
-        BackendError: the simulator cannot embody it.
+        BackendError: The simulator cannot embody it.
     """
-    # What is shipped, not what somebody may have put into the working folder under its name.
+    # The shipped document, instead of a document of the same name in the working folder.
     library = Library(shipped())
     path = library.locate(RobotDocument, "dexter")
     robot = with_source_cameras(library.read(path, RobotDocument).document)

@@ -1,4 +1,4 @@
-"""Three catalogs: what a table and two balls afford (Figures 6.2 to 6.5)."""
+"""Three catalogs: affordances of a table and two balls (Figures 6.2 to 6.5)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from cbdsl.reproduction.percentage import clustered_percentage, percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
 
-# In its first and its last actions an exploration chooses to do nothing seldom and often.
+# First and last actions of an exploration, among which doing nothing is rare and frequent.
 _FIRST, _LAST = 30, 30
 
 
@@ -45,8 +45,8 @@ class Expected:
     """Report of the source of one action on one object.
 
     Attributes:
-        source: in a few words.
-        claim: about the percentage of times that it was rewarded.
+        source: Report in a few words.
+        claim: Claim about the percentage of rewarded actions.
     """
 
     source: str
@@ -54,7 +54,7 @@ class Expected:
 
 
 _ALWAYS, _NEVER = Expected("100 %", at_least(95)), Expected("0 %", at_most(5))
-#: By figure: the series, and how often each action is rewarded.
+#: Series and expected share of rewards of each action, by figure.
 FIGURES: Mapping[str, tuple[ExplorationSeries, Mapping[str, Expected]]] = {
     "fig-6.2": (
         TABLE,
@@ -93,7 +93,7 @@ _ICONS: Mapping[str, frozenset[str]] = {
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Explore, and count what was rewarded."""
+    """Explore, and count the rewarded actions."""
     with trial_runner(settings) as dexter:
         explored = gather(dexter, settings, name)
     if name == "fig-6.5":
@@ -128,14 +128,14 @@ _ICON_NOTES = (
 
 
 def series_of(name: str) -> tuple[ExplorationSeries, ...]:
-    """The series of explorations."""
+    """Return the series of explorations."""
     return (TABLE, BASKETBALL, RED_BALL) if name == "fig-6.5" else (FIGURES[name][0],)
 
 
 def gather(
     dexter: TrialRunner, settings: RunSettings, name: str
 ) -> list[tuple[ExplorationSeries, list[CatalogDocument]]]:
-    """Run all actions; the catalogs of each series."""
+    """Run all actions, and return the catalogs of each series."""
     for series in series_of(name):
         dexter.expect(len(dexter.numbers(series)) * dexter.actions(series))
     return [(series, dexter.explore(series)) for series in series_of(name)]
@@ -149,7 +149,7 @@ def _shares(
 
 
 def _marks(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
-    """Of a ball with two patches: how often either was found, of all inspections."""
+    """Yield the shares of inspections that find either of the two patches of a ball."""
     for name in ("reachtouch", "bimanualtouch"):
         yield share_of_actions(catalogs, name)
     names = dict.fromkeys(k for each in catalogs for k in each.affordances if "inspect" in k)
@@ -166,7 +166,7 @@ def _marks(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
 
 
 def _counts(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
-    """How often each action was taken in a trial."""
+    """Yield the mean number of times that each action was taken in a trial."""
     names = dict.fromkeys(a for each in catalogs for a in actions_of(each))
     for name in names:
         counts = np.array([float(actions_of(each).count(name)) for each in catalogs])
@@ -195,7 +195,7 @@ def _more_often(actions: Sequence[str]) -> float:
 
 @dataclass(frozen=True)
 class IconPicture:
-    """The icon of a catalog as a picture of an experiment."""
+    """Icon of a catalog as a picture of an experiment."""
 
     name: str
     title: str
@@ -203,11 +203,11 @@ class IconPicture:
     layers: tuple[Layer, ...]
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         return catalog_icon(self.title, self.feature, self.layers)
 
     def data(self) -> dict[str, object]:
-        """The data of the picture, for scripts."""
+        """Return the data of the picture, for scripts."""
         return {each.name: [each.rewarded, each.tried] for each in self.layers}
 
 
@@ -226,5 +226,5 @@ def _icons(explored: Sequence[tuple[ExplorationSeries, list[CatalogDocument]]]) 
 
 
 def _afforded(catalog: CatalogDocument) -> frozenset[str]:
-    """Actions that were rewarded at least once."""
+    """Return the actions that were rewarded at least once."""
     return frozenset(name for name, each in catalog.affordances.items() if each.rewarded)

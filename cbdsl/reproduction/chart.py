@@ -1,4 +1,4 @@
-"""Curves of an experiment, and their picture as SVG."""
+"""Chart of the curves of an experiment, and its picture as SVG."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from html import escape
 
 _WIDTH, _HEIGHT = 610, 300
-# On the right there is room for a line's name of 30 characters.
+# The right margin fits a line's name of 30 characters.
 _LEFT, _RIGHT, _TOP, _BOTTOM = 70, 200, 34, 46
 # Distinguishable without colour vision (Okabe and Ito), and by dashes in print.
 _STYLES = (("#0072b2", ""), ("#d55e00", "7 3"), ("#009e73", "2 3"), ("#cc79a7", "9 3 2 3"))
@@ -17,12 +17,12 @@ _TICKS = 5
 
 @dataclass(frozen=True)
 class Line:
-    """One curve.
+    """Curve of a chart.
 
     Attributes:
-        name: of the curve.
-        x, y: as many abscissas as ordinates.
-        low, high: as many ends of intervals around the ordinates, or none.
+        name: Name of the curve.
+        x, y: Abscissas and ordinates, of equal number.
+        low, high: Ends of intervals around the ordinates, of the same number, or empty.
     """
 
     name: str
@@ -37,10 +37,10 @@ class Chart:
     """Curves over a common axis.
 
     Attributes:
-        name: of its file, without suffix.
-        title: what it shows.
-        x_label, y_label: the axes, with units.
-        lines: at most four.
+        name: Name of its file, without suffix.
+        title: Title of the chart.
+        x_label, y_label: Labels of the axes, with units.
+        lines: Curves, at most four.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Chart:
     lines: tuple[Line, ...]
 
     def data(self) -> dict[str, object]:
-        """The data of the chart, for scripts."""
+        """Return the data of the chart, for scripts."""
         return {
             "x": self.x_label,
             "y": self.y_label,
@@ -58,7 +58,7 @@ class Chart:
         }
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         horizontal = _ChartAxis([x for line in self.lines for x in line.x], _LEFT, _WIDTH - _RIGHT)
         vertical = _ChartAxis(
             [y for line in self.lines for y in (*line.y, *line.low, *line.high)],
@@ -77,7 +77,7 @@ class Chart:
             *(_grid_across(at, label) for at, label in vertical.ticks()),
             *(_grid_up(at, label) for at, label in horizontal.ticks()),
         ]
-        # Below all curves, so that none is hidden.
+        # Bands are drawn first, so that they do not hide curves.
         parts += [
             _band(line, horizontal, vertical, color)
             for line, (color, _) in zip(self.lines, _STYLES, strict=False)
@@ -93,7 +93,7 @@ class Chart:
 
 
 class _ChartAxis:
-    """Maps values to pixels between round numbers."""
+    """Mapping of values to pixels between round numbers."""
 
     def __init__(self, values: Sequence[float], start: float, end: float) -> None:
         low, high = min(values), max(values)
@@ -106,13 +106,13 @@ class _ChartAxis:
         return self._start + (value - self._low) * self._pixels
 
     def ticks(self) -> list[tuple[float, str]]:
-        """Where the round numbers lie, and how they are written."""
+        """Return the pixel positions and labels of the round numbers."""
         values = [self._low + index * self._step for index in range(self._count + 1)]
         return [(self(value), f"{round(value / self._step) * self._step:.6g}") for value in values]
 
 
 def _round_step(span: float) -> float:
-    """1, 2 or 5 times a power of ten, so that about five steps make the span."""
+    """Return 1, 2 or 5 times a power of ten, so that about five steps cover the span."""
     rough = span / _TICKS
     power = 10.0 ** math.floor(math.log10(rough))
     return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= rough * 0.999)
@@ -136,7 +136,7 @@ def _grid_up(x: float, label: str) -> str:
 
 
 def _band(line: Line, horizontal: _ChartAxis, vertical: _ChartAxis, color: str) -> str:
-    """The interval around a curve, there along its upper end and back along the lower one."""
+    """Return the interval around a curve as a polygon along its upper and lower ends."""
     there = zip(line.x, line.high, strict=True)
     back = reversed(list(zip(line.x, line.low, strict=True)))
     corners = " ".join(f"{horizontal(x):.1f},{vertical(y):.1f}" for x, y in (*there, *back))

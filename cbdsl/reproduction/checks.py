@@ -1,4 +1,4 @@
-"""Checks of what a trial has learned: its greedy policy, again and again, in held-out episodes."""
+"""Checks of a trial: repeated runs of its greedy policy in held-out episodes."""
 
 from __future__ import annotations
 
@@ -13,40 +13,40 @@ from cbdsl.reproduction.trial_runner import LearnedTrial, TrialRunner
 
 @dataclass(frozen=True)
 class Schedule:
-    """When a trial is checked, and by how many episodes.
+    """Schedule of the checks of a trial.
 
     Attributes:
-        every: how many episodes lie between two checks.
-        held_out: episodes of each check; the same ones each time.
+        every: Number of episodes between two checks.
+        held_out: Number of episodes of each check; all checks use the same ones.
     """
 
     every: int
     held_out: int
 
     def after(self, episodes: int) -> range:
-        """The numbers of episodes after which there is a check."""
+        """Return the numbers of episodes after which to check."""
         return range(self.every, episodes + 1, self.every)
 
 
 def schedule(settings: RunSettings) -> Schedule:
-    """The usual schedule, or the quick one."""
+    """Return the usual schedule, or the quick one."""
     return Schedule(every=2, held_out=2) if settings.quick else Schedule(every=5, held_out=20)
 
 
 @dataclass(frozen=True)
 class Check:
-    """The held-out episodes after some of a trial's own.
+    """Held-out episodes after some of a trial's own episodes.
 
     Attributes:
-        episodes: how many the policy was learned from.
-        experiences: under the greedy policy.
+        episodes: Number of episodes from which the policy was learned.
+        experiences: Held-out episodes under the greedy policy.
     """
 
     episodes: int
     experiences: tuple[Experience, ...]
 
     def success(self, series: Series) -> float:
-        """Share of the episodes that were rewarded, of those in which something can be."""
+        """Return the share of rewarded episodes among the episodes with a possible reward."""
         rewarded = [
             each.reward > 0 for each in self.experiences if each.context not in series.hopeless
         ]
@@ -59,13 +59,13 @@ def checks(
     plan: Schedule,
     when: Sequence[int] | None = None,
 ) -> tuple[Check, ...]:
-    """All checks of a trial, in their order; see ``TrialRunner.greedy`` for what is raised.
+    """Return all checks of a trial, in order; see ``TrialRunner.greedy`` for the exceptions.
 
     Args:
-        trial_runner: runs them.
-        learned: the trial at its end.
-        plan: how many episodes each has.
-        when: after which of the trial's own episodes; ``None`` for the plan's.
+        runner: Runner of the episodes.
+        learned: Trial at its end.
+        plan: Schedule of the checks.
+        when: Numbers of episodes after which to check; ``None`` for the numbers of the plan.
     """
     passed: list[Check] = []
     for episodes in plan.after(len(learned.trial.experiences)) if when is None else when:
@@ -77,9 +77,9 @@ def checks(
 def _check(
     runner: TrialRunner, learned: LearnedTrial, plan: Schedule, before: Sequence[Experience]
 ) -> Check:
-    """Check what is known now, after checks of what was known before."""
+    """Check the current policy, reusing episodes of earlier checks."""
     episodes = len(learned.trial.experiences)
-    # Where it draws from what it learned, no two checks have the same program.
+    # If it draws from learned models, no two checks have the same program.
     known = () if learned.trial.learned_models() else before
     seeds = learned.held_out(plan.held_out)
     return Check(episodes, runner.greedy(learned, f"greedy_{episodes}", seeds, known=known))

@@ -1,4 +1,4 @@
-"""Cross-sections: a density over positions from above and from the side (Figure 5.6)."""
+"""Cross-sections of a density over positions, from above and from the side (Figure 5.6)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# px per m; px around panels; m of a cell, and around all that is shown.
+# Scale, px/m; gaps around panels, px; size of a cell and margin around the content, m.
 _SCALE, _GAP, _TOP, _CELL, _MARGIN = 300, 40, 60, 0.02, 0.1
 _VIEWS = (("(a) from above", 0, 1), ("(b) from the side", 0, 2))
 _COLORS = ("#0072b2", "#d55e00", "#cc79a7")
@@ -19,14 +19,14 @@ _COLORS = ("#0072b2", "#d55e00", "#cc79a7")
 
 @dataclass(frozen=True)
 class CrossSections:
-    """A sum of kernels around positions, added up along z and along y.
+    """Picture of a sum of kernels around positions, summed along z and along y.
 
     Attributes:
-        name: of the file, without suffix.
-        title: what it shows.
-        samples: positions by what they are of, m, world frame, shape (k, 3).
-        bandwidth: standard deviation of the kernels, m.
-        outline: lower and upper corner of the table, m, shape (2, 3).
+        name: Name of the file, without suffix.
+        title: Title of the picture.
+        samples: Positions by label, m, world frame, shape (k, 3).
+        bandwidth: Standard deviation of the kernels, m.
+        outline: Lower and upper corner of the table, m, shape (2, 3).
     """
 
     name: str
@@ -36,7 +36,7 @@ class CrossSections:
     outline: Floats
 
     def data(self) -> dict[str, object]:
-        """The positions, for scripts."""
+        """Return the positions, for scripts."""
         return {
             "bandwidth": self.bandwidth,
             "table": self.outline.tolist(),
@@ -49,27 +49,27 @@ class CrossSections:
         return np.concatenate([np.empty((0, 3)), *self.samples.values()])
 
     def density(self, across: int, up: int, at: Floats) -> Floats:
-        """The density along two axes, the highest kernel being 1 high.
+        """Return the density along two axes; a single kernel has height 1.
 
         Args:
-            across, up: numbers of the axes.
-            at: where, m, shape (k, 2).
+            across, up: Indices of the axes.
+            at: Positions at which to evaluate the density, m, shape (k, 2).
 
         Returns:
-            Shape (k,).
+            Densities, shape (k,).
         """
         apart = at[:, None] - self.positions[None, :, [across, up]]
         total: Floats = np.exp(-0.5 * (apart**2).sum(axis=2) / self.bandwidth**2).sum(axis=1)
         return total
 
     def peak(self) -> Floats:
-        """Where from above the density is highest, of all samples, m, shape (2,)."""
+        """Return the sample with the highest density from above, m, shape (2,)."""
         level = self.positions[:, :2]
         highest: Floats = level[int(np.argmax(self.density(0, 1, level)))]
         return highest
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         lower, upper = self._corners()
         left, panels = float(_GAP), list[str]()
         for title, across, up in _VIEWS:
@@ -127,7 +127,7 @@ class CrossSections:
 
 @dataclass(frozen=True)
 class _Section:
-    """A part of a plane in the picture: its left edge, px, and its corners, m, shape (2,)."""
+    """Part of a plane in the picture: its left edge, px, and its corners, m, shape (2,)."""
 
     left: float
     lower: Floats
@@ -138,7 +138,7 @@ class _Section:
         return float(self.upper[0] - self.lower[0]) * _SCALE
 
     def at(self, place: Floats) -> tuple[float, float]:
-        """A place in the picture, px."""
+        """Return the pixel coordinates of a position, px."""
         x, y = (place[0] - self.lower[0]) * _SCALE, (self.upper[1] - place[1]) * _SCALE
         return self.left + float(x), _TOP + float(y)
 
@@ -148,7 +148,7 @@ class _Section:
         return f'<rect x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{tall:.1f}" {style}/>'
 
     def labels(self) -> Iterator[str]:
-        """The ends of both axes, rounded to cm."""
+        """Yield the labels of the ends of both axes, rounded to cm."""
         (x, y), (right, top) = self.at(self.lower), self.at(self.upper)
         for label, at in ((self.lower[0], x), (self.upper[0], right)):
             yield f'<text x="{at:.1f}" y="{y + 12:.1f}" text-anchor="middle">{label:.2f}</text>'

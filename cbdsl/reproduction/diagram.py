@@ -16,12 +16,12 @@ from cbdsl.reporting.drawing.svg import svg
 
 @dataclass(frozen=True)
 class Diagram:
-    """A transition diagram.
+    """Transition diagram.
 
     Attributes:
-        name: of its file, without suffix.
-        title: what it shows.
-        graph: what is drawn.
+        name: Name of its file, without suffix.
+        title: Title of the diagram.
+        graph: Drawn graph.
     """
 
     name: str
@@ -29,7 +29,7 @@ class Diagram:
     graph: PolicyTransitions
 
     def data(self) -> dict[str, object]:
-        """The data of the diagram, for scripts."""
+        """Return the data of the diagram, for scripts."""
         action = {decision.state: decision.action for decision in self.graph.decisions}
         return {
             "arcs": [
@@ -39,19 +39,19 @@ class Diagram:
         }
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         return svg(policy_graph(self.graph))
 
 
 def graph_of(
     name: str, program: CheckedProgram, experiences: Sequence[Experience]
 ) -> PolicyTransitions:
-    """The graph of a policy, by the episodes that it ran without exploring.
+    """Return the graph of a policy from its episodes without exploration.
 
     Args:
-        name: of the policy.
-        program: that it is for.
-        experiences: the episodes.
+        name: Name of the policy.
+        program: Program of the policy.
+        experiences: Episodes under the policy.
     """
     counts = TransitionCounts()
     for each in (step for experience in experiences for step in experience.transitions):
@@ -63,7 +63,7 @@ def graph_of(
         name=name,
         program=program.name,
         predicates=program.members,
-        # Of a greedy policy there is one action for each state.
+        # A greedy policy has one action for each state.
         policy={state: next(iter(actions)) for state, actions in transitions.items()},
         transitions=transitions,
     )
@@ -72,6 +72,6 @@ def graph_of(
 
 
 def _rewarded(experiences: Sequence[Experience]) -> Collection[str]:
-    """The states in which every episode that ended there was rewarded."""
+    """Return the final states in which all episodes that ended there were rewarded."""
     ends = [(each.transitions[-1].next_state, each.reward > 0) for each in experiences]
     return {state for state, _ in ends} - {state for state, reward in ends if not reward}

@@ -1,4 +1,4 @@
-"""The shipped programs and policies of Dexter on every engine, with rendered and ideal cameras."""
+"""Shipped programs and policies of Dexter on every engine, with rendered and ideal cameras."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ _NOTES = (
 
 
 class EngineSetup(NamedTuple):
-    """A backend and its cameras, by name."""
+    """Backend and its cameras, by name."""
 
     backend: str
     cameras: str
@@ -73,13 +73,13 @@ _SETUPS = (
 
 
 class PlayedPart(NamedTuple):
-    """A program under one policy, and the stage that it runs on.
+    """Program under one policy, and its stage.
 
     Attributes:
-        name: of the program or policy.
-        program: with that policy.
-        stage: where it runs.
-        digest: of program and policy.
+        name: Name of the program or policy.
+        program: Program with that policy.
+        stage: Stage on which it runs.
+        digest: Digest of program and policy.
     """
 
     name: str
@@ -88,19 +88,19 @@ class PlayedPart(NamedTuple):
     digest: str
 
     def digest_with(self, robot: RobotDocument, setup: EngineSetup) -> str:
-        """Digest of all that decides an episode beside its seed."""
+        """Return the digest of all inputs of an episode except its seed."""
         documents = [each.model_dump_json() for each in (robot, self.stage)]
         return digest_of_text("\n".join([self.digest, str(setup), *documents]))
 
 
 def run(settings: RunSettings) -> Result:
-    """Run everything that is shipped for Dexter on all engines."""
+    """Run all shipped programs and policies of Dexter on all engines."""
     episodes = settings.trials or (_QUICK_EPISODES if settings.quick else _EPISODES)
     seeds = range(settings.seed, settings.seed + episodes)
     library = Library(shipped())
     parts = list(_parts(library))
     for setup in _SETUPS:
-        find_backend(setup.backend)  # what is not installed is said before anything runs
+        find_backend(setup.backend)  # reports a missing installation before any run
     played: dict[EngineSetup, dict[str, Episodes]] = {setup: {} for setup in _SETUPS}
     for number, setup in enumerate(_SETUPS):
         kept = KeptEpisodes(settings.folder / f"{setup.backend}_{setup.cameras}.jsonl")
@@ -115,11 +115,11 @@ def run(settings: RunSettings) -> Result:
 
 
 class EmbodiedRobot:
-    """The robot on one engine.
+    """Robot on one engine.
 
     Args:
-        setup: the engine and its cameras.
-        library: where the robot is found.
+        setup: Engine and its cameras.
+        library: Library that holds the robot.
     """
 
     def __init__(self, setup: EngineSetup, library: Library) -> None:
@@ -130,7 +130,7 @@ class EmbodiedRobot:
         )
 
     def player(self, part: PlayedPart) -> Callable[[int], PlayedEpisode]:
-        """Function that plays an episode of a part, by its seed."""
+        """Return a function that plays an episode of a part, by its seed."""
         kinematics = Kinematics(self.robot, self._urdf)
         runner = Runner(self.robot, kinematics, part.program, self.backend)
         fixtures = frozenset(part.stage.fixtures)
@@ -166,7 +166,7 @@ def _stage(library: Library, name: str) -> StageDocument:
 
 
 def _quantities(played: Mapping[EngineSetup, Mapping[str, Episodes]]) -> Iterator[Quantity]:
-    """The shares of episodes that succeed, part by part."""
+    """Yield the shares of successful episodes, part by part."""
     first, *others = _SETUPS
     for name, reference in played[first].items():
         share = 100 * sum(each.done for each in reference) / len(reference)
@@ -188,7 +188,7 @@ def _success(
 
 
 def _times(episodes: Episodes, reference: Episodes) -> Iterator[str]:
-    """In how many the states are those of the reference, and how long an episode takes."""
+    """Yield the number of episodes with the reference's states, and the time of an episode."""
     results = [each.result for each in episodes]
     same = sum(
         one.predicates == other.result.predicates
@@ -202,14 +202,14 @@ def _times(episodes: Episodes, reference: Episodes) -> Iterator[str]:
 
 
 def _slips(episodes: Episodes) -> Iterator[str]:
-    """How far what is carried slips, if anything is."""
+    """Yield the slip of carried objects, if there are any."""
     slips = [1e3 * each.slip for each in episodes if each.slip is not None]
     if slips:
         yield f"slips {median(slips):.1f} mm, at most {max(slips):.1f} mm"
 
 
 def _ending(episodes: Episodes) -> Iterator[str]:
-    """The state in which most episodes end that do not succeed, if there are any."""
+    """Yield the state in which most failed episodes end, if there are any."""
     last = Counter(each.result.predicates[-1] for each in episodes if not each.done)
     for state, count in last.most_common(1):
         yield f"{count} of {last.total()} others end in {state}"

@@ -1,4 +1,4 @@
-"""An experiment: a name, a place in the source, and a module that measures."""
+"""Experiment: a name, a place in the source, and a module that measures."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from typing import Protocol
 from cbdsl.reproduction.quantity import Quantity
 
 Progress = Callable[[int, int], None]
-"""Told how many of how many parts of about the same length are done."""
+"""Callback for the numbers of finished and of all parts, which take about the same time."""
 
 
 def _silent(done: int, total: int) -> None:
-    """Nobody watches."""
+    """Ignore the progress."""
 
 
 @dataclass(frozen=True)
 class RunSettings:
-    """How to run an experiment.
+    """Settings of the run of an experiment.
 
     Attributes:
-        seed: of everything random; the same seed gives the same outcome.
-        quick: a smaller variant that shows that it works; its numbers prove nothing.
-        progress: told while it runs.
-        backend: what embodies the robot in experiments that let it be chosen.
-        trials: how many times it learns from zero, or runs each program; ``None`` for as many as
-            the backend is fast enough for, see ``trial_runner``.
-        folder: where trials and episodes are kept, episode by episode, and gone on with.
-        cameras: kind of the backend's cameras, its own choice when ``None``.
-        only: the number of the only trial to run, where others run the others.
+        seed: Seed of all random numbers; the same seed gives the same outcome.
+        quick: True for a smaller variant that only demonstrates the procedure.
+        progress: Callback for the progress of the run.
+        backend: Backend that embodies the robot, in experiments with a choice of backends.
+        trials: Number of times that it learns from zero, or runs each program; ``None`` for a
+            number that suits the speed of the backend, see ``trial_runner``.
+        folder: Folder in which trials and episodes are stored and resumed, episode by episode.
+        cameras: Kind of the backend's cameras; ``None`` for the backend's default.
+        only: Number of the only trial to run, if other processes run the others.
     """
 
     seed: int = 0
@@ -47,11 +47,11 @@ class RunSettings:
 
 
 class Picture(Protocol):
-    """A picture of an experiment, such as a chart.
+    """Picture of an experiment, such as a chart.
 
     Attributes:
-        name: of its file, without suffix.
-        title: what it shows.
+        name: Name of its file, without suffix.
+        title: Title of the picture.
     """
 
     @property
@@ -61,22 +61,22 @@ class Picture(Protocol):
     def title(self) -> str: ...
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         ...
 
     def data(self) -> dict[str, object]:
-        """The data of the picture, for scripts."""
+        """Return the data of the picture, for scripts."""
         ...
 
 
 @dataclass(frozen=True)
 class Result:
-    """The result of an experiment.
+    """Result of an experiment.
 
     Attributes:
-        quantities: our numbers beside the source's.
-        charts: the pictures.
-        notes: how it was done, and what differs from the source; whole sentences.
+        quantities: Our numbers beside the numbers of the source.
+        charts: Pictures.
+        notes: Method, and differences from the source, in whole sentences.
     """
 
     quantities: tuple[Quantity, ...]
@@ -86,22 +86,22 @@ class Result:
 
 @dataclass(frozen=True)
 class Experiment:
-    """One experiment of the source.
+    """Experiment of the source.
 
     Attributes:
-        name: such as ``fig-3.4``.
-        title: what it shows.
-        section: where the source has it.
-        module: in this package, whose function ``run(settings: RunSettings) -> Result`` measures,
-            or raises BackendError or EpisodeError where the simulator cannot run it.
-        learns: whether the robot learns in it. Then the module measures all experiments of its
-            kind: ``run(settings: RunSettings, name: str) -> Result``, and raises JournalError where
-            the folder of the settings holds other trials. ``series_of(name)`` are its series of
-            trials, and ``gather(dexter: TrialRunner, settings: RunSettings, name: str)`` runs all
-            that ``run`` needs, which then reads it from the folder.
-        keeps: whether it keeps episodes in the folder of the settings without learning from them;
-            ``trials`` then says how often it runs each program.
-        backend: where it runs unless another one is chosen; empty where that is no choice.
+        name: Name, such as ``fig-3.4``.
+        title: Subject of the experiment.
+        section: Section of the source.
+        module: Module in this package. Its function ``run(settings: RunSettings) -> Result``
+            measures, or raises BackendError or EpisodeError if the simulator cannot run it.
+        learns: True if the robot learns. The module then measures all experiments of its kind:
+            ``run(settings: RunSettings, name: str) -> Result``. It raises JournalError if the
+            folder of the settings holds other trials. ``series_of(name)`` returns its series of
+            trials. ``gather(dexter: TrialRunner, settings: RunSettings, name: str)`` runs all
+            episodes that ``run`` needs, which then reads them from the folder.
+        keeps: True if it stores episodes in the folder of the settings without learning from
+            them; ``trials`` is then the number of runs of each program.
+        backend: Default backend; empty if the backend cannot be chosen.
     """
 
     name: str
@@ -113,14 +113,14 @@ class Experiment:
     backend: str = ""
 
     def imported(self) -> ModuleType:
-        """Its module; see ``load`` for what that may take."""
+        """Import the module of the experiment; see ``load`` for the cost."""
         return import_module(f"{__package__}.{self.module}")
 
     def load(self) -> Callable[[RunSettings], Result]:
-        """The module that measures; its import may take a second and make the simulator print.
+        """Return the function that measures; the import may take a second and print messages.
 
         Raises:
-            ImportError: something is not installed that it needs.
+            ImportError: A package that it needs is not installed.
         """
         run = self.imported().run
         measure: Callable[[RunSettings], Result] = (

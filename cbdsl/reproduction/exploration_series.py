@@ -1,4 +1,4 @@
-"""The explorations of the source's Chapter 6, as data."""
+"""Explorations of the source's Chapter 6, as data."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from cbdsl.yaml_text.library import Library
 
 
 class ExploredAction(NamedTuple):
-    """An action of a series.
+    """Action of a series.
 
     Attributes:
-        name: in the catalog.
-        program: what runs.
-        values: of its parameters; ``?`` for a channel that is found while it runs.
+        name: Name in the catalog.
+        program: Name of the program that runs.
+        values: Values of its parameters; ``?`` for a channel that is found while it runs.
     """
 
     name: str
@@ -38,27 +38,27 @@ class ExploredAction(NamedTuple):
 
     @property
     def text(self) -> str:
-        """As ``cb explore`` takes it."""
+        """Argument of ``cb explore`` for the action."""
         values = ",".join(f"{key}={value}" for key, value in self.values.items())
         return f"{self.name}={self.program}" + (f":{values}" if values else "")
 
 
 @dataclass(frozen=True)
 class ExplorationSeries:
-    """Explorations of one world, each from zero.
+    """Series of explorations of one world, each from zero.
 
     Attributes:
-        name: of the files of its trials.
-        label: how tables and pictures call it.
-        feature: channel by which the object is known.
-        stage: the world.
-        explored: what can be done.
-        algorithm: how actions are chosen.
-        constants: of the algorithm, where they are not its own, as text.
-        actions: of each exploration, as many as the source has.
-        trials: as many as the source has, most of which it drew from its models.
-        grown_from: what was explored before without some of what can be done now; ``actions``
-            come after its own.
+        name: Name of the files of its trials.
+        label: Label in tables and pictures.
+        feature: Channel that identifies the object.
+        stage: Name of the stage.
+        explored: Available actions.
+        algorithm: Algorithm that chooses actions.
+        constants: Constants of the algorithm that differ from its defaults, as text.
+        actions: Number of actions of each exploration, as in the source.
+        trials: Number of trials, as in the source, which drew most of them from its models.
+        grown_from: Preceding exploration with fewer available actions; ``actions`` are added to
+            the actions of that exploration.
     """
 
     name: str
@@ -73,7 +73,7 @@ class ExplorationSeries:
     grown_from: ExplorationSeries | None = None
 
     def command(self, seed: int, actions: int, backend: str, cameras: str | None) -> str:
-        """The command line of ``cb explore`` that explores the same."""
+        """Return the command line of ``cb explore`` for the same exploration."""
         words = ["cb", "explore", *(each.text for each in self.explored)]
         words += ["--out", f"{self.name}.yaml", "--stage", self.stage, "--feature", self.feature]
         words += ["--seed", str(seed), "--backend", backend]
@@ -86,7 +86,7 @@ class ExplorationSeries:
     def task(
         self, library: Library, robot: RobotDocument, urdf: Path, path: Path
     ) -> ExplorationTask:
-        """The task of one exploration, but for who runs it and with which seed."""
+        """Return the task of one exploration, without backend and seed."""
         stage = library.read(shipped_file(library, StageDocument, self.stage), StageDocument)
         constants = EXPLORATIONS[self.algorithm].Constants
         return ExplorationTask(
@@ -146,8 +146,8 @@ def _reaching(*colors: str) -> tuple[ExploredAction, ...]:
     )
 
 
-# Half of the points of a table are out of reach, and each that is tried takes 8 s: of 423 touches
-# that had 60 s, one in twelve was still looking for another point when they were over.
+# Half of the points of a table are out of reach, and each attempt takes 8 s. With a limit of 60 s,
+# one in twelve of 423 touches was still searching for another point at the end.
 _SEARCHED = {"longest": "120 s"}
 
 TABLE = ExplorationSeries(
@@ -167,8 +167,8 @@ RED_BALL = ExplorationSeries(
 
 
 def _placed(known: ExplorationSeries, goal: str) -> ExplorationSeries:
-    """The same with a pad in the world from the beginning; later PICKANDPLACE joins."""
-    # Nothing has the obstacle's colour: a patch of the ball's own would keep the ball away.
+    """Return the same series with a pad in the world; PICKANDPLACE is added later."""
+    # No object has the obstacle's colour: a patch of the ball's own colour would repel the ball.
     values = {"goal": goal, "obstacle": "hue_9"}
     beside = replace(known, name=f"{known.name}_beside_pad", stage=f"{known.stage}_and_pad")
     return replace(

@@ -1,7 +1,7 @@
-"""Figure 3.4: reaching alone, and with the range or the manipulability potential below.
+"""Figure 3.4: reach alone, and with the range or the manipulability potential below.
 
 The arm reaches for a ball at 56 places under each of three laws. All three potentials are evaluated
-in every tick of every reach from the robot's own signals, whether the law lowers them or not.
+in every tick of every reach from the robot's own signals, whether or not the law lowers them.
 """
 
 from __future__ import annotations
@@ -32,27 +32,27 @@ from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.types.policy import WrittenPolicy
 
 _ARM, _REACH = "right_arm", "reach"
-#: The actions of the program by the source's names of the laws.
+#: Actions of the program by the source's names of the laws.
 _LAWS = {"c0": _REACH, "c1": f"posturalbias ◁ {_REACH}", "c2": f"manipulability ◁ {_REACH}"}
 
-# The area of the source, 0.4 m x 0.8 m, over the table in front of the robot, m.
+# Area of the source, 0.4 m x 0.8 m, over the table in front of the robot, m.
 _PLACES = tuple(product(np.linspace(0.32, 0.72, 8).tolist(), np.linspace(-0.4, 0.4, 7).tolist()))
 _QUICK_PLACES = (_PLACES[0], _PLACES[24])
 _RADIUS = 0.03
-# Of the ball's middle, m: 8 cm above the table. Where it lies, an arm drawn to the middle of its
-# limits rests on the table in reaches to the other side.
+# Height of the ball's centre, m: 8 cm above the table. If the ball lay on the table, an arm drawn
+# to the middle of its limits would rest on the table in reaches to the other side.
 _HEIGHT = -0.34
 
-# Of the postures that hold the hand at (0.3, -0.5, -0.2) m with the palm down, that nearest to the
-# middle of the joints' limits by the range potential.
+# Posture nearest to the middle of the joints' limits by the range potential, among the postures
+# with the hand at (0.3, -0.5, -0.2) m and the palm down.
 _START = (1.09, -1.62, 0.15, 2.30, -2.91, 0.69, -0.07)
-# Closed, the hand neither gets caught nor pushes.
+# A closed hand neither gets caught nor pushes.
 _FINGERS, _FIST = ("right_finger_1", "right_finger_2", "right_finger_3"), (2.4, 2.4, 2.4)
 _ARRIVED = 0.01  # m
-_STEADY = 1.0  # %, largest rise of a potential that falls steadily, of its value at the start
+_STEADY = 1.0  # %, largest rise of a steadily falling potential, relative to its initial value
 _ALMOST_ALL = 95.0  # %
-_MOST_PLACES = 50.0  # %, as many as a coin finds
-_MARGIN = 0.05  # of a change, below which a difference is none
+_MOST_PLACES = 50.0  # %, chance level
+_MARGIN = 0.05  # share of a change below which a difference is ignored
 _POINT = 3  # ticks between the points of a chart
 
 _NOTES = (
@@ -91,7 +91,7 @@ def run(settings: RunSettings) -> Result:
 
 @dataclass
 class _Reach:
-    """The potentials in every tick of one reach, and how it ended."""
+    """Potentials in every tick of one reach, and its outcome."""
 
     spring: list[float] = field(default_factory=list)
     range: list[float] = field(default_factory=list)
@@ -106,14 +106,14 @@ class _Reach:
 
 
 def _policy(written: Mapping[str, str], action: str) -> WrittenPolicy:
-    """The program's policy with another law in the place of the reach."""
+    """Return the program's policy with another law in place of the reach."""
     return WrittenPolicy(
         {state: action if name == _REACH else name for state, name in written.items()}
     )
 
 
 def _stage(lab: SimulationFixture, place: tuple[float, float]) -> StageDocument:
-    """The program's stage with a ball at one place, and the arm at its start."""
+    """Return the program's stage with a ball at one place, and the arm at its start."""
     x, y = place
     radius, joints = (_RADIUS, _RADIUS), lab.robot.effectors[_ARM].joints + _FINGERS
     ball: dict[str, Any] = {"form": {"shape": "ball", "radius": radius}, "mass": (0.3, 0.3)}
@@ -131,7 +131,7 @@ def _stage(lab: SimulationFixture, place: tuple[float, float]) -> StageDocument:
 def _reach(
     lab: SimulationFixture, runner: Runner, stage: StageDocument, action: str, seed: int
 ) -> _Reach:
-    """One episode; what comes before the reach, looking for the ball, is left out."""
+    """Run one episode, and record the reach without the preceding search for the ball."""
     record = _Reach()
     columns = lab.kinematics.joints.of(_ARM)
     limits = lab.kinematics.lower[columns], lab.kinematics.upper[columns]
@@ -155,12 +155,12 @@ def _reach(
 
 
 def _phi(potential: Potential, value: Floats) -> float:
-    """A potential without a reference."""
+    """Return the value of a potential without a reference."""
     return potential.evaluate(value, np.zeros(0), len(value))[0]
 
 
 def _tip(tick: Tick, columns: Any) -> Floats:
-    """The arm's manipulator Jacobian, in its own joints, row by row."""
+    """Return the arm's manipulator Jacobian with respect to its own joints, row by row."""
     signals = tick.signals
     names = [signals.joints.names[column] for column in columns]
     tip = signals.reading(signals.kinematic_rows.manipulator(_ARM, "position", names))
@@ -185,7 +185,7 @@ def _quantities(reaches: Mapping[str, Sequence[_Reach]], seed: int) -> Iterator[
 
 
 def _touching(reaches: Mapping[str, Sequence[_Reach]]) -> str:
-    """In how many reaches something was in the way."""
+    """Return a note about the numbers of reaches in which the arm touched the table."""
     counts = {law: sum(reach.touched for reach in runs) for law, runs in reaches.items()}
     return "the arm touched the table in " + ", ".join(
         f"{n} under {law}" for law, n in counts.items()
@@ -193,7 +193,7 @@ def _touching(reaches: Mapping[str, Sequence[_Reach]]) -> str:
 
 
 def _fall(law: str, runs: Sequence[_Reach], seed: int) -> Quantity:
-    """How steadily the spring's potential falls."""
+    """Return the largest rise of the spring's potential as a quantity."""
     single = sum(_rise([reach.spring]) <= _STEADY for reach in runs)
     curves = [reach.spring for reach in runs if reach.spring]
     return Quantity(
@@ -209,7 +209,7 @@ def _fall(law: str, runs: Sequence[_Reach], seed: int) -> Quantity:
 
 
 def _rise(curves: Sequence[Sequence[float]]) -> float:
-    """The largest rise of the mean of curves above what it was before, % of its start."""
+    """Return the largest rise of the mean curve above its previous minimum, % of its start."""
     if not any(curves):
         return math.nan
     curve = _mean(curves)
@@ -224,7 +224,7 @@ def _less(
     law: str,
     seed: int,
 ) -> Iterator[Quantity]:
-    """Whether a potential rises less where a law lowers it than where the reach is alone."""
+    """Yield the difference in the rise of a potential between a law and the reach alone."""
     pairs = [
         (_change(getattr(ours, potential)), _change(getattr(other, potential)))
         for ours, other in zip(under, alone, strict=True)
@@ -232,8 +232,8 @@ def _less(
     ]
     differences = [ours - other for ours, other in pairs]
     changes = np.mean(pairs, axis=0) if pairs else (math.nan, math.nan)
-    # Less by a margin of what it changes without the law, so that chance in its last digits is
-    # no difference.
+    # The margin is relative to the change without the law, so that numerical noise does not count
+    # as a difference.
     margin = _MARGIN * abs(float(changes[1])) if pairs else 0.0
     yield mean_of(
         f"rise of {symbol} during the reach, {law} less c0",
@@ -254,7 +254,7 @@ def _change(curve: Sequence[float]) -> float:
 
 
 def _mean(curves: Sequence[Sequence[float]]) -> Floats:
-    """The mean over curves that began; each keeps its last value to the end of the longest."""
+    """Return the mean over non-empty curves, each extended by its last value to the longest."""
     longest = max(map(len, curves))
     begun = [curve for curve in curves if curve]
     padded = [[*curve, *[curve[-1]] * (longest - len(curve))] for curve in begun]

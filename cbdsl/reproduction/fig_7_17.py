@@ -1,4 +1,4 @@
-"""Hierarchy of meta-catalogs of three things, and the stack that it leads to (7.16 and 7.17)."""
+"""Hierarchy of meta-catalogs of three objects, and the resulting stack (7.16 and 7.17)."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _MOMENTS = ("as they lie", "two are stacked", "all three, after the release")
 
 
 class Afforded(NamedTuple):
-    """A statement of the source about one action on one thing."""
+    """Statement of the source about one action on one object."""
 
     source: str
     claim: Claim | None
@@ -55,7 +55,7 @@ _YES, _NO, _UNSAID = (
     Afforded("not afforded", below(50)),
     Afforded("", None),
 )
-#: What each thing affords by itself (Section 7.3.2).
+#: Affordances of each object by itself (Section 7.3.2).
 AFFORDED: Mapping[str, Mapping[str, Afforded]] = {
     "blue_box": {_LOOK: _YES, _TOUCH: _YES, _BOTH: _NO},
     "purple_box": {_LOOK: _YES, _TOUCH: _YES, _BOTH: _YES},
@@ -74,12 +74,12 @@ _NOTES = (
 
 @dataclass(frozen=True)
 class _Trials:
-    """All that was done.
+    """Trials with single objects, pairs and stacks.
 
     Attributes:
-        alone: by program and thing, as ``attempt`` joins them.
-        pairs: by name of the pair.
-        stacks: of three.
+        alone: Trials by program and object, as ``attempt`` joins them.
+        pairs: Trials by name of the pair.
+        stacks: Trials with stacks of three.
     """
 
     alone: Mapping[str, Sequence[AffordanceTrial]]
@@ -88,7 +88,7 @@ class _Trials:
 
 
 def run(settings: RunSettings) -> Result:
-    """Act on each thing, on two, and on three, and draw what was afforded."""
+    """Act on single objects, on pairs and on all three, and draw the affordances."""
     trials = _gather(settings)
     quantities = (*_alone(trials), *_together(trials))
     pictures: list[Picture] = [
@@ -129,7 +129,7 @@ def _kept(
     trial: type[Some],
     run_them: Callable[[str, Sequence[int], str, str | None], Iterable[Some]],
 ) -> dict[str, list[Some]]:
-    """Trials of one kind, those that are kept in a file and those that are run."""
+    """Return the trials of one kind, from a file or by running them."""
     path = settings.folder / f"{kind}_{settings.backend}_{settings.cameras}.jsonl"
     return kept_trials(
         path, seeds, digest, trial,
@@ -139,22 +139,22 @@ def _kept(
 
 
 class _Parts:
-    """Progress of several kinds of trials one after another, as of one.
+    """Common progress of several consecutive kinds of trials.
 
     Args:
-        progress: of all.
-        total: how many trials there are.
+        progress: Callback for the overall progress.
+        total: Number of all trials.
     """
 
     def __init__(self, progress: Progress, total: int) -> None:
         self._progress, self._total, self._before = progress, total, 0
 
     def pass_by(self, count: int) -> None:
-        """So many are over."""
+        """Count the trials of a finished kind."""
         self._before += count
 
     def note(self, done: int, total: int) -> None:
-        """``done`` of the present kind are over."""
+        """Report ``done`` finished trials of the current kind."""
         self._progress(self._before + done, self._total)
 
 
@@ -168,7 +168,7 @@ def _alone(trials: _Trials) -> Iterator[Quantity]:
 
 
 def _together(trials: _Trials) -> Iterator[Quantity]:
-    """Constellations after the release, and whether what is taken to stand does."""
+    """Yield the shares of tracked constellations, and of true reports of standing stacks."""
     afforded = {_LOWER_PAIR: Afforded("100 %", above(50)), _UPPER_PAIR: Afforded("40 %", None)}
     for name, (source, claim) in afforded.items():
         done = trials.pairs[name]
@@ -189,7 +189,7 @@ def _together(trials: _Trials) -> Iterator[Quantity]:
 
 
 def _nodes(trials: _Trials) -> dict[str, CatalogNode]:
-    """Catalogs of the things, of the pair, and of the stack."""
+    """Return the catalogs of the objects, of the pair, and of the stack."""
     nodes = {
         thing: CatalogNode(
             thing.replace("_", " "),
@@ -221,7 +221,7 @@ def _layer(name: str, hits: Sequence[bool]) -> Layer:
 
 
 def _growth(stacks: Sequence[GrowingStack]) -> Iterator[BlobPanels]:
-    """The first stack that stands, is tracked and was seen all along, in the left image."""
+    """Yield the first stack that stands, is tracked and was always visible, in the left image."""
     whole = (each for each in stacks if len(each.views) == len(_MOMENTS))
     shown = next((each for each in whole if each.tracked and each.stands), None)
     if shown is not None:

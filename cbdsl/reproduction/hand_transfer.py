@@ -1,7 +1,7 @@
-"""PICKANDPLACE assimilated: which hand, and when from hand to hand (Figures 7.4 to 7.6).
+"""PICKANDPLACE assimilated: choice of hand and of hand-to-hand transfer (Figures 7.4 to 7.6).
 
-Each trial goes on from one of Figure 7.3: ten greedy episodes, forty of ASSIMILATE where the thing
-and its goal may be far apart, and others that it does not learn from.
+Each trial continues a trial of Figure 7.3. Ten greedy episodes are followed by forty of ASSIMILATE,
+in which the object and its goal may be far apart, and by held-out episodes.
 """
 
 from __future__ import annotations
@@ -53,26 +53,26 @@ Floats = NDArray[np.float64]
 
 _STAGE, _ACROSS = "things_and_far_pads", "across"
 _LIMITS: dict[str, Any] = {"transition_time": 20.0, "idle_time": 1.0, "episode_time": 240.0}
-# A failed transfer leaves the thing on the other side, where the hand that would have done does not
-# reach, so that many episodes tell no more than that the first attempt has failed.
+# A failed transfer leaves the object on the other side, out of reach of the suitable hand. Many
+# episodes therefore only show that the first attempt has failed.
 _CONSTANTS = AssimilateConstants(blames_first=True)
-# Episodes without exploring, with ASSIMILATE, and under its outcome; the source has no such last.
+# Episodes without exploration, with ASSIMILATE, and under its result, which the source lacks.
 _GREEDY, _ASSIMILATING, _ASKED = 10, 40, 24
 _QUICK = (2, 3, 2)
-# Episodes on either side of the change of stages that tell how deep the reward falls.
+# Episodes on either side of the change of stages that measure the fall of the reward.
 _AROUND = 5
-# How often a transfer is to be chosen where nothing else does, and to come to the reward, %.
+# Least shares of chosen and of rewarded transfers if only a transfer can succeed, %.
 _CHOSEN, _REWARDED = 90.0, 85.0
 
 
 class AssimilatedTrial(NamedTuple):
-    """One trial from its beginning.
+    """Trial from its beginning.
 
     Attributes:
-        episodes: all that it learned from, and the greedy ones in between.
-        first: how many there are before ASSIMILATE.
-        asked: episodes under what was learned in the end.
-        schema: that is.
+        episodes: All training episodes, and the greedy ones in between.
+        first: Number of episodes before ASSIMILATE.
+        asked: Held-out episodes under the final schema.
+        schema: Final schema.
     """
 
     episodes: tuple[Experience, ...]
@@ -82,7 +82,7 @@ class AssimilatedTrial(NamedTuple):
 
 
 def series_of(name: str) -> tuple[Series, ...]:
-    """The series of trials that it goes on from."""
+    """Return the series of trials that the experiment continues."""
     return (PICKANDPLACE,)
 
 
@@ -96,7 +96,7 @@ def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> tuple[Assim
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Learn in three stages, and ask what was learned."""
+    """Learn in three stages, and evaluate the result."""
     with trial_runner(settings) as dexter:
         trials = gather(dexter, settings, name)
     chart = _chart(name, trials, settings.seed)
@@ -123,11 +123,11 @@ _NOTES = (
 
 
 class _AssimilatedTrials:
-    """Goes on with learned trials; what is kept is not run again.
+    """Continuation of learned trials; stored episodes are not run again.
 
     Args:
-        dexter: runs the episodes.
-        parts: numbers of greedy, of assimilating and of asked episodes.
+        dexter: Runner of the episodes.
+        parts: Numbers of greedy, assimilating and held-out episodes.
     """
 
     def __init__(self, dexter: TrialRunner, parts: tuple[int, int, int]) -> None:
@@ -143,7 +143,7 @@ class _AssimilatedTrials:
         self._runner = dexter.episode_runner(self._stage)
 
     def go_on(self, learned: LearnedTrial) -> AssimilatedTrial:
-        """The episodes that follow those of ACCOMMODATE."""
+        """Run the episodes that follow the episodes of ACCOMMODATE."""
         greedy, assimilating, asked = self._parts
         plain = self._dexter.greedy(learned, "greedy", learned.held_out(greedy))
         program = self._schema(learned)
@@ -162,7 +162,7 @@ class _AssimilatedTrials:
         return AssimilatedTrial(episodes, len(episodes) - assimilating, answered, schema)
 
     def _schema(self, learned: LearnedTrial) -> CheckedProgram:
-        """The program with all its allocations under what the trial has learned to do."""
+        """Return the program with all its allocations, under the policy of the trial."""
         learner, program = learned.trial.learner, self._program
         assert isinstance(learner, Accommodate) and program.schema is not None
         actions = learner.greedy()
@@ -173,7 +173,7 @@ class _AssimilatedTrials:
     def _asked(
         self, learned: LearnedTrial, program: CheckedProgram, learner: Assimilate, count: int
     ) -> tuple[Experience, ...]:
-        """Episodes under the tree of allocations, from which nothing is learned."""
+        """Run episodes under the tree of allocations, without learning."""
         assert program.schema is not None
         schema = program.schema._replace(choice=learner.choice())
         known = program._replace(schema=schema)
@@ -193,7 +193,7 @@ class _AssimilatedTrials:
         run_one: Callable[[int], Experience],
         replay: Callable[[Experience], None] = lambda experience: None,
     ) -> tuple[Experience, ...]:
-        """Episodes of a file beside the policy, and those that it lacks, which are run."""
+        """Return the episodes stored beside the policy, and run the missing ones."""
         dexter, number = self._dexter, learned.trial.number
         path = learned.path.with_suffix(f".{name}.jsonl")
         with Journal(path, self._identity(learned)) as journal:
@@ -210,7 +210,7 @@ class _AssimilatedTrials:
         return tuple(experiences)
 
     def _identity(self, learned: LearnedTrial) -> Mapping[str, Any]:
-        """All that the episodes depend on."""
+        """Return all inputs of the episodes."""
         assert self._program.schema is not None
         return identity_of(learned.provenance) | {
             "policy": learned.trial.learner.greedy(),
@@ -223,7 +223,7 @@ class _AssimilatedTrials:
 
 
 def quantities(trials: Sequence[AssimilatedTrial], seed: int) -> Iterator[Quantity]:
-    """The fall of the reward and its recovery, and how often a transfer is chosen and works."""
+    """Yield the fall and recovery of the reward, and shares of chosen and rewarded transfers."""
     rewards, first = _rewards(trials), trials[0].first
     if _AROUND <= first <= rewards.shape[1] - _AROUND:
         before = rewards[:, first - _AROUND : first].mean(axis=1)
@@ -262,12 +262,12 @@ def quantities(trials: Sequence[AssimilatedTrial], seed: int) -> Iterator[Quanti
 
 
 def _rewards(trials: Sequence[AssimilatedTrial]) -> Floats:
-    """Reward per transition, shape (trials, episodes)."""
+    """Return the reward per transition, shape (trials, episodes)."""
     return np.array([[per_transition(each) for each in trial.episodes] for trial in trials])
 
 
 def _recovery(rewards: Floats, first: int, seed: int) -> Quantity:
-    """After how many episodes of ASSIMILATE the mean curve is back near where it was."""
+    """Return the number of episodes of ASSIMILATE until the mean curve recovers."""
 
     def length(some: Floats) -> float:
         return dip_length(some, first)
@@ -288,7 +288,7 @@ def _recovery(rewards: Floats, first: int, seed: int) -> Quantity:
 
 
 def _transfers(schema: SchemaDocument) -> set[str]:
-    """Allocations that take with one hand and go on with the other."""
+    """Return the allocations that grasp with one hand and continue with the other."""
     own = {"arm", "hand"}
     both = {"handover", "bimanualtouch"}
     return {
@@ -303,7 +303,7 @@ def _first_allocation(experience: Experience) -> str:
 
 
 def _earns_at_once(experience: Experience) -> bool:
-    """Whether the reward came under the first allocation."""
+    """Return whether the episode was rewarded under the first allocation."""
     first = _first_allocation(experience)
     return any(each.reward and each.allocation == first for each in experience.transitions) and all(
         each.allocation in ("", first) for each in experience.transitions
@@ -327,4 +327,4 @@ def _chart(name: str, trials: Sequence[AssimilatedTrial], seed: int) -> Chart:
 
 
 def _ignore(transition: Transition) -> None:
-    """Nothing is learned of the episodes that are asked."""
+    """Ignore a transition: nothing is learned from held-out episodes."""

@@ -44,22 +44,22 @@ _LIMITS: dict[str, Any] = {"transitions": 50, "transition_time": 8.0, "idle_time
 _EXPLORATION = 2
 # The source's epsilon-greedy choice of allocations, instead of ours.
 _ALLOCATING = AssimilateConstants(draws=False)
-# Where the episodes that measure the best policies are numbered from.
+# First number of the episodes that measure the best policies.
 _OPTIMUM = 2_000_000
-# What a reach finds out at once, a look tells a transition earlier.
+# A search provides the features one transition earlier than a reach.
 _START, _LOOK = "XXX", "searchtrack"
 _BOTH, _LEFT, _RIGHT = "reachtouch_bimanual", "left_arm", "right_arm"
 
 
 class Situation(NamedTuple):
-    """Programs and stages that the learners learn with.
+    """Programs and stages of the learners.
 
     Attributes:
-        schema: the program with all its allocations.
-        own: the same with the right arm alone.
-        flat: the same with all of them side by side.
-        everything: small things to both sides, still or moving, and large ones.
-        right: small things on the right that keep still.
+        schema: Program with all its allocations.
+        own: Program with the right arm alone.
+        flat: Program with all allocations side by side.
+        everything: Stage with small objects on both sides, still or moving, and large ones.
+        right: Stage with small objects on the right that keep still.
     """
 
     schema: CheckedProgram
@@ -70,7 +70,7 @@ class Situation(NamedTuple):
 
 
 def situation(dexter: TrialRunner) -> Situation:
-    """Read and check what is shipped."""
+    """Read and check the shipped documents."""
     library = dexter.library
     path = shipped_file(library, ProgramDocument, _PROGRAM)
     policy = library.read(shipped_file(library, PolicyDocument, _PROGRAM), PolicyDocument)
@@ -89,11 +89,11 @@ def situation(dexter: TrialRunner) -> Situation:
 
 
 class HandednessTrials:
-    """Trials of the three learners, kept episode by episode, and of the best policies.
+    """Trials of the three learners and of the best policies, stored episode by episode.
 
     Args:
-        dexter: runs the episodes.
-        seed: of all chance.
+        dexter: Runner of the episodes.
+        seed: Seed of all random numbers.
     """
 
     def __init__(self, dexter: TrialRunner, seed: int) -> None:
@@ -104,11 +104,11 @@ class HandednessTrials:
 
     @property
     def own(self) -> CheckedProgram:
-        """The program with its own arm."""
+        """Program with its own arm."""
         return self._at.own
 
     def learner(self, series: HandednessSeries) -> HandednessLearner:
-        """A learner that knows nothing yet."""
+        """Return a learner without experience."""
         at, constants = self._at, AccommodateConstants()
         if series == FLAT:
             return Flat(at.flat, constants)
@@ -117,15 +117,15 @@ class HandednessTrials:
         return Staged(at.schema, at.own, constants, _ALLOCATING, self.constrained(series))
 
     def constrained(self, series: HandednessSeries) -> int:
-        """Episodes of the first stage, fewer where there are fewer in all."""
+        """Return the number of episodes of the first stage, at most a third of all."""
         return min(series.constrained, self._dexter.episodes(series) // 3)
 
     def learn(self, series: HandednessSeries, number: int) -> tuple[Experience, ...]:
-        """All episodes of one trial; what is kept is not run again.
+        """Return all episodes of one trial; stored episodes are not run again.
 
         Raises:
-            JournalError: what is kept belongs to another trial.
-            BackendError, EpisodeError, OSError: as ``TrialRunner.learn``.
+            JournalError: The stored episodes belong to another trial.
+            BackendError, EpisodeError, OSError: As ``TrialRunner.learn``.
         """
         dexter, learner = self._dexter, self.learner(series)
         count = dexter.episodes(series)
@@ -144,10 +144,10 @@ class HandednessTrials:
         return tuple(experiences)
 
     def optimum(self, series: HandednessSeries, count: int) -> list[Experience]:
-        """Episodes under the best policy of a learner's actions, which knows the source's tree.
+        """Return episodes under the best policy of a learner's actions, which follows Figure 5.10.
 
         Raises:
-            JournalError, BackendError, EpisodeError, OSError: as ``learn``.
+            JournalError, BackendError, EpisodeError, OSError: As ``learn``.
         """
         program, policy = self._best(series)
         path = journal_file(self._dexter.path(series, _OPTIMUM))
@@ -180,7 +180,7 @@ class HandednessTrials:
         return int(entropy.generate_state(1)[0])
 
     def _identity(self, series: HandednessSeries, number: int) -> dict[str, Any]:
-        """All that the episodes of a trial depend on."""
+        """Return all inputs of the episodes of a trial."""
         dexter = self._dexter
         file = shipped_file(dexter.library, ProgramDocument, _PROGRAM)
         program = program_digest(file, dexter.library)
@@ -192,7 +192,7 @@ class HandednessTrials:
             "program": program.sha256,
             "policies": dict(program.policies),
             "limits": _LIMITS,
-            # Trials of before that constant are the same as with its default.
+            # Trials stored without this constant are identical to trials with its default.
             "allocating": _ALLOCATING.model_dump(exclude={"blames_first"}),
             "stage": digest(self._at.everything),
             "robot": digest(dexter.robot),
@@ -202,7 +202,7 @@ class HandednessTrials:
 
 
 def _by_figure(features: Mapping[str, float]) -> Ranking:
-    """The tree of Figure 5.10: large, both arms; moving, where it goes; else its own side."""
+    """Rank arms as in Figure 5.10: both if large, else by direction of motion or by side."""
     return _arms(context_letters(features))
 
 
@@ -213,7 +213,7 @@ def _arms(letters: str) -> Ranking:
 
 
 def _flat_optimum(program: CheckedProgram) -> Policy:
-    """Look, reach and touch with the arm of Figure 5.10."""
+    """Return the policy that searches, reaches and touches with the arm of Figure 5.10."""
 
     class Best:
         def choose(self, state: str, *, changed: bool) -> str:
@@ -230,4 +230,4 @@ def _flat_optimum(program: CheckedProgram) -> Policy:
 
 
 def _ignore(transition: Transition) -> None:
-    """The best policies learn nothing."""
+    """Ignore a transition: the best policies learn nothing."""

@@ -1,4 +1,4 @@
-"""The three series of trials that learn handedness (Section 5.3.1.1), as data."""
+"""Three series of trials that learn handedness (Section 5.3.1.1), as data."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ class HandednessSeries:
     """Trials of one learner, each from zero.
 
     Attributes:
-        name: of the learner, and of the files of its trials.
-        label: how tables and pictures call it.
-        constrained: episodes of a first stage with the right arm alone.
-        trials, episodes: as many as the source has.
+        name: Name of the learner, and of the files of its trials.
+        label: Label in tables and pictures.
+        constrained: Number of episodes of a first stage with the right arm alone.
+        trials, episodes: Numbers of trials and episodes, as in the source.
     """
 
     name: str
@@ -23,9 +23,9 @@ class HandednessSeries:
     episodes: int = 200
 
 
-#: Every allocation an action, without compositions; what is seen is a part of the state.
+#: Each allocation is an action, without compositions; visual features are part of the state.
 FLAT = HandednessSeries("flat", "flat")
-#: What to do and with what, at once.
+#: Actions and allocations are learned simultaneously.
 CONCURRENT = HandednessSeries("concurrent", "concurrent")
-#: First what to do, then with what.
+#: Actions are learned first, then allocations.
 STAGED = HandednessSeries("staged", "staged", constrained=25)

@@ -1,4 +1,4 @@
-"""A hierarchy of catalogs as a picture of an experiment (Figures 7.10 and 7.17)."""
+"""Hierarchy of catalogs as a picture of an experiment (Figures 7.10 and 7.17)."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from cbdsl.reporting.drawing.catalog_hierarchy import CatalogNode, catalog_hiera
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """Catalogs, each above those that it joins.
+    """Hierarchy of catalogs, each above the catalogs that it joins.
 
     Attributes:
-        name: of the file, without suffix.
-        title: what it shows.
-        nodes: see ``catalog_hierarchy``.
+        name: Name of the file, without suffix.
+        title: Title of the picture.
+        nodes: Nodes by name; see ``catalog_hierarchy``.
     """
 
     name: str
@@ -23,11 +23,11 @@ class Hierarchy:
     nodes: Mapping[str, CatalogNode]
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         return catalog_hierarchy(self.nodes)
 
     def data(self) -> dict[str, object]:
-        """How often each affordance was rewarded, and tried, for scripts."""
+        """Return the numbers of rewards and attempts of each affordance, for scripts."""
         return {
             name: {
                 "below": list(node.below),

@@ -1,4 +1,4 @@
-"""Internal models that were learned: where rewards are expected (Figures 4.4 c and 4.8 b)."""
+"""Learned internal models: configurations of expected rewards (Figures 4.4 c and 4.8 b)."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ from cbdsl.sensing.kinematics import Kinematics
 Floats = NDArray[np.float64]
 
 _ROBOT, _POINTS = "dexter", 181
-# Half-way between what is presented in front and the window, at which the head pans 1.34 rad.
+# Half-way between objects presented in front and the window, at which the head pans 1.34 rad.
 _BORDER = 0.67
-# How often all trials are drawn again with rewards anywhere, and %, what is passed by the rest.
+# Number of resampled sets of trials with uniform rewards, and percentile for the chance bound, %.
 _DRAWS, _TAIL = 200, 97.5
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """The expectations of the trials of a series for one joint.
+    """Learned densities of the trials of a series for one joint.
 
     Attributes:
-        joint: of the effector.
-        lower, upper: its limits, rad.
-        densities: of its angle at the end of each trial, 1/rad, shape (trials, points), over
-            points evenly from the lower limit to the upper one.
-        anywhere: the same of models that learned as many rewards at uniform angles, shape
+        joint: Joint of the effector.
+        lower, upper: Limits of the joint, rad.
+        densities: Densities of its angle at the end of each trial, 1/rad, shape (trials, points).
+            The points are evenly spaced from the lower to the upper limit.
+        anywhere: Densities of models that learned as many rewards at uniform angles, 1/rad, shape
             (draws, trials, points).
     """
 
@@ -51,12 +51,12 @@ class Expectation:
 
     @property
     def angles(self) -> Floats:
-        """The points, rad."""
+        """Angles of the points, rad."""
         angles: Floats = np.linspace(self.lower, self.upper, self.densities.shape[1])
         return angles
 
     def deviations(self, densities: Floats) -> Floats:
-        """Standard deviations of densities (..., points), rad, shape (...)."""
+        """Return the standard deviations of densities (..., points), rad, shape (...)."""
         weights = densities / densities.sum(axis=-1, keepdims=True)
         means = weights @ self.angles
         spread: Floats = np.sqrt(weights @ self.angles**2 - means**2)
@@ -64,7 +64,7 @@ class Expectation:
 
 
 def _peaks(expectations: Sequence[Expectation], seed: int) -> Iterator[Quantity]:
-    """A large peak in front, and a smaller one at the window (Section 4.2.1)."""
+    """Yield quantities of a large peak in front and a smaller one at the window (Section 4.2.1)."""
     (pan,) = expectations
     front = pan.angles < _BORDER
     measured, anywhere = (prominences(each, front) for each in (pan.densities, pan.anywhere))
@@ -83,14 +83,14 @@ def _peaks(expectations: Sequence[Expectation], seed: int) -> Iterator[Quantity]
 
 
 def prominences(densities: Floats, front: NDArray[np.bool_]) -> Floats:
-    """Heights of the two peaks by the lowest density between them.
+    """Return the heights of the two peaks divided by the lowest density between them.
 
     Args:
-        densities: shape (..., points).
-        front: which of the points are where the first peak is, the first ones; shape (points,).
+        densities: Densities, shape (..., points).
+        front: Mask of the leading points, which contain the first peak, shape (points,).
 
     Returns:
-        Shape (..., 2), of the peak in front and the other.
+        Ratios of the peak in front and of the other peak, shape (..., 2).
     """
     border = int(front.sum())
     rows = densities.reshape(-1, densities.shape[-1])
@@ -102,14 +102,14 @@ def prominences(densities: Floats, front: NDArray[np.bool_]) -> Floats:
 
 
 def _passed_by_chance(values: Floats, tail: float) -> float:
-    """A percentile of the interquartile means of draws, shape (draws, trials)."""
+    """Return a percentile of the interquartile means of draws, shape (draws, trials)."""
     return float(np.percentile(interquartile_mean(values.T), tail))
 
 
 def _narrowing(expectations: Sequence[Expectation], seed: int) -> Iterator[Quantity]:
-    """A distribution of each finger's flexion in contact (Section 4.2.2)."""
+    """Yield quantities about the spread of each finger's flexion in contact (Section 4.2.2)."""
     for each in expectations:
-        # That of the uniform density.
+        # Standard deviation of the uniform density.
         started = (each.upper - each.lower) / np.sqrt(12)
         measured, anywhere = (
             each.deviations(densities) / started for densities in (each.densities, each.anywhere)
@@ -129,7 +129,7 @@ def _narrowing(expectations: Sequence[Expectation], seed: int) -> Iterator[Quant
 def _ratio(
     name: str, source: str, values: Floats, expected: Claim, seed: int, note: str = ""
 ) -> Quantity:
-    """The interquartile mean over trials."""
+    """Return the interquartile mean over trials as a quantity."""
     interval = interval_of(interquartile_mean, seed)
     return estimate(
         name,
@@ -146,15 +146,15 @@ def _ratio(
 
 @dataclass(frozen=True)
 class DrawnModel:
-    """An internal model that the source shows.
+    """Internal model that the source shows.
 
     Attributes:
-        series: what it is learned with.
-        effector: whose configurations it is about.
-        joints: of the effector, those that are shown.
-        after: how many episodes it is learned from; where the source contradicts itself, both.
-        quantities: what is said of it.
-        title: of the picture.
+        series: Series of trials in which it is learned.
+        effector: Effector whose configurations it describes.
+        joints: Shown joints of the effector.
+        after: Numbers of episodes from which it is learned; two if the source is contradictory.
+        quantities: Function that yields the quantities of the model.
+        title: Title of the picture.
     """
 
     series: Series
@@ -179,7 +179,7 @@ MODELS: Mapping[str, DrawnModel] = {
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Learn, and look at the densities that SEARCH draws from in the end."""
+    """Learn, and evaluate the densities that SEARCH finally draws from."""
     model = MODELS[name]
     with trial_runner(settings) as dexter:
         learned = gather(dexter, settings, name)
@@ -203,20 +203,20 @@ def run(settings: RunSettings, name: str) -> Result:
 
 
 def _moments(model: DrawnModel, learned: Sequence[LearnedTrial]) -> list[int]:
-    """After how many episodes to look, as far as there are as many."""
+    """Return the numbers of episodes after which to evaluate, limited to the existing ones."""
     episodes = len(learned[0].trial.experiences)
     return sorted({min(after, episodes) for after in model.after})
 
 
 class Known(NamedTuple):
-    """The density that a trial has learned, and from how many rewards."""
+    """Density that a trial has learned, and the number of rewards behind it."""
 
     density: Kernel | Gaussian
     rewards: int
 
 
 def _known(model: DrawnModel, learned: Sequence[LearnedTrial]) -> list[Known]:
-    """Of the trials in which the effector was rewarded."""
+    """Return the densities of the trials in which the effector was rewarded."""
     known = []
     for each in learned:
         density = each.trial.learner.densities().get(model.effector)
@@ -227,12 +227,12 @@ def _known(model: DrawnModel, learned: Sequence[LearnedTrial]) -> list[Known]:
 
 
 def series_of(name: str) -> tuple[Series, ...]:
-    """The series of trials."""
+    """Return the series of trials."""
     return (MODELS[name].series,)
 
 
 def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[LearnedTrial]:
-    """Run all episodes; what was learned."""
+    """Run all episodes, and return the learned trials."""
     (series,) = series_of(name)
     dexter.expect(len(dexter.numbers(series)) * dexter.episodes(series))
     return dexter.learn(series)
@@ -258,7 +258,7 @@ def _expectations(model: DrawnModel, known: Sequence[Known], seed: int) -> list[
 
 
 def anywhere(known: Known, joint: int, angles: Floats, rng: np.random.Generator) -> Floats:
-    """The density of a joint's angle had the rewards been at uniform angles, 1/rad."""
+    """Return the density of a joint's angle for rewards at uniform angles, 1/rad."""
     drawn = rng.uniform(angles[0], angles[-1], known.rewards)
     density = known.density
     if isinstance(density, Kernel):
@@ -269,12 +269,12 @@ def anywhere(known: Known, joint: int, angles: Floats, rng: np.random.Generator)
 
 
 def marginal(density: Kernel | Gaussian, joint: int, angles: Floats) -> Floats:
-    """The density of one joint's angle, 1/rad, between limits at the first and the last angle.
+    """Return the density of one joint's angle, 1/rad; the limits are the first and last angle.
 
     Args:
-        density: of all joints.
-        joint: which of them.
-        angles: where it is asked for, rad.
+        density: Density over all joints.
+        joint: Index of the joint.
+        angles: Angles at which to evaluate the density, rad.
     """
     if isinstance(density, Kernel):
         centres, deviation = np.array(density.samples)[:, joint], density.bandwidth[joint]
@@ -284,7 +284,7 @@ def marginal(density: Kernel | Gaussian, joint: int, angles: Floats) -> Floats:
 
 
 def _mixture(centres: Floats, deviation: float, uniform: float, angles: Floats) -> Floats:
-    """Bells of one deviation around the centres, and a uniform share."""
+    """Return a mixture of Gaussians of equal deviation around the centres and a uniform part."""
     offsets = (angles - centres[:, None]) / deviation
     bells = np.exp(-(offsets**2) / 2) / (deviation * np.sqrt(2 * np.pi))
     evenly = uniform / (angles[-1] - angles[0])

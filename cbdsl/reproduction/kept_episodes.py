@@ -1,4 +1,4 @@
-"""Episodes that are kept in a file as soon as they are over."""
+"""Episodes that are stored in a file as soon as they end."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from cbdsl.runtime.episode import EpisodeResult
 
 
 class PlayedEpisode(NamedTuple):
-    """An episode, and what the simulator's truth says of it.
+    """Episode, and ground truth of the simulator about it.
 
     Attributes:
-        result: its outcome.
-        done: whether its program came to its end: rewarded, succeeded or at rest.
-        slip: how far what a hand carried moved in that hand at most, m; ``None`` where nothing
+        result: Outcome of the episode.
+        done: True if its program completed: rewarded, succeeded or at rest.
+        slip: Largest displacement of a carried object within the hand, m; ``None`` if no object
             was carried.
     """
 
@@ -27,10 +27,10 @@ class PlayedEpisode(NamedTuple):
 
 
 class KeptEpisodes:
-    """Outcomes by what was run and by seed; what is there already is not run again.
+    """Outcomes of episodes by digest and seed; stored episodes are not run again.
 
     Args:
-        path: the file, a line of JSON for each episode; it need not be there.
+        path: File with a line of JSON for each episode; it need not exist.
     """
 
     def __init__(self, path: Path) -> None:
@@ -42,15 +42,15 @@ class KeptEpisodes:
                 played = PlayedEpisode(result, row["done"], row["slip"])
                 self._known[row["what"], result.seed] = played
             except (AttributeError, KeyError, TypeError):
-                continue  # damaged: what it held is run again
+                continue  # damaged row: its episode is run again
 
     def run(self, what: str, seed: int, run: Callable[[], PlayedEpisode]) -> PlayedEpisode:
-        """The outcome of an episode, from the file or by running it.
+        """Return the outcome of an episode, from the file or by running it.
 
         Args:
-            what: a digest of all that decides the outcome beside the seed.
-            seed: of the episode.
-            run: runs it.
+            what: Digest of all inputs of the episode except the seed.
+            seed: Seed of the episode.
+            run: Function that runs the episode.
         """
         known = self._known.get((what, seed))
         if known is not None:

@@ -1,4 +1,4 @@
-"""Trials that are kept in a file as soon as they are over."""
+"""Trials that are stored in a file as soon as they end."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from cbdsl.reproduction.trial_record import plain_data, read_record
 
 
 class ThingTrial(Protocol):
-    """A trial of things.
+    """Trial with objects.
 
     Attributes:
-        things: by which names.
-        seed: of its episode.
+        things: Names of the objects, as one text.
+        seed: Seed of its episode.
     """
 
     @property
@@ -29,12 +29,12 @@ Some = TypeVar("Some", bound=ThingTrial)
 
 
 class KeptTrials(Generic[Some]):
-    """Trials by things and seed; what is there already is not run again.
+    """Trials by objects and seed; stored trials are not run again.
 
     Args:
-        path: the file, a line of JSON for each trial; it need not be there.
-        what: a digest of all that decides the outcome beside that; others are left alone.
-        kind: class of the trials, a named tuple.
+        path: File with a line of JSON for each trial; it need not exist.
+        what: Digest of all other inputs of the trials; trials with other digests are ignored.
+        kind: Class of the trials, a named tuple.
     """
 
     def __init__(self, path: Path, what: str, kind: type[Some]) -> None:
@@ -50,11 +50,11 @@ class KeptTrials(Generic[Some]):
             self._known[trial.things, trial.seed] = trial
 
     def get(self, things: str, seed: int) -> Some | None:
-        """A trial that was run, if it was."""
+        """Return a stored trial, or ``None``."""
         return self._known.get((things, seed))
 
     def add(self, trial: Some) -> None:
-        """Keep a trial."""
+        """Store a trial."""
         self._known[trial.things, trial.seed] = trial
         self._rows.add({"what": self._what, **plain_data(trial)})
 
@@ -67,15 +67,15 @@ def kept_trials(
     run: Callable[[str, Sequence[int]], Iterable[Some]],
     progress: Callable[[int, int], None],
 ) -> dict[str, list[Some]]:
-    """Trials of several things, those of a file and those that it lacks, which are run and added.
+    """Return the trials of several objects from a file, after running and adding missing ones.
 
     Args:
-        path: the file; see ``KeptTrials``.
-        seeds: of the trials, by the things' names.
-        digest: makes a digest of what decides the trials of some things.
-        kind: class of the trials, a named tuple.
-        run: runs the trials of some things; where none is missing it is not called.
-        progress: hears of the trials that are there, and of all.
+        path: File of trials; see ``KeptTrials``.
+        seeds: Seeds of the trials, by the objects' names.
+        digest: Function that returns the digest of all inputs of the trials of some objects.
+        kind: Class of the trials, a named tuple.
+        run: Function that runs trials of some objects; it is called only for missing trials.
+        progress: Callback for the numbers of finished and of all trials.
 
     Returns:
         Trials in the order of their seeds, by name.

@@ -1,4 +1,4 @@
-"""The episodes after which the greedy policies of trials succeed."""
+"""Numbers of episodes after which the greedy policies of trials succeed."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ _HARDLY_ANY = 15.0  # %, which none of 30 trials show
 
 
 def learned_in(series: Series, checks: Sequence[Check]) -> float:
-    """The first episode from which the greedy policy succeeds, infinite where it never does.
+    """Return the first episode from which the greedy policy succeeds, or infinity.
 
-    It succeeds where 95 % of the episodes are rewarded at three checks in a row.
+    It succeeds if 95 % of the episodes are rewarded at three consecutive checks.
     """
     succeeds = [each.success(series) >= _SUCCESS for each in checks]
     for first in range(len(checks) - _IN_A_ROW + 1):
@@ -35,14 +35,14 @@ def learned_in(series: Series, checks: Sequence[Check]) -> float:
 def learned_in_quantities(
     series: Series, trials: Sequence[Sequence[Check]], source: str, expected: Claim, seed: int
 ) -> Iterator[Quantity]:
-    """The median over trials, and how many never learned, which are among them.
+    """Yield the median over all trials, and the share of trials that never learned.
 
     Args:
-        series: that was learned.
-        trials: the checks of each.
-        source: what the source reports.
-        expected: when the median counts as reproduced.
-        seed: of the interval's resampling.
+        series: Learned series.
+        trials: Checks of each trial.
+        source: Report of the source.
+        expected: Claim about the median.
+        seed: Seed of the resampling for the interval.
     """
     episodes = np.array([learned_in(series, checks) for checks in trials])
     finite = episodes[np.isfinite(episodes)]

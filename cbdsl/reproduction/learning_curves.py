@@ -26,22 +26,22 @@ from cbdsl.training.trial_loop import journal_file
 
 Floats = NDArray[np.float64]
 
-# Episodes at the end of a trial that tell its level; a curve that is smoothed over a few episodes
-# has settled where it stays above a share of that.
+# Final episodes of a trial that define its level. A curve, smoothed over a few episodes, has
+# settled once it stays above a share of that level.
 _LAST, _WINDOW, _SETTLED = 20, 5, 0.8
 _DRAWS = 2000
-# Whoever earns this share of the other's reward more or less earns hardly more or less.
+# Relative difference of rewards up to which two learners count as equally good.
 _HARDLY = 0.1
 
 
 @dataclass(frozen=True)
 class Curves:
-    """The results of the trials of a series.
+    """Results of the trials of a series.
 
     Attributes:
-        series: that was learned.
-        trials: at their ends.
-        checks: of each trial.
+        series: Learned series.
+        trials: Trials at their ends.
+        checks: Checks of each trial.
     """
 
     series: Series
@@ -63,12 +63,12 @@ class Curves:
 
 
 def per_transition(experience: Experience) -> float:
-    """Reward per state transition, the measure of Figure 4.6."""
+    """Return the reward per state transition, the measure of Figure 4.6."""
     return experience.reward / len(experience.transitions)
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Learn with both sets of actions, and check the greedy policies on the way."""
+    """Learn with both sets of actions, and check the greedy policies during learning."""
     with trial_runner(settings) as dexter:
         sequential, both = gather(dexter, settings, name)
     quantities = (
@@ -82,7 +82,7 @@ def run(settings: RunSettings, name: str) -> Result:
 
 
 def _learned(curves: Curves, source: str, expected: Claim, seed: int) -> Iterator[Quantity]:
-    """After how many episodes it is learned, and stays as it is."""
+    """Yield the numbers of episodes until a series is learned, and until its policy is stable."""
     yield from learned_in_quantities(curves.series, curves.checks, source, expected, seed)
     stable = [
         stable_after(each.trial, checks[-1].experiences)
@@ -92,12 +92,12 @@ def _learned(curves: Curves, source: str, expected: Claim, seed: int) -> Iterato
 
 
 def series_of(name: str) -> tuple[Series, ...]:
-    """The series of trials."""
+    """Return the series of trials."""
     return SEQUENTIAL, COARTICULATED
 
 
 def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> tuple[Curves, ...]:
-    """Run all episodes; what was learned in each series."""
+    """Run all episodes, and return the results of each series."""
     for series in series_of(name):
         _expect(dexter, series, settings)
     return tuple(_curves(dexter, series, settings) for series in series_of(name))
@@ -116,7 +116,7 @@ def _curves(dexter: TrialRunner, series: Series, settings: RunSettings) -> Curve
 
 
 def _times(sequential: Curves, both: Curves, seed: int) -> Quantity:
-    """How much longer the larger set of actions takes, by the level of the curves."""
+    """Return the ratio of the settling times of the larger and the smaller set of actions."""
     once, twice = settled_at(sequential.rewards), settled_at(both.rewards)
     rng = np.random.default_rng(seed)
     ratios = [
@@ -138,12 +138,12 @@ def _times(sequential: Curves, both: Curves, seed: int) -> Quantity:
 
 
 def settled_at(rewards: Floats) -> int:
-    """From which episode on a learning curve stays at its level.
+    """Return the episode from which a learning curve stays at its level.
 
-    That is where the mean over five episodes stays above 80 % of the mean over the last twenty.
+    From there, the mean over five episodes stays above 80 % of the mean over the last twenty.
 
     Args:
-        rewards: per transition, shape (trials, episodes).
+        rewards: Rewards per transition, shape (trials, episodes).
     """
     curve = interquartile_mean(rewards)
     level = _SETTLED * curve[-_LAST:].mean()
@@ -158,10 +158,10 @@ def _resampled(rewards: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _advantage(sequential: Curves, both: Curves, seed: int) -> Quantity:
-    """How much more the co-articulated trials earn in the end, while both explore.
+    """Return the additional final reward of the co-articulated trials, while both explore.
 
-    No significant difference would be found with few trials, too. So what is asked is that the
-    whole interval is close to none.
+    With few trials, no difference would be significant either. The claim therefore requires that
+    the whole interval is close to zero.
     """
     margin = _HARDLY * float(interquartile_mean(sequential.level))
     ends = f"{interquartile_mean(both.level):.3f} and {interquartile_mean(sequential.level):.3f}"
@@ -215,7 +215,7 @@ def _notes(settings: RunSettings, groups: Sequence[Curves]) -> tuple[str, ...]:
 
 
 def _effort(curves: Curves) -> str:
-    """The cost of a trial, in a sentence."""
+    """Return a sentence about the cost of a trial."""
     costs = np.array([_cost(each) for each in curves.trials])
     reward, transitions, ticks, simulated, wall = interquartile_mean(costs)
     return (
@@ -226,7 +226,7 @@ def _effort(curves: Curves) -> str:
 
 
 def _cost(learned: LearnedTrial) -> tuple[float, ...]:
-    """Reward, transitions, control ticks, simulated seconds and wall seconds of a trial."""
+    """Return reward, transitions, control ticks, simulated seconds and wall seconds of a trial."""
     experiences = learned.trial.experiences
     entries = JournalFollower(journal_file(learned.path)).poll()[: len(experiences)]
     return (

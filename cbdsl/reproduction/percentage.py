@@ -1,4 +1,4 @@
-"""A percentage of trials as a quantity."""
+"""Percentage of trials as a quantity."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def percentage(
     of: str = "",
     note: str = "",
 ) -> Quantity:
-    """The percentage of trials that are hits, with its exact interval.
+    """Return the percentage of trials that are hits, with its exact interval.
 
     Args:
-        name, source, expected, ordering: see ``Quantity``; claims are about percentages.
-        hits: successes.
-        trials: all trials; of none the quantity is NaN, of a single one it is not judged.
-        of: a word for the trials in the note.
-        note: follows the counts in the note.
+        name, source, expected, ordering: Fields of ``Quantity``; claims are about percentages.
+        hits: Number of successes.
+        trials: Number of trials; for 0 the quantity is NaN, for 1 it is not judged.
+        of: Word for the trials in the note.
+        note: Text after the counts in the note.
     """
     counts = f"{hits} of {trials}{of and ' '}{of}"
     noted = f"{counts}; {note}" if note else counts
@@ -46,17 +46,18 @@ def clustered_percentage(
     of: str = "",
     note: str = "",
 ) -> Quantity:
-    """The percentage of hits that come several to a trial, and depend on each other there.
+    """Return the percentage of hits for several dependent outcomes in each trial.
 
-    The interval is the exact one of the effective number of outcomes (Korn and Graubard, 1998):
-    as many independent ones as would vary as these vary between trials. Where all or none are hits
-    nothing varies, and only the number of trials limits what is known.
+    The interval is exact for the effective number of outcomes (Korn and Graubard, 1998). This is
+    the number of independent outcomes with the same variance as between these trials. If all or
+    none are hits, the variance is zero, and only the number of trials limits the information.
 
     Args:
-        name, source, expected, ordering, note: see ``Quantity``; claims are about percentages.
-        hits: of each trial.
-        sizes: all outcomes of each trial; of a single trial the quantity is not judged.
-        of: a word for the outcomes in the note.
+        name, source, expected, ordering, note: Fields of ``Quantity``; claims are about
+            percentages.
+        hits: Number of hits of each trial.
+        sizes: Number of outcomes of each trial; for a single trial the quantity is not judged.
+        of: Word for the outcomes in the note.
     """
     total, right, trials = sum(sizes), sum(hits), sum(size > 0 for size in sizes)
     noted = f"{right} of {total}{of and ' '}{of} in {len(sizes)} trials{note and '; '}{note}"
@@ -66,14 +67,15 @@ def clustered_percentage(
 
 
 def effective_number(hits: Sequence[int], sizes: Sequence[int]) -> float:
-    """Effective number of the outcomes of at least two trials that have any.
+    """Return the effective number of outcomes of at least two trials with outcomes.
 
     Args:
-        hits: of each trial.
-        sizes: all outcomes of each trial.
+        hits: Number of hits of each trial.
+        sizes: Number of outcomes of each trial.
 
     Returns:
-        At most the number of outcomes; less for fewer trials, whose spread is known less well.
+        Effective number, at most the number of outcomes. It is smaller for fewer trials, whose
+        spread is less certain.
     """
     from scipy.special import stdtrit
 
@@ -111,19 +113,19 @@ def _share(
 
 
 def chance_of_counts(claim: Claim, trials: int) -> float:
-    """How likely trials at an end of the claim's region are called reproduced.
+    """Return the probability that trials at an end of the claim's region are called reproduced.
 
-    A coin, or any other process of which the claim is false, passes at most as often as one at
+    A coin, or any other process that violates the claim, passes at most as often as a process at
     the nearest end.
 
     Args:
-        claim: about a percentage.
-        trials: how many, each a hit or not.
+        claim: Claim about a percentage.
+        trials: Number of trials, each a hit or not.
     """
     passing = [hits for hits in range(trials + 1) if claim.contains(_interval(hits, trials))]
     if not passing:
         return 0.0
-    # Those that pass follow each other.
+    # The passing numbers of hits are consecutive.
     first, last = passing[0], passing[-1]
     return max((_likelihood(first, last, trials, end / 100) for end in claim.ends), default=0.0)
 
@@ -134,7 +136,7 @@ def _interval(hits: float, trials: float) -> tuple[float, float]:
 
 
 def _likelihood(first: int, last: int, trials: int, p: float) -> float:
-    """How likely the number of hits is in a range, both ends included."""
+    """Return the probability that the number of hits is in a closed range."""
     from scipy.special import bdtr
 
     p = min(max(p, 0.0), 1.0)

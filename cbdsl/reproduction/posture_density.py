@@ -1,4 +1,4 @@
-"""A density over two joint angles, and its picture as SVG (Figures 4.4 c and 5.2 b)."""
+"""Density over two joint angles, and its picture as SVG (Figures 4.4 c and 5.2 b)."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# px of the picture, rad of a cell, and the share of the highest one that is drawn, or is a peak.
+# Sizes of the picture, px; size of a cell, rad; least shares of the maximum to be drawn, or a peak.
 _SIDE, _GAP, _TOP, _CELL, _SEEN, _PEAK = 420, 50, 44, 0.04, 0.02, 0.1
 
 
 @dataclass(frozen=True)
 class PostureDensity:
-    """A sum of Gaussian kernels around postures.
+    """Sum of Gaussian kernels around postures.
 
     Attributes:
-        name: of the file, without suffix.
-        title: what it shows.
-        postures: angles of the two joints, rad, shape (n, 2).
-        bandwidth: standard deviation of the kernels, rad.
-        limits: of the two joints, by name, rad.
+        name: Name of the file, without suffix.
+        title: Title of the picture.
+        postures: Angles of the two joints, rad, shape (n, 2).
+        bandwidth: Standard deviation of the kernels, rad.
+        limits: Limits of the two joints, by name, rad.
     """
 
     name: str
@@ -34,7 +34,7 @@ class PostureDensity:
     limits: Mapping[str, tuple[float, float]]
 
     def data(self) -> dict[str, object]:
-        """The postures, for scripts."""
+        """Return the postures, for scripts."""
         return {
             "joints": {joint: list(ends) for joint, ends in self.limits.items()},
             "bandwidth": self.bandwidth,
@@ -43,12 +43,12 @@ class PostureDensity:
 
     @property
     def axes(self) -> tuple[Floats, Floats]:
-        """Middles of the cells along both joints, rad."""
+        """Centres of the cells along both joints, rad."""
         first, second = (np.arange(low + _CELL / 2, high, _CELL) for low, high in self._ends())
         return first, second
 
     def grid(self) -> Floats:
-        """The density in each cell, a kernel being 1 high, shape of the ``axes``."""
+        """Return the density in each cell, with shape of the ``axes``; a kernel has height 1."""
         across, down = (
             np.exp(-0.5 * ((axis[:, None] - angles) / self.bandwidth) ** 2)
             for axis, angles in zip(self.axes, self.postures.T, strict=True)
@@ -57,14 +57,14 @@ class PostureDensity:
         return total
 
     def peaks(self) -> list[tuple[float, float]]:
-        """Where the density is higher than all around, and a tenth of the highest; rad."""
+        """Return the local maxima of at least a tenth of the highest density, rad."""
         if not len(self.postures):
             return []
         grid = self.grid()
         around = np.pad(grid, 1, constant_values=-np.inf)
         wide, tall = grid.shape
         shifts = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
-        # Of two cells that are as high, the first is the peak.
+        # Of two equally high cells, the first is the peak.
         above = [
             grid >= around[i : i + wide, j : j + tall]
             if (i, j) > (1, 1)
@@ -76,7 +76,7 @@ class PostureDensity:
         return [(float(first[i]), float(second[j])) for i, j in tops]
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         (left, right), (low, high) = self._ends()
         scale = _SIDE / (right - left)
         width, height = _SIDE + 2 * _GAP, _TOP + (high - low) * scale + _GAP

@@ -16,13 +16,13 @@ _COLUMNS, _SIDE, _GAP, _TOP, _CELLS = 5, 130, 14, 44, 18
 
 @dataclass(frozen=True)
 class PosturePanels:
-    """Histograms of postures of two joints.
+    """Picture of histograms of postures of two joints.
 
     Attributes:
-        name: of the file, without suffix.
-        title: what it shows.
-        panels: angles by the name of the panel, rad, shape (samples, 2).
-        limits: of the two joints, by name, rad.
+        name: Name of the file, without suffix.
+        title: Title of the picture.
+        panels: Angles by the name of the panel, rad, shape (samples, 2).
+        limits: Limits of the two joints, by name, rad.
     """
 
     name: str
@@ -31,14 +31,14 @@ class PosturePanels:
     limits: Mapping[str, tuple[float, float]]
 
     def data(self) -> dict[str, object]:
-        """The postures, for scripts."""
+        """Return the postures, for scripts."""
         return {
             "joints": {joint: list(ends) for joint, ends in self.limits.items()},
             "panels": {name: postures.tolist() for name, postures in self.panels.items()},
         }
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         rows = -(-len(self.panels) // _COLUMNS)
         width = _COLUMNS * (_SIDE + _GAP) + _GAP
         height = _TOP + rows * (_SIDE + 2 * _GAP + 8) + _GAP

@@ -1,4 +1,4 @@
-"""A measured quantity beside what the source reports, and a verdict that its interval gives."""
+"""Measured quantity beside the value of the source, and the verdict that its interval gives."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from enum import StrEnum
 
 from cbdsl.reproduction.claim import Claim, Interval
 
-# A process of which the claim is false may pass this often; else there are too few trials.
+# Largest probability that a process that violates the claim passes; else trials are too few.
 _CHANCE = 0.05
 
 
 class Verdict(StrEnum):
-    """How our number stands beside the source's."""
+    """Comparison of our number with the number of the source."""
 
     REPRODUCED = "reproduced"
     ORDERING = "ordering only"
@@ -24,20 +24,20 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Quantity:
-    """One number of an experiment.
+    """Number of an experiment.
 
     Attributes:
-        name: what was measured.
-        unit: of ``ours``; empty for a bare number.
-        source: what the source reports, in a few words of our own.
-        ours: what we measured; NaN where it could not be, which is a miss.
-        expected: the region that the source's words put it in; ``None`` where nothing is claimed.
-        ordering: the region of at least the order that the source reports, where that says less.
-        interval: 95 % interval of ``ours``, both ends ``ours`` where it is computed rather than
-            sampled, ``None`` where a single trial tells no spread.
-        chance: how likely a process of which ``expected`` is only just false would be called
-            reproduced with as many trials; 0 where nothing is sampled.
-        note: what a reader must know to judge it.
+        name: Name of the measured quantity.
+        unit: Unit of ``ours``; empty for a bare number.
+        source: Report of the source, in a few words of our own.
+        ours: Our measurement; NaN if it could not be made, which counts as missed.
+        expected: Region that the source claims, or ``None`` if it claims nothing.
+        ordering: Weaker region that only preserves the order that the source reports.
+        interval: 95 % interval of ``ours``. Both ends equal ``ours`` if it is computed instead of
+            sampled; ``None`` if there is only a single trial.
+        chance: Probability that a process that barely violates ``expected`` is called reproduced
+            with as many trials; 0 if nothing is sampled.
+        note: Information that a reader needs to judge the number.
     """
 
     name: str
@@ -52,7 +52,7 @@ class Quantity:
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict of the claims on the interval."""
+        """Verdict of the claims on the interval."""
         if self.expected is None:
             return Verdict.NOT_JUDGED
         if math.isnan(self.ours):
@@ -71,6 +71,6 @@ class Quantity:
 def computed(
     name: str, unit: str, source: str, ours: float, expected: Claim, *, note: str = ""
 ) -> Quantity:
-    """A quantity without spread: it is computed, or measured where nothing is random."""
+    """Return a quantity without spread, which is computed or measured deterministically."""
     interval = None if math.isnan(ours) else (ours, ours)
     return Quantity(name, unit, source, ours, expected, interval=interval, note=note)

@@ -1,7 +1,7 @@
-"""Schema trees: which arm, and whether any, by what is seen (Figures 5.10 and 5.11).
+"""Schema trees: choice of arms and expected reward by visual features (Figures 5.10 and 5.11).
 
-Ten trials of ASSIMILATE from the shipped policy of REACHTOUCH, 50 episodes each. Their trees are
-asked about what is seen at the first choice of episodes that they did not learn from.
+Ten trials of ASSIMILATE start from the shipped policy of REACHTOUCH, with 50 episodes each. Their
+trees are evaluated on the features at the first choice of held-out episodes.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ from cbdsl.yaml_text.library import Library, shipped
 _PROGRAM, _STAGE, _BACKEND = "reachtouch", "near_and_far_training", "kinematic"
 _TRIALS, _EPISODES, _ASKED = 10, 50, 60
 _QUICK = (1, 10, 12)
-# Of what a trial is asked in one context, %: so much has to be right.
+# Least share of correct answers of a trial in one context, %.
 _MOST = 90.0
-# By context of the stage: what the source's tree has there, and what it says of it.
+# Allocation of the source's tree and its description, by context of the stage.
 _FIRST = {
     "large": ("reachtouch_bimanual", "large: both arms"),
     "left": ("left_arm", "small and still: the arm on that side"),
@@ -56,7 +56,7 @@ _FAR = "far"
 
 
 class Question(NamedTuple):
-    """A question to the trees: the features of a context at its first choice."""
+    """Question to the trees: the features of a context at its first choice."""
 
     context: str
     features: Features
@@ -66,9 +66,9 @@ class AssimilationTrial(NamedTuple):
     """Trial of ASSIMILATE.
 
     Attributes:
-        things: the program.
-        seed: the trial's number.
-        tried: contexts, with what was tried in them.
+        things: Name of the program.
+        seed: Number of the trial.
+        tried: Contexts with the allocations tried in them.
     """
 
     things: str
@@ -77,7 +77,7 @@ class AssimilationTrial(NamedTuple):
 
 
 class Trees(NamedTuple):
-    """Trees of a trial: which allocation first, and how likely reward is."""
+    """Trees of a trial: the ranking of allocations, and the probability of reward."""
 
     choice: Tree[Ranking]
     reward: Tree[float]
@@ -85,12 +85,12 @@ class Trees(NamedTuple):
 
 @dataclass(frozen=True)
 class SchemaPicture:
-    """The trees of a schema as a picture.
+    """Picture of the trees of a schema.
 
     Attributes:
-        name: of its file, without suffix.
-        title: what it shows.
-        schema: whose trees.
+        name: Name of its file, without suffix.
+        title: Title of the picture.
+        schema: Schema that holds the trees.
     """
 
     name: str
@@ -98,20 +98,20 @@ class SchemaPicture:
     schema: SchemaDocument
 
     def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
+        """Return the picture as the text of an SVG file."""
         return svg(schema_graph(self.schema))
 
     def data(self) -> dict[str, object]:
-        """The schema, for scripts."""
+        """Return the schema, for scripts."""
         return self.schema.model_dump(mode="json", by_alias=True, exclude_none=True)
 
 
 def run(settings: RunSettings) -> Result:
-    """Learn several times, and ask the trees."""
+    """Learn several times, and evaluate the trees."""
     usual, episodes, asked = _QUICK if settings.quick else (_TRIALS, _EPISODES, _ASKED)
     count = settings.trials or usual
     program, runner = _prepared()
-    first = settings.seed  # trials draw seeds of their own
+    first = settings.seed  # trials draw their own seeds
     known = list(questions(program, runner, range(first, first + asked)))
     trials = kept_trials(
         settings.folder / "assimilations.jsonl",
@@ -153,7 +153,7 @@ def _run_trials(
 
 
 def _learner(program: CheckedProgram, tried: Iterable[TriedContext]) -> Assimilate:
-    """A learner that has seen some contexts."""
+    """Return a learner with the experience of some contexts."""
     learner = Assimilate([], AssimilateConstants())
     learner.adopt(program)
     learner.recall(tried)
@@ -161,14 +161,14 @@ def _learner(program: CheckedProgram, tried: Iterable[TriedContext]) -> Assimila
 
 
 def _digest(seed: int, episodes: int, program: str) -> str:
-    """Digest of all that decides a trial beside its number."""
+    """Return the digest of all inputs of a trial except its number."""
     library = Library(shipped())
     policy = shipped_file(library, PolicyDocument, program).read_text(encoding="utf-8")
     return digest_of_text(f"{trial_digest(program, {}, _STAGE)} {seed} {episodes}\n{policy}")
 
 
 def _prepared() -> tuple[CheckedProgram, BackendEpisodeRunner]:
-    """The shipped program with all its allocations under its policy, and what runs it."""
+    """Return the shipped program with all its allocations and its policy, and its runner."""
     library = Library(shipped())
     path = shipped_file(library, ProgramDocument, _PROGRAM)
     policy = library.read(shipped_file(library, PolicyDocument, _PROGRAM), PolicyDocument)
@@ -183,7 +183,7 @@ def _prepared() -> tuple[CheckedProgram, BackendEpisodeRunner]:
 def questions(
     program: CheckedProgram, runner: BackendEpisodeRunner, seeds: Sequence[int]
 ) -> Iterator[Question]:
-    """Features of the first informed choice of episodes."""
+    """Yield the features of the first informed choice of each episode."""
     assert program.schema is not None
     names, wanted = tuple(program.schema.allocations), set(program.schema.components)
     policy = SchemaPolicy(program, lambda features: names, gives_up=False)
@@ -196,7 +196,7 @@ def questions(
 
 
 def quantities(trees: Sequence[Trees], known: Sequence[Question], seed: int) -> Iterator[Quantity]:
-    """Shares of trials whose trees have the source's branches, and where reach ends."""
+    """Yield the shares of trials whose trees have the source's branches, and the limit of reach."""
     for context, (allocation, source) in _FIRST.items():
         rights = [
             _share([(decide(each.choice, q.features) or ("",))[0] == allocation for q in asked])
@@ -247,7 +247,7 @@ def _trials(name: str, source: str, rights: Sequence[float]) -> Quantity:
 
 
 def _forward(tree: Tree[Any]) -> float | None:
-    """The threshold of the first question, where that is for the distance forward."""
+    """Return the threshold of the first split, if it splits by the distance forward."""
     first = next(splits(tree), None)
     is_forward = isinstance(first, Split) and first.feature == "place.x"
     return first.threshold if first is not None and is_forward else None

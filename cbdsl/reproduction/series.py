@@ -1,4 +1,4 @@
-"""The series of trials of the source's Chapters 4 and 7, as data."""
+"""Series of trials of the source's Chapters 4 and 7, as data."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ class Series:
     """Trials that learn one program from zero, on one stage.
 
     Attributes:
-        name: of the files of its trials.
-        label: how tables and pictures call it.
-        program: whose actions are learned.
-        stage: the training context.
-        episodes: of each trial, as many as the source has.
-        trials: as many as the source has.
-        sequential: whether the compositions are left out of the actions.
-        density: form of the internal models.
-        hopeless: contexts of the stage in which nothing can be rewarded.
+        name: Name of the files of its trials.
+        label: Label in tables and pictures.
+        program: Program whose actions are learned.
+        stage: Training stage.
+        episodes: Number of episodes of each trial, as in the source.
+        trials: Number of trials, as in the source.
+        sequential: True if the compositions are excluded from the actions.
+        density: Form of the internal models.
+        hopeless: Contexts of the stage without possible reward.
     """
 
     name: str
@@ -37,17 +37,17 @@ class Series:
 
     @property
     def short(self) -> str:
-        """The label without the program, where only one is shown."""
+        """Label without the program, for pictures of a single program."""
         return self.label.partition(", ")[2] or self.label
 
     def actions(self, program: CheckedProgram) -> tuple[Action, ...]:
-        """The actions to choose from."""
+        """Return the actions to choose from."""
         return program.sequential_actions if self.sequential else program.actions
 
     def command(
         self, seed: int, trials: int, episodes: int, backend: str, cameras: str | None = None
     ) -> str:
-        """The command line of ``cb learn`` that learns the same."""
+        """Return the command line of ``cb learn`` for the same trials."""
         words = ["cb", "learn", self.program, "--out", f"{self.name}.yaml", "--stage", self.stage]
         words += ["--episodes", str(episodes), "--seed", str(seed), "--backend", backend]
         words += ["--cameras", cameras] if cameras is not None else []

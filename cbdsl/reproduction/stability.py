@@ -1,4 +1,4 @@
-"""Stable policies: after how many episodes what a trial would do no longer changes."""
+"""Number of episodes after which the greedy policy of a trial stays constant."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import Series
 from cbdsl.training.trial import Trial
 
-# States that fewer of its transitions leave say little of a policy.
+# Least share of transitions that leave a state for which the policy is compared.
 _LEAST = 0.05
 
 
 def stable_after(trial: Trial, met: Iterable[Experience]) -> int:
-    """From which episode on the greedy policy stays what it is at the end of a trial.
+    """Return the episode from which the greedy policy equals the final one of a trial.
 
     Args:
-        trial: at its end.
-        met: episodes under its greedy policy, in whose states it counts.
+        trial: Trial at its end.
+        met: Episodes under its greedy policy; only their states are compared.
     """
     states = _states(met)
     again = Trial(trial.program, trial.constants, trial.seed, trial.number)
@@ -47,14 +47,14 @@ def _states(met: Iterable[Experience]) -> list[str]:
 def stable_quantity(
     series: Series, measured: Sequence[int], source: str, expected: Claim, seed: int
 ) -> Quantity:
-    """The median over trials.
+    """Return the median over trials.
 
     Args:
-        series: that was learned.
-        measured: of each trial.
-        source: what the source reports.
-        expected: when the median counts as reproduced.
-        seed: of the interval's resampling.
+        series: Learned series.
+        measured: Number of episodes of each trial.
+        source: Report of the source.
+        expected: Claim about the median.
+        seed: Seed of the resampling for the interval.
     """
     episodes = np.array(measured, dtype=float)
     return estimate(

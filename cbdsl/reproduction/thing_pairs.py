@@ -1,4 +1,4 @@
-"""Pairs of things whose impedance is felt: the source's six, and others to be held out."""
+"""Pairs of objects whose impedance is measured: the source's six, and held-out ones."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ PLANE, CYLINDRICAL, PRISMATIC, SPHERICAL = RELATIONS = (
     "spherical",
 )
 
-# How far a thing is lowered beyond the height at which it is brought: on another one it comes to
+# Distance by which an object is lowered from its approach height: on another object it comes to
 # rest before that; into another one it goes 5 cm deep.
 _ON, _INTO = {"depth": "14 cm"}, {"depth": "8 cm"}
 
 
 class ThingPair(NamedTuple):
-    """A thing on another one, or in it.
+    """Object on another one, or in it.
 
     Attributes:
-        stage: where it is a context of its own name.
-        relation: one of ``RELATIONS``; spherical where one of both is round at the contact.
-        values: of the program's parameters.
-        stiff, free: directions that are tracked, and not tracked, in Figure 7.13. What friction
-            decides is in neither.
+        stage: Stage with a context of the pair's name.
+        relation: One of ``RELATIONS``; spherical if one of both is round at the contact.
+        values: Values of the program's parameters.
+        stiff, free: Directions that are tracked, and not tracked, in Figure 7.13. Directions
+            that depend on friction are in neither.
     """
 
     stage: str
@@ -36,11 +36,11 @@ class ThingPair(NamedTuple):
 
     @property
     def judged(self) -> tuple[str, ...]:
-        """Directions whose signs the source has."""
+        """Directions whose signs the source reports."""
         return self.stiff + self.free
 
     def right(self, tracked: Mapping[str, bool]) -> list[bool]:
-        """Whether each judged direction is tracked, or not, as in the source."""
+        """Return for each judged direction whether it is tracked, or not, as in the source."""
         return [tracked[each] == (each in self.stiff) for each in self.judged]
 
 
@@ -51,7 +51,7 @@ _PRISMATIC = (("dPx", "dPy", "dRx", "dRy", "dRz"), ("dPz",))
 # Friction keeps a ball from sliding on a box in some directions and episodes, not in others.
 _BALL = (("dPz",), ("dRz",))
 
-#: The six pairs of Section 7.2.1, by their contexts of the stage.
+#: Six pairs of Section 7.2.1, by their contexts of the stage.
 PAIRS: Mapping[str, ThingPair] = {
     "box_on_box": ThingPair("pairs", PLANE, _ON, *_PLANE),
     "ball_on_box": ThingPair("pairs", SPHERICAL, _ON, *_BALL),
@@ -61,7 +61,7 @@ PAIRS: Mapping[str, ThingPair] = {
     "box_in_box": ThingPair("pairs", PRISMATIC, _INTO, *_PRISMATIC),
 }
 
-#: Pairs of other sizes and forms, whose relations are to be named.
+#: Pairs of other sizes and forms, whose relations are to be identified.
 OTHER_PAIRS: Mapping[str, ThingPair] = {
     "can_on_slab": ThingPair("other_pairs", PLANE, _ON, *_PLANE),
     "box_on_drum": ThingPair("other_pairs", PLANE, _ON, *_PLANE),

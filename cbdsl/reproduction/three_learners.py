@@ -1,4 +1,4 @@
-"""Three learners of handedness, how fast each settles and how they retry (Figures 5.8 and 5.9)."""
+"""Three learners of handedness, their settling times and retries (Figures 5.8 and 5.9)."""
 
 from __future__ import annotations
 
@@ -26,12 +26,11 @@ from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
 Floats = NDArray[np.float64]
 Statistic = Callable[[Floats], float]
 
-# Episodes at the end that tell a learner's level, and those that are looked at around the change
-# of stages.
+# Final episodes that define a learner's level, and episodes evaluated around the change of stages.
 _LAST, _AROUND = 50, 5
-# The level that the source's learners come to, which follows from their epsilon.
+# Final level of the source's learners, which follows from their epsilon.
 _LEVEL = 0.8
-# What share of a level is near it.
+# Share of a level that counts as near it.
 _NEAR = 0.8
 # Episodes under the best policies.
 _BEST, _QUICK_BEST = 60, 4
@@ -41,13 +40,13 @@ _NORMAL = 1.96
 
 @dataclass(frozen=True)
 class LearnerTrials:
-    """The trials of one learner.
+    """Trials of one learner.
 
     Attributes:
-        series: which learner.
-        trials: the episodes of each.
-        best: reward per transition under the best policy of the same actions.
-        constrained: episodes of a first stage.
+        series: Series of the learner.
+        trials: Episodes of each trial.
+        best: Reward per transition under the best policy of the same actions.
+        constrained: Number of episodes of a first stage.
     """
 
     series: HandednessSeries
@@ -62,12 +61,12 @@ class LearnerTrials:
 
     @property
     def rewards(self) -> Floats:
-        """The same relative to the best policy's; NaN where that earns nothing."""
+        """Rewards relative to the best policy; NaN if that earns nothing."""
         return self.raw / self.best if self.best else self.raw * math.nan
 
 
 def series_of(name: str) -> tuple[HandednessSeries, ...]:
-    """The series of trials."""
+    """Return the series of trials."""
     return (STAGED,) if name == "fig-5.9" else (FLAT, CONCURRENT, STAGED)
 
 
@@ -85,7 +84,7 @@ def gather(
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Learn, and compare what was earned on the way."""
+    """Learn, and compare the rewards during learning."""
     with trial_runner(settings) as dexter:
         learned, trials = gather(dexter, settings, name), HandednessTrials(dexter, settings.seed)
         if name == "fig-5.9":
@@ -112,7 +111,7 @@ def run(settings: RunSettings, name: str) -> Result:
 
 
 def quantities_of(groups: Sequence[LearnerTrials], seed: int) -> Iterator[Quantity]:
-    """The order of the learners, when each has settled, and the dip of the staged one."""
+    """Yield the order of the learners, their settling times, and the dip of the staged one."""
     flat, concurrent, staged = groups
     yield _ahead(staged, concurrent, seed)
     yield _ahead(concurrent, flat, seed)
@@ -136,7 +135,7 @@ def quantities_of(groups: Sequence[LearnerTrials], seed: int) -> Iterator[Quanti
 
 
 def _ahead(one: LearnerTrials, other: LearnerTrials, seed: int) -> Quantity:
-    """How much more one learner earns than another over all episodes, relative to its best."""
+    """Return the additional normalised reward of one learner over another in all episodes."""
     means = [group.rewards.mean(axis=1) for group in (one, other)]
     names = [group.series.label for group in (one, other)]
     raw = [group.raw.mean() for group in (one, other)]
@@ -158,7 +157,7 @@ def _with_interval(name: str, values: Floats) -> str:
 
 
 def _half_width(values: Floats) -> Floats:
-    """Half of the width of the mean's 95 % interval along the first axis."""
+    """Return half of the width of the mean's 95 % interval along the first axis."""
     if len(values) < 2:
         return np.zeros(values.shape[1:])
     half: Floats = _NORMAL * values.std(axis=0, ddof=1) / math.sqrt(len(values))
@@ -177,13 +176,13 @@ def _settles(group: LearnerTrials, source: str, expected: Claim, seed: int) -> Q
 
 
 def stable_at(rewards: Floats) -> float:
-    """From which episode on the mean curve stays near the level that all learners are to come to.
+    """Return the episode from which the mean curve stays near the common level.
 
     Args:
-        rewards: normalised, by trial and episode.
+        rewards: Normalised rewards, shape (trials, episodes).
 
     Returns:
-        More than there are episodes where it never does.
+        Episode number; larger than the number of episodes if the curve never settles.
     """
     smooth = np.convolve(rewards.mean(axis=0), np.full(_AROUND, 1 / _AROUND), mode="valid")
     low = np.flatnonzero(smooth < _NEAR * _LEVEL)
@@ -194,9 +193,9 @@ def stable_at(rewards: Floats) -> float:
 
 
 def dip_quantities(staged: LearnerTrials, seed: int) -> Iterator[Quantity]:
-    """How deep the staged learner falls when the second stage begins, and for how long."""
+    """Yield the depth and length of the staged learner's dip when the second stage begins."""
     first = staged.constrained
-    if not _AROUND <= first <= staged.raw.shape[1] - _AROUND:  # the second stage is not there
+    if not _AROUND <= first <= staged.raw.shape[1] - _AROUND:  # there is no second stage
         return
     rewards = staged.rewards
     before = rewards[:, first - _AROUND : first].mean(axis=1)
@@ -221,14 +220,14 @@ def dip_quantities(staged: LearnerTrials, seed: int) -> Iterator[Quantity]:
 
 
 def dip_length(rewards: Floats, first: int) -> float:
-    """After how many episodes of the second stage the mean curve is back where it was.
+    """Return the number of episodes of the second stage until the mean curve recovers.
 
     Args:
-        rewards: by trial and episode.
-        first: episodes of the first stage.
+        rewards: Rewards, shape (trials, episodes).
+        first: Number of episodes of the first stage.
 
     Returns:
-        As many as there are where it never comes back.
+        Number of episodes; all of the second stage if the curve never recovers.
     """
     curve = rewards.mean(axis=0)
     level = _NEAR * curve[first - _AROUND : first].mean()
@@ -240,7 +239,7 @@ def dip_length(rewards: Floats, first: int) -> float:
 def _of_curves(
     name: str, source: str, rewards: Floats, statistic: Statistic, expected: Claim, seed: int
 ) -> Quantity:
-    """A number of episodes that the curve of all trials tells."""
+    """Return a number of episodes as a statistic of the curve of all trials."""
     value = statistic(rewards)
     interval = None
     if len(rewards) > 1:

@@ -32,7 +32,7 @@ from cbdsl.reproduction.worth import AS_GOOD, shares_of, worth_quantities
 from cbdsl.training.trial import Trial
 from cbdsl.types.state import ANY, matches
 
-#: What actions are worth, by state and action.
+#: Worth of actions, by state and action.
 Worth = Mapping[str, Mapping[str, float]]
 
 _REACH, _INSPECT, _BRING, _PUT = (
@@ -45,12 +45,13 @@ _REACH, _INSPECT, _BRING, _PUT = (
 
 @dataclass(frozen=True)
 class DrawnPolicy:
-    """A policy whose transition diagram the source shows.
+    """Policy whose transition diagram the source shows.
 
     Attributes:
-        series: what it is learned from.
-        arcs: that the source draws.
-        learned_in: within how many episodes the source has it learned, where it shows no curve.
+        series: Series of trials in which it is learned.
+        arcs: Arcs that the source draws.
+        learned_in: Number of episodes within which it is learned in the source, if the source
+            shows no curve.
     """
 
     series: Series
@@ -58,21 +59,21 @@ class DrawnPolicy:
     learned_in: int | None = None
 
     def choices(self) -> list[tuple[str, str]]:
-        """States and what is chosen there, where the source's arcs leave a single state."""
+        """Return the single states that the source's arcs leave, and the actions chosen there."""
         single = [(arc.state, arc.action) for arc in self.arcs if ANY not in arc.state]
         return list(dict.fromkeys(single))
 
 
 @dataclass(frozen=True)
 class Examined:
-    """A trial at its end, and the checks of what it had learned on the way."""
+    """Trial at its end, and the checks of its policies during learning."""
 
     trial: Trial
     checks: tuple[Check, ...]
 
 
 def _probing(search: str, sense: str) -> tuple[DrawnArc, ...]:
-    """Search and sense in one action, whatever is found."""
+    """Return the arcs of searching and sensing in one action, for all outcomes."""
     both = f"{search} ◁ {sense}"
     return (
         DrawnArc("XX", both, ("00",)),
@@ -158,7 +159,7 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Learn, run the greedy policies in held-out episodes, and look for the source's arcs."""
+    """Learn, run the greedy policies in held-out episodes, and search for the source's arcs."""
     plan = schedule(settings)
     quantities: list[Quantity] = []
     diagrams: list[Diagram] = []
@@ -181,12 +182,12 @@ def run(settings: RunSettings, name: str) -> Result:
 
 
 def series_of(name: str) -> tuple[Series, ...]:
-    """The series of trials."""
+    """Return the series of trials."""
     return tuple(drawn.series for drawn in DRAWN[name])
 
 
 def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[list[Examined]]:
-    """Run all episodes, those of each trial of each policy that the source draws."""
+    """Run all episodes of each trial of each policy that the source draws."""
     plan = schedule(settings)
     for drawn in DRAWN[name]:
         episodes = dexter.episodes(drawn.series)
@@ -196,12 +197,12 @@ def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[list[E
 
 
 def _when(drawn: DrawnPolicy, episodes: int, plan: Schedule) -> Sequence[int]:
-    """After which episodes there is a check: the last one is enough for a diagram."""
+    """Return the numbers of episodes after which to check; a diagram needs only the last one."""
     return [episodes] if drawn.learned_in is None else plan.after(episodes)
 
 
 def _examined(dexter: TrialRunner, drawn: DrawnPolicy, plan: Schedule) -> list[Examined]:
-    """Each trial with its checks."""
+    """Return each trial with its checks."""
     when = _when(drawn, dexter.episodes(drawn.series), plan)
     return [
         Examined(learned.trial, checks(dexter, learned, plan, when))
@@ -210,7 +211,7 @@ def _examined(dexter: TrialRunner, drawn: DrawnPolicy, plan: Schedule) -> list[E
 
 
 def _quantities(drawn: DrawnPolicy, last: Sequence[Check], worth: Worth) -> Iterator[Quantity]:
-    """How many of the trials have what the source draws."""
+    """Yield the shares of trials that have the arcs of the source."""
     label = drawn.series.label
     columns = [(arc, orders_alike(arc, worth), _looks(arc, last)) for arc in drawn.arcs]
     whole = [
@@ -232,14 +233,14 @@ def _quantities(drawn: DrawnPolicy, last: Sequence[Check], worth: Worth) -> Iter
 
 
 def orders_alike(arc: DrawnArc, worth: Worth) -> bool:
-    """Whether its action is worth as much with its two parts in the other order.
+    """Return whether the action of an arc is worth as much with its two parts reversed.
 
-    Then which of the orders a policy names is chance. It has to be so in all states that the arc
-    may leave and in which both orders were chosen often enough.
+    If so, the order that a policy names is random. The condition must hold in all states that the
+    arc may leave and in which both orders were chosen often enough.
 
     Args:
-        arc: that the source draws.
-        worth: of actions, by state, on any scale.
+        arc: Arc that the source draws.
+        worth: Worth of actions by state, on any scale.
     """
     turned = SUBJECT_TO.join(reversed(arc.action.split(SUBJECT_TO)))
     both = [
@@ -251,16 +252,16 @@ def orders_alike(arc: DrawnArc, worth: Worth) -> bool:
 
 
 def _has(arc: DrawnArc, arcs: Iterable[ActionArc], alike: bool) -> bool:
-    """Whether a diagram has it, in either order where both are worth the same."""
+    """Return whether a diagram has an arc, in either order if both are worth the same."""
     return arc.is_turned_among(arcs) if alike else arc.is_among(arcs)
 
 
 class _Look(NamedTuple):
-    """The held-out episodes of one trial, as far as they bear on an arc.
+    """Held-out episodes of one trial that are relevant to an arc.
 
     Attributes:
-        arcs: the diagram of those in its context; empty where that did not occur.
-        is_met: whether they leave a state that it leaves; else they say nothing of it.
+        arcs: Diagram of the episodes in the arc's context; empty if the context did not occur.
+        is_met: True if they leave a state that the arc leaves; else they carry no evidence.
     """
 
     arcs: Mapping[ActionArc, float]
@@ -283,22 +284,22 @@ def _rewarded(series: Series, last: Sequence[Check]) -> Quantity:
     ]
     name = f"{series.label}: held-out episodes that the greedy policy is rewarded in"
     hits, sizes = [sum(own) for own in rewarded], [len(own) for own in rewarded]
-    # Those of one policy depend on what it has learned.
+    # Episodes of one policy are not independent.
     return clustered_percentage(name, "its reward is found", hits, sizes, at_least(95))
 
 
 def _drawn(name: str, has: Sequence[bool], note: str = "") -> Quantity:
-    """The percentage of trials that have what the source draws."""
+    """Return the percentage of trials that have an element that the source draws."""
     return percentage(
         name, "drawn", sum(has), len(has), in_hindsight(above(50)), of="trials", note=note
     )
 
 
 def _typical(name: str, series: Series, program: CheckedProgram, last: Sequence[Check]) -> Diagram:
-    """The diagram of the trial whose arcs have the most in common with those of all trials.
+    """Return the diagram of the trial whose arcs have the most in common with all trials.
 
-    Where nothing can be rewarded, a policy goes round in circles until its transitions are used
-    up, which outweighs all that it does elsewhere.
+    Contexts without possible reward are excluded: there, a policy cycles until its transitions are
+    used up, which outweighs its behaviour in the other contexts.
     """
     hopeful = [
         [each for each in check.experiences if each.context not in series.hopeless]
@@ -315,7 +316,7 @@ def _typical(name: str, series: Series, program: CheckedProgram, last: Sequence[
 
 
 def _likeness(one: Mapping[ActionArc, float], other: Mapping[ActionArc, float]) -> float:
-    """Share of the arcs of either that both have."""
+    """Return the number of common arcs divided by the number of all arcs of both diagrams."""
     return len(one.keys() & other.keys()) / len(one.keys() | other.keys())
 
 

@@ -17,23 +17,23 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.trial_loop import TrialObserver
 from cbdsl.yaml_text.writer import write_text
 
-# Least time between two words about how far it is, s.
+# Least time between two progress reports, s.
 _PAUSE = 1.0
 
 
 @dataclass(frozen=True)
 class TrialJob:
-    """One trial of each series of an experiment, with the held-out episodes that belong to it.
+    """One trial of each series of an experiment, with its held-out episodes.
 
-    Once all jobs are carried out, all episodes of the experiment are kept in the folder of its
-    settings, and to run it is to read them: so its outcome does not depend on who ran them.
+    After all jobs, all episodes of the experiment are stored in the folder of its settings. A run
+    of the experiment then only reads them, so that its outcome does not depend on the processes.
 
     Attributes:
-        experiment: in which the robot learns.
-        settings: of the whole experiment.
-        path: where the job tells how far it is, ``<done> <total>``, in episodes.
-        robot: whose trials they are.
-        urdf: the robot's model.
+        experiment: Experiment in which the robot learns.
+        settings: Settings of the whole experiment.
+        path: File to which the job writes its progress, ``<done> <total>``, in episodes.
+        robot: Robot that learns.
+        urdf: Path of the robot's model.
     """
 
     experiment: Experiment
@@ -44,7 +44,7 @@ class TrialJob:
 
     @property
     def backend(self) -> str:
-        """Name of what embodies the robot."""
+        """Name of the backend that embodies the robot."""
         return self.settings.backend
 
     @property
@@ -56,7 +56,7 @@ class TrialJob:
         """Run its episodes on a body; see ``Job.run``.
 
         Raises:
-            JournalError, BackendError, EpisodeError, OSError: see ``TrialRunner``.
+            JournalError, BackendError, EpisodeError, OSError: As ``TrialRunner``.
         """
         settings = replace(self.settings, progress=_Notice(self.path).note)
         dexter = TrialRunner(settings, body, self.robot, kinematics, observer)
@@ -64,7 +64,7 @@ class TrialJob:
         return []
 
     def progress(self) -> tuple[int, int]:
-        """Finished episodes and all; (0, 0) before it begins."""
+        """Return the numbers of finished and of all episodes; (0, 0) at first."""
         if not self.path.exists():
             return 0, 0
         done, total = map(int, self.path.read_text(encoding="utf-8").split())
@@ -72,17 +72,17 @@ class TrialJob:
 
 
 class _Notice:
-    """Writes the progress of a job to a file.
+    """Writer of the progress of a job to a file.
 
     Args:
-        path: the file.
+        path: File to write.
     """
 
     def __init__(self, path: Path) -> None:
         self._path, self._written = path, -_PAUSE
 
     def note(self, done: int, total: int) -> None:
-        """``done`` of ``total`` parts are over."""
+        """Write that ``done`` of ``total`` parts are finished."""
         if time.monotonic() >= self._written + _PAUSE or done == total:
             self._written = time.monotonic()
             write_text(f"{done} {total}\n", self._path)
@@ -90,11 +90,11 @@ class _Notice:
 
 @contextmanager
 def trial_jobs(experiment: Experiment, settings: RunSettings) -> Iterator[list[TrialJob]]:
-    """The jobs of an experiment in which the robot learns, one for each trial.
+    """Provide the jobs of an experiment in which the robot learns, one for each trial.
 
     Args:
-        experiment: the experiment.
-        settings: of it; who watches is not told.
+        experiment: Experiment in which the robot learns.
+        settings: Settings of the experiment; their progress callback is not used.
     """
     robot, urdf = shipped_dexter()
     folder = settings.folder.absolute()

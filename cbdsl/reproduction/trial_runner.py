@@ -1,4 +1,4 @@
-"""Series of trials on one backend, and greedy episodes under what they learned."""
+"""Series of trials on one backend, and greedy episodes under the learned policies."""
 
 from __future__ import annotations
 
@@ -47,22 +47,22 @@ from cbdsl.yaml_text.library import Library, shipped
 from cbdsl.yaml_text.writer import write_text
 
 _ROBOT = "dexter"
-# As many seeds as the field asks for, where the backend is fast; else as many as the source has.
+# As many seeds as is customary in the field if the backend is fast, else as many as in the source.
 _TRIALS = {"kinematic": 30}
 _QUICK_TRIALS, _QUICK_EPISODES = 2, 6
-# Where the held-out episodes of a trial are numbered from, far beyond its own ones.
+# First number of the held-out episodes of a trial, far beyond the numbers of its own episodes.
 _HELD_OUT = 1_000_000
 
 
 @dataclass(frozen=True)
 class LearnedTrial:
-    """A trial at its end, or as it was before.
+    """Trial at its end, or after some of its episodes.
 
     Attributes:
-        trial: what was learned, and from which episodes.
-        provenance: of the whole trial.
-        stage: the training context.
-        path: of the policy; what is found out about it is kept beside it.
+        trial: Learner and its episodes.
+        provenance: Provenance of the whole trial.
+        stage: Training stage.
+        path: Path of the policy; results about it are stored beside it.
     """
 
     trial: Trial
@@ -71,7 +71,7 @@ class LearnedTrial:
     path: Path
 
     def after(self, episodes: int) -> LearnedTrial:
-        """The same trial as it was after its first ``episodes``."""
+        """Return the same trial after its first ``episodes``."""
         whole = self.trial
         trial = Trial(whole.program, whole.constants, whole.seed, whole.number)
         for experience in whole.experiences[:episodes]:
@@ -79,7 +79,7 @@ class LearnedTrial:
         return LearnedTrial(trial, self.provenance, self.stage, self.path)
 
     def held_out(self, count: int) -> list[int]:
-        """Seeds of episodes that the trial does not learn from."""
+        """Return seeds of episodes that the trial does not learn from."""
         entropy = (
             np.random.SeedSequence([self.trial.seed, self.trial.number, _HELD_OUT + index])
             for index in range(count)
@@ -88,18 +88,18 @@ class LearnedTrial:
 
 
 class TrialRunner:
-    """Runs episodes one after another; those that are kept already are not run again.
+    """Runner of consecutive episodes that skips the stored ones.
 
     Args:
-        settings: which seed, how many trials, where they are kept, and who is told how far it is.
-        body: runs the episodes.
-        robot: that it embodies.
-        kinematics: of the same robot.
-        observer: is told of each episode that is run, and may end it all.
+        settings: Seed, number of trials, folder and progress callback.
+        body: Backend that runs the episodes.
+        robot: Robot that the backend embodies.
+        kinematics: Kinematics of the same robot.
+        observer: Observer that is notified of each episode that is run, and may stop the run.
 
     Attributes:
-        robot: that is embodied.
-        library: of the shipped documents.
+        robot: Embodied robot.
+        library: Library of the shipped documents.
     """
 
     def __init__(
@@ -118,29 +118,29 @@ class TrialRunner:
 
     @property
     def renderer(self) -> str:
-        """Name of whatever makes the images."""
+        """Name of the renderer of the images."""
         return self._body.renderer
 
     def expect(self, episodes: int) -> None:
-        """Tell those who watch that so many more episodes are to come."""
+        """Add a number of episodes to the expected total."""
         self._expected += episodes
 
     def numbers(self, series: Series | ExplorationSeries | HandednessSeries) -> list[int]:
-        """The trials of a series that are to be run."""
+        """Return the numbers of the trials of a series to run."""
         numbers = range(trials(self._settings, series))
         return [each for each in numbers if self._settings.only in (None, each)]
 
     def episodes(self, series: Series | HandednessSeries) -> int:
-        """How many episodes each of them has."""
+        """Return the number of episodes of each trial."""
         return _QUICK_EPISODES if self._settings.quick else series.episodes
 
     def learn(self, series: Series) -> list[LearnedTrial]:
         """Run the trials of a series, each from zero.
 
         Raises:
-            JournalError: what is kept in the folder belongs to other trials.
-            BackendError, EpisodeError: the simulator cannot run them.
-            OSError: they cannot be kept.
+            JournalError: The folder holds other trials.
+            BackendError, EpisodeError: The simulator cannot run them.
+            OSError: They cannot be stored.
         """
         program = self.program(series)
         return [self._follow(series, program, n) for n in self.numbers(series)]
@@ -149,13 +149,13 @@ class TrialRunner:
         """Run the explorations of a series, each from zero.
 
         Raises:
-            JournalError: what is kept in the folder belongs to others.
-            OSError: they cannot be kept.
+            JournalError: The folder holds other explorations.
+            OSError: They cannot be stored.
         """
         return [self._explore(series, number) for number in self.numbers(series)]
 
     def actions(self, series: ExplorationSeries) -> int:
-        """How many actions each exploration has, with those that it is grown from."""
+        """Return the number of actions of each exploration, including the one it is grown from."""
         before = 0 if series.grown_from is None else self.actions(series.grown_from)
         return before + (_QUICK_EPISODES if self._settings.quick else series.actions)
 
@@ -184,7 +184,7 @@ class TrialRunner:
         return catalog
 
     def _grow(self, series: ExplorationSeries, number: int) -> int:
-        """Run what an exploration is grown from, and go on from there; how many actions it had."""
+        """Run the exploration that a series is grown from, and return its number of actions."""
         known = series.grown_from
         if known is None:
             return 0
@@ -193,12 +193,12 @@ class TrialRunner:
         begun = exploration_journal(self.path(series, number))
         if not begun.exists():
             rows = exploration_journal(self.path(known, number)).read_text(encoding="utf-8")
-            # Its first line says what is explored.
+            # Its first line describes the exploration.
             write_text("".join(rows.splitlines(keepends=True)[: 1 + count]), begun)
         return count
 
     def program(self, series: Series) -> CheckedProgram:
-        """The program of a series, with the actions to choose from."""
+        """Return the program of a series, with the actions to choose from."""
         program = check_program(self._file(series), {}, self.library)
         return program._replace(actions=series.actions(program))
 
@@ -213,18 +213,18 @@ class TrialRunner:
         program: CheckedProgram | None = None,
         known: Sequence[Experience] = (),
     ) -> tuple[Experience, ...]:
-        """Run episodes under what was learned, without exploring or learning.
+        """Run episodes under the greedy policy, without exploration or learning.
 
         Args:
-            learned: what chooses the actions.
-            name: of these episodes, for their file beside the policy.
-            seeds: one for each episode.
-            program: the program with internal models other than those that were learned.
-            known: episodes of the same program under other policies; what this one would have
-                chosen as well is not run again.
+            learned: Trial whose policy chooses the actions.
+            name: Name of these episodes, for their file beside the policy.
+            seeds: Seed of each episode.
+            program: Program with internal models that replace the learned ones.
+            known: Episodes of the same program under other policies; an episode in which this
+                policy would choose the same actions is reused.
 
         Raises:
-            JournalError, BackendError, EpisodeError, OSError: as ``learn``.
+            JournalError, BackendError, EpisodeError, OSError: As ``learn``.
         """
         trial = learned.trial
         actions = trial.learner.greedy()
@@ -248,16 +248,16 @@ class TrialRunner:
         return tuple(experiences)
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``TrialObserver.begin``."""
+        """Count the stored episodes; see ``TrialObserver.begin``."""
         self._advance(len(finished))
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``TrialObserver.note``."""
+        """Count an episode and notify the observer; see ``TrialObserver.note``."""
         self._advance(1)
         self._observer.note(number, experience, seconds)
 
     def _follow(self, series: Series, program: CheckedProgram, number: int) -> LearnedTrial:
-        """One trial, from its beginning or from where it was interrupted."""
+        """Run one trial from its beginning, or from the point of its interruption."""
         settings, episodes = self._settings, self.episodes(series)
         stage = self._stage(series)
         setting = TrialSetting(
@@ -283,11 +283,11 @@ class TrialRunner:
         return self.library.read(file, StageDocument).document
 
     def episode_runner(self, stage: StageDocument) -> BackendEpisodeRunner:
-        """Runner of episodes of a stage."""
+        """Return a runner of episodes of a stage."""
         return BackendEpisodeRunner(self.robot, self._kinematics, self._body, stage)
 
     def path(self, series: Series | ExplorationSeries | HandednessSeries, number: int) -> Path:
-        """Where a policy goes: trials that are not comparable have folders of their own."""
+        """Return the path of a policy; trials that are not comparable have separate folders."""
         settings = self._settings
         eyes = "" if settings.cameras is None else f"_{settings.cameras}"
         folder = settings.folder / f"{settings.backend}{eyes}_{settings.seed}" / series.name
@@ -300,23 +300,23 @@ class TrialRunner:
 
 
 def trials(settings: RunSettings, series: Series | ExplorationSeries | HandednessSeries) -> int:
-    """How many trials of a series there are."""
+    """Return the number of trials of a series."""
     if settings.trials is not None:
         return settings.trials
     return _QUICK_TRIALS if settings.quick else _TRIALS.get(settings.backend, series.trials)
 
 
 def shipped_dexter() -> tuple[RobotDocument, Path]:
-    """The robot that all series are for, and its URDF."""
+    """Return the robot of all series, and its URDF."""
     return shipped_robot(_ROBOT)
 
 
 @contextmanager
 def trial_runner(settings: RunSettings) -> Iterator[TrialRunner]:
-    """A runner on the backend of the settings.
+    """Provide a runner on the backend of the settings.
 
     Raises:
-        BackendError: there is no such backend, or it cannot embody the robot.
+        BackendError: The backend does not exist, or cannot embody the robot.
     """
     robot, urdf = shipped_dexter()
     body = embody(settings.backend, robot, urdf, cameras=settings.cameras)
@@ -327,11 +327,11 @@ def trial_runner(settings: RunSettings) -> Iterator[TrialRunner]:
 
 
 def _chooses(policy: Policy, experience: Experience) -> bool:
-    """Whether an episode of the same seed is the same under a policy, to the last bit."""
+    """Return whether an episode with the same seed is identical under a policy."""
     return all(
         policy.choose(each.state, changed=True) == each.action for each in experience.transitions
     )
 
 
 def _ignore(transition: Transition) -> None:
-    """Greedy episodes teach nothing."""
+    """Ignore a transition: nothing is learned from greedy episodes."""

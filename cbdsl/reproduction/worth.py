@@ -1,4 +1,4 @@
-"""Values of actions in the model that the transitions of all trials make."""
+"""Values of actions in the model formed by the transitions of all trials."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from cbdsl.training.trial import Trial, used_programs
 
 Floats = NDArray[np.float64]
 
-#: Less than this share of another action's worth is not as good as it, %.
+#: Least share of another action's worth at which an action counts as equally good, %.
 AS_GOOD = 95
-# What was chosen less often than this says nothing, nor do trials so few that each of them has
-# hardly tried anything but what it found first.
+# Least number of choices of an action and of trials for a reliable value. In too few trials,
+# hardly any action is tried beyond the first rewarded one.
 _LEAST, _LEAST_TRIALS = 5, 5
 _DRAWS, _SWEEPS = 400, 200
 
 
 @dataclass(frozen=True)
 class Met:
-    """The transitions of some trials, each counted any number of times.
+    """Transitions of some trials, each of which can be weighted.
 
     Attributes:
-        pairs: the states and the actions that were chosen there.
-        followed: how often which state followed, shape (trials, pairs, states).
-        rewards: their sum, after which nothing follows, shape (trials, pairs).
-        chosen: how often, shape (trials, pairs).
-        origin: the place of each pair's state among the states, shape (pairs,).
+        pairs: States and the actions that were chosen there.
+        followed: Counts of the next states, shape (trials, pairs, states).
+        rewards: Sums of the rewards; a reward ends the sequence; shape (trials, pairs).
+        chosen: Numbers of choices, shape (trials, pairs).
+        origin: Index of each pair's state among the states, shape (pairs,).
     """
 
     pairs: tuple[tuple[str, str], ...]
@@ -47,15 +47,15 @@ class Met:
     origin: NDArray[np.intp]
 
     def places(self, state: str) -> dict[str, int]:
-        """The places of a state's pairs among all, by action."""
+        """Return the indices of a state's pairs, by action."""
         return {action: place for place, (s, action) in enumerate(self.pairs) if s == state}
 
     def worth(self, gamma: float, times: NDArray[np.int64] | None = None) -> Floats:
-        """Value of each pair if all later actions are the best; NaN where it was met too rarely.
+        """Return the value of each pair if all later actions are optimal; NaN for rare pairs.
 
         Args:
-            gamma: discount.
-            times: how often each trial counts, shape (trials,); once each where it is ``None``.
+            gamma: Discount factor.
+            times: Weight of each trial, shape (trials,); ``None`` for equal weights of 1.
         """
         weights = np.ones(len(self.chosen)) if times is None else times
         chosen = weights @ self.chosen
@@ -73,7 +73,7 @@ class Met:
 
 
 def met(trials: Sequence[Trial]) -> Met:
-    """The transitions of the trials of a series."""
+    """Count the transitions of the trials of a series."""
     each = [list(_decided(trial)) for trial in trials]
     every = [decision for decided in each for decision in decided]
     pairs = sorted({(decision.state, decision.action) for decision in every})
@@ -92,13 +92,13 @@ def met(trials: Sequence[Trial]) -> Met:
 
 
 def shares_of(trials: Sequence[Trial]) -> dict[str, dict[str, float]]:
-    """Worth of each action in each state, in % of that of the best one there.
+    """Return the worth of each action in each state, in % of the best action there.
 
     Args:
-        trials: of Algorithm 1; of fewer than five nothing is told.
+        trials: Trials of Algorithm 1, at least five.
 
     Returns:
-        Shares by state and action, of those that were chosen often enough.
+        Shares by state and action, for actions chosen often enough; empty for too few trials.
     """
     if len(trials) < _LEAST_TRIALS:
         return {}
@@ -110,13 +110,13 @@ def shares_of(trials: Sequence[Trial]) -> dict[str, dict[str, float]]:
 def worth_quantities(
     series: Series, trials: Sequence[Trial], choices: Sequence[tuple[str, str]], seed: int
 ) -> Iterator[Quantity]:
-    """Whether what the source's policy chooses is worth as much as anything else there.
+    """Yield the worth of the source's choices relative to the best action in each state.
 
     Args:
-        series: that was learned.
-        trials: of it; there are no quantities of fewer than five.
-        choices: states, and the actions that the source's policy chooses there.
-        seed: of the interval's resampling of trials.
+        series: Learned series.
+        trials: Trials of the series; fewer than five yield no quantities.
+        choices: States, and the actions that the source's policy chooses there.
+        seed: Seed of the resampling of trials for the interval.
     """
     if len(trials) < _LEAST_TRIALS:
         return
@@ -147,7 +147,7 @@ def _discount(trials: Sequence[Trial]) -> float:
 
 
 def _decided(trial: Trial) -> Iterator[Transition]:
-    """The decisions of a trial, whatever is behind them."""
+    """Yield the decisions of a trial, as transitions over complete actions."""
     decisions = Decisions(used_programs(trial.program))
     for experience in trial.experiences:
         for transition in experience.transitions:
@@ -157,7 +157,7 @@ def _decided(trial: Trial) -> Iterator[Transition]:
 
 
 def _shares(worth: Floats, here: Mapping[str, int]) -> dict[str, float]:
-    """Of each action of a state that was chosen often enough, its worth in % of the best one's."""
+    """Return the worth of a state's actions chosen often enough, in % of the best one."""
     known = {action: worth[place] for action, place in here.items() if worth[place] >= 0}
     best = max(known.values(), default=0.0)
     if len(known) < 2 or best == 0.0:  # there is nothing to compare with
