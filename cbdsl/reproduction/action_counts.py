@@ -1,4 +1,4 @@
-"""Counts of the actions of explorations: how often each was taken, and rewarded."""
+"""Counts of the actions of explorations, and of their rewards."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from cbdsl.reproduction.quantity import Quantity
 
 
 def tally(catalogs: Sequence[CatalogDocument], name: str) -> tuple[int, int]:
-    """How often an action was rewarded, and taken, in all trials."""
+    """Return the numbers of times that an action was rewarded and taken in all trials."""
     own = [each.affordances[name] for each in catalogs if name in each.affordances]
     return sum(each.rewarded for each in own), sum(each.tried for each in own)
 
 
 def tallies(catalogs: Sequence[CatalogDocument], name: str) -> tuple[list[int], list[int]]:
-    """How often an action was rewarded, and taken, in each trial."""
+    """Return the numbers of times that an action was rewarded and taken in each trial."""
     each = [tally([catalog], name) for catalog in catalogs]
     return [hits for hits, _ in each], [tried for _, tried in each]
 
@@ -31,21 +31,21 @@ def share_of_actions(
     source: str = "no number",
     expected: Claim | None = None,
 ) -> Quantity:
-    """The percentage of the actions of one name that were rewarded.
+    """Return the percentage of rewarded actions of one name.
 
-    Actions of one trial depend on each other: it has one object, in one place.
+    Actions of one trial are dependent, because it has one object in one place.
     """
     hits, tried = tallies(catalogs, name)
     return clustered_percentage(f"{name} rewarded", source, hits, tried, expected, of="actions")
 
 
 def action_bars(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> BarChart:
-    """Bars of the actions of a mean trial, rewarded and not.
+    """Return bars of the mean numbers of rewarded and unrewarded actions of a trial.
 
     Args:
-        name: of the experiment.
-        label: of the object.
-        catalogs: one for each trial.
+        name: Name of the experiment.
+        label: Label of the object.
+        catalogs: Catalog of each trial.
     """
     bars, trials = [], len(catalogs)
     for key in dict.fromkeys(k for each in catalogs for k in each.affordances):

@@ -1,4 +1,4 @@
-"""Trials of what a thing affords by itself: a program that acts on it, rewarded or not."""
+"""Trials of the affordances of a single object: a program that acts on it, rewarded or not."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _BETWEEN = ":"
 
 
 class AffordanceTrial(NamedTuple):
-    """One episode.
+    """Episode of a program that acts on an object.
 
     Attributes:
-        things: the program and the thing, as ``attempt`` joins them.
-        seed: of the episode.
-        rewarded: whether the program was.
-        ending: of the program.
+        things: Program and object, as ``attempt`` joins them.
+        seed: Seed of the episode.
+        rewarded: True if the program was rewarded.
+        ending: Ending of the program.
     """
 
     things: str
@@ -30,12 +30,12 @@ class AffordanceTrial(NamedTuple):
 
 
 def attempt(program: str, thing: str) -> str:
-    """A program that acts on a thing, as one text."""
+    """Return a program and the object that it acts on, as one text."""
     return f"{program}{_BETWEEN}{thing}"
 
 
 def affordance_digest(what: str) -> str:
-    """Digest of all that decides trials of an attempt beside seed and engine."""
+    """Return the digest of all inputs of an attempt's trials except seed and engine."""
     program, _, thing = what.partition(_BETWEEN)
     return trial_digest(program, {"feature": CHANNELS[thing]}, STAGE)
 
@@ -43,16 +43,16 @@ def affordance_digest(what: str) -> str:
 def run_affordances(
     what: str, seeds: Iterable[int], engine: str, cameras: str | None
 ) -> Iterator[AffordanceTrial]:
-    """Act on a thing, once for each seed.
+    """Act on an object, once for each seed.
 
     Args:
-        what: an attempt.
-        seeds: of the episodes.
-        engine, cameras: of the simulation.
+        what: Program and object, as ``attempt`` joins them.
+        seeds: Seeds of the episodes.
+        engine, cameras: Engine and cameras of the simulation.
 
     Raises:
-        BackendError, EpisodeError: the simulator cannot run it.
-        ImportError: it is not installed.
+        BackendError, EpisodeError: The simulator cannot run it.
+        ImportError: The simulator is not installed.
     """
     program, _, thing = what.partition(_BETWEEN)
     values = {"feature": CHANNELS[thing]}

@@ -1,4 +1,4 @@
-"""The nine barcodes of Figure 3.6, in three classes of spatial frequency."""
+"""Nine barcodes of Figure 3.6, in three classes of spatial frequency."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from cbdsl.reproduction import code39
 #: Edge of every pattern, m.
 SIZE = 0.1
 
-# The low-frequency patterns: smallest width of a bar or gap, m, how many, and which draw.
+# Low-frequency patterns: smallest width of a bar or gap, m, number of stripes, and seed.
 _LEAST_WIDTH, _COUNT, _SEED = 0.015, 5, 36
 _TEXTS = {"medium": ("A", "B", "C"), "high": ("ROBOT", "DEXTER", "AMHERST")}
 
 
 @dataclass(frozen=True)
 class Barcode:
-    """A pattern of upright bars, ``SIZE`` wide and high.
+    """Pattern of upright bars, ``SIZE`` wide and high.
 
     Attributes:
-        name: what it says, or its number.
-        stripes: widths of bar, gap, ..., bar, from left to right, m.
+        name: Encoded text, or its number.
+        stripes: Widths of bar, gap, ..., bar, from left to right, m.
     """
 
     name: str
@@ -32,14 +32,14 @@ class Barcode:
 
     @property
     def period(self) -> float:
-        """The smallest width of a bar together with a gap beside it, m."""
+        """Smallest width of a bar together with a gap beside it, m."""
         return min(a + b for a, b in zip(self.stripes, self.stripes[1:], strict=False))
 
     def printed_on(self, stage: StageDocument, thing: str) -> StageDocument:
-        """The stage with this barcode in the place of the pattern that a box of it has.
+        """Return the stage with this barcode in place of the pattern of one of its boxes.
 
         Raises:
-            ValueError: the thing is no box with a pattern.
+            ValueError: The object is not a box with a pattern.
         """
         box = stage.things[thing].form
         if not isinstance(box, BoxForm) or box.pattern is None:
@@ -51,10 +51,11 @@ class Barcode:
 
 
 def barcodes() -> dict[str, tuple[Barcode, Barcode, Barcode]]:
-    """Three barcodes each of ``low``, ``medium`` and ``high`` spatial frequency (Figure 3.6(a)).
+    """Return three barcodes each of ``low``, ``medium`` and ``high`` frequency (Figure 3.6(a)).
 
-    The source shows the low ones in a picture only: random patterns. Ours are three draws of five
-    stripes that are at least 15 mm wide, half of Table 3.2's period, and the same in every run.
+    The source shows the low ones only in a picture, as random patterns. Ours are three draws of
+    five stripes, the same in every run. The stripes are at least 15 mm wide, half of the period
+    of Table 3.2.
     """
     rng = np.random.default_rng(_SEED)
     low_1, low_2, low_3 = (Barcode(str(number), _random(rng)) for number in (1, 2, 3))

@@ -1,4 +1,4 @@
-"""Reads barcodes off white boxes, from pixels alone (Section 3.3.3.2)."""
+"""Reader of barcodes on white boxes, from pixels alone (Section 3.3.3.2)."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from cbdsl.sensing.observation import Image
 
 Floats = NDArray[np.float64]
 
-# Of ten channels of intensity, the box is in the last.
+# Number of intensity channels; the box is in the last one.
 _CHANNELS = 10
-# What is darker than this share of the white around it belongs to the print, even a thin bar that
-# the lens has made grey.
+# Pixels darker than this share of the surrounding white belong to the print, including thin bars
+# that the lens has made grey.
 _PRINTED = 0.8
-# Scan lines, samples along each, and the share of the pattern's width that they reach beyond it.
+# Number of scan lines, samples along each, and margin as a share of the pattern's width.
 _LINES, _SAMPLES, _MARGIN = 9, 1200, 0.05
 
 
 def classify(image: Image, barcodes: Sequence[Barcode]) -> Barcode | None:
-    """The barcode that an image shows, out of those that it may be.
+    """Return the candidate barcode that an image shows.
 
     Every scan line across the pattern becomes a string of intervals; the barcode with the lowest
     mean squared error to those strings wins.
 
     Args:
-        image: RGB, shape (height, width, 3), with a white box in it.
-        barcodes: the candidates.
+        image: RGB image of a white box, shape (height, width, 3).
+        barcodes: Candidates.
 
     Returns:
-        ``None`` where no pattern can be found.
+        Barcode, or ``None`` if no pattern is found.
     """
     corners = find_pattern(image)
     if corners is None:
@@ -45,10 +45,10 @@ def classify(image: Image, barcodes: Sequence[Barcode]) -> Barcode | None:
 
 
 def find_pattern(image: Image) -> Floats | None:
-    """Corners of the print on the white box, px, shape (4, 2): clockwise from the top left.
+    """Return the corners of the print on the white box, px, shape (4, 2), clockwise from top left.
 
-    The largest region of the brightest channel of intensity is the box, and what is dark within
-    its outline is the print. Pixel centres are at whole numbers.
+    The largest region of the brightest intensity channel is the box, and the dark pixels within
+    its outline are the print. Pixel centres are at whole numbers.
     """
     brightness = cv2.GaussianBlur(image.max(axis=2), (3, 3), 0)
     white = bin_mask(brightness, _CHANNELS - 1, _CHANNELS)
@@ -68,14 +68,14 @@ def find_pattern(image: Image) -> Floats | None:
 
 
 def _from_top_left(corners: Floats) -> Floats:
-    """Clockwise as seen, beginning with the corner that is nearest to the top left."""
+    """Sort corners clockwise in the image, beginning with the one nearest to the top left."""
     offsets = corners - corners.mean(axis=0)
     clockwise = corners[np.argsort(np.arctan2(offsets[:, 1], offsets[:, 0]))]
     return np.roll(clockwise, -int(np.argmin(clockwise.sum(axis=1))), axis=0)
 
 
 def scan_lines(image: Image, corners: Floats) -> Floats:
-    """Brightness along lines across the pattern, from left to right, shape (lines, samples)."""
+    """Return brightness along lines across the pattern, left to right, shape (lines, samples)."""
     left, right = -_MARGIN, 1 + _MARGIN
     columns = (np.array([0.0, 1, 1, 0]) - left) / (right - left) * _SAMPLES
     rows = np.array([0.0, 0, 1, 1]) * (_LINES + 1) - 1
@@ -86,10 +86,9 @@ def scan_lines(image: Image, corners: Floats) -> Floats:
 
 
 def intervals(line: Floats) -> Floats:
-    """Widths of bar, gap, ..., bar along a scan line, as shares of their sum; perhaps none.
+    """Return widths of bar, gap, ..., bar along a scan line, as shares of their sum; may be empty.
 
-    Black and white meet halfway between the darkest and the brightest value, and a bar is what is
-    darker.
+    The threshold is halfway between the darkest and the brightest value; bars are darker.
     """
     black = line < (line.min() + line.max()) / 2
     edges = np.flatnonzero(np.diff(black.astype(np.int8), prepend=0, append=0))
@@ -99,10 +98,10 @@ def intervals(line: Floats) -> Floats:
 
 
 def mismatch(perceived: Floats, barcode: Barcode) -> float:
-    """Mean squared error between a string of intervals and a barcode's.
+    """Return the mean squared error between a string of intervals and a barcode.
 
-    They are compared interval by interval, and where one string is shorter it is taken to go on
-    with intervals of no width.
+    They are compared interval by interval; the shorter string is extended by intervals of zero
+    width.
     """
     known = np.array(barcode.stripes) / sum(barcode.stripes)
     both = np.zeros((2, max(len(known), len(perceived))))

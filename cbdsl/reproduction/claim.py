@@ -1,4 +1,4 @@
-"""A claim: the region in which the source's words put the true value of a quantity."""
+"""Claim: the region that the source states for the true value of a quantity."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True)
 class Claim:
-    """A region of values, which a 95 % interval lies in, lies out of, or does neither.
+    """Region of values that contains a 95 % interval, excludes it, or does neither.
 
-    Its negation is the rest of the line, so that no measurement clears a claim and its negation.
+    Its negation is the complement, so that no measurement can satisfy a claim and its negation.
 
     Attributes:
-        text: the region for readers, such as ``> 0.8``.
-        low, high: its ends; infinite where it has none.
-        open: whether the ends themselves are left out.
-        hindsight: whether it was set when the numbers were known.
+        text: Region for readers, such as ``> 0.8``.
+        low, high: Ends of the region; infinite if it is unbounded.
+        open: True if the ends themselves are excluded.
+        hindsight: True if it was set with known numbers.
     """
 
     text: str
@@ -28,7 +28,7 @@ class Claim:
     hindsight: bool = False
 
     def contains(self, interval: Interval) -> bool:
-        """Whether all of an interval is in the region."""
+        """Return whether the region contains a whole interval."""
         first, last = interval
         if self.open:
             return self.low < first and last < self.high
@@ -36,7 +36,7 @@ class Claim:
         return self.low - slack <= first and last <= self.high + slack
 
     def excludes(self, interval: Interval) -> bool:
-        """Whether none of an interval is in the region."""
+        """Return whether the region and an interval are disjoint."""
         first, last = interval
         if self.open:
             return last <= self.low or self.high <= first
@@ -44,40 +44,40 @@ class Claim:
 
     @property
     def ends(self) -> tuple[float, ...]:
-        """The finite ends of the region, where the claim is only just false."""
+        """Finite ends of the region, at which the claim is barely violated."""
         return tuple(end for end in (self.low, self.high) if math.isfinite(end))
 
 
 def above(bound: float) -> Claim:
-    """The value is larger than ``bound``."""
+    """Return the claim that the value is larger than ``bound``."""
     return Claim(f"> {bound:.3g}", low=bound, open=True)
 
 
 def below(bound: float) -> Claim:
-    """The value is smaller than ``bound``."""
+    """Return the claim that the value is smaller than ``bound``."""
     return Claim(f"< {bound:.3g}", high=bound, open=True)
 
 
 def at_least(bound: float) -> Claim:
-    """The value is ``bound`` or more."""
+    """Return the claim that the value is ``bound`` or more."""
     return Claim(f">= {bound:g}", low=bound)
 
 
 def at_most(bound: float) -> Claim:
-    """The value is ``bound`` or less."""
+    """Return the claim that the value is ``bound`` or less."""
     return Claim(f"<= {bound:g}", high=bound)
 
 
 def near(target: float, tolerance: float) -> Claim:
-    """The value is within ``tolerance`` of ``target``."""
+    """Return the claim that the value is within ``tolerance`` of ``target``."""
     return between(target - tolerance, target + tolerance, f"{target:g} ± {tolerance:.3g}")
 
 
 def between(low: float, high: float, text: str = "") -> Claim:
-    """The value is in a closed range."""
+    """Return the claim that the value is in a closed range."""
     return Claim(text or f"{low:g} to {high:g}", low, high)
 
 
 def in_hindsight(claim: Claim) -> Claim:
-    """The same claim, marked as set when the numbers were known."""
+    """Return the same claim, marked as set with known numbers."""
     return replace(claim, text=f"{claim.text} (set in hindsight)", hindsight=True)

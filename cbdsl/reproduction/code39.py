@@ -6,7 +6,7 @@ from itertools import chain
 
 _ALPHABET = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-. $/+%*"
 
-# Nine elements of a character, bar, gap, ..., bar, as bits from the highest on: 1 is a wide one.
+# Nine elements of a character, bar, gap, ..., bar, as bits from the highest: 1 is a wide element.
 # fmt: off
 _WIDE = (
     0x034, 0x121, 0x061, 0x160, 0x031, 0x130, 0x070, 0x025, 0x124, 0x064,  # 0 to 9
@@ -19,14 +19,14 @@ _WIDE = (
 
 
 def stripes(text: str, ratio: float = 2.0) -> tuple[float, ...]:
-    """Widths of bar, gap, ..., bar, with the start and stop characters, in narrow widths.
+    """Return widths of bar, gap, ..., bar, with start and stop characters, in narrow widths.
 
     Args:
-        text: of digits, capitals, blanks and ``-.$/+%``.
-        ratio: of wide to narrow, which the standard wants between 2 and 3.
+        text: Text of digits, capitals, blanks and ``-.$/+%``.
+        ratio: Ratio of wide to narrow elements; the standard requires 2 to 3.
 
     Raises:
-        ValueError: a character cannot be encoded.
+        ValueError: A character cannot be encoded.
     """
     for character in text:
         if character not in _ALPHABET[:-1]:

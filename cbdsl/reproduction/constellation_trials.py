@@ -1,4 +1,4 @@
-"""Trials of constellations: what a robot sees of two things before and after it stacked them."""
+"""Trials of constellations: features of two objects before and after stacking."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.sensing.kinematics import Kinematics
 
 PROGRAM, STAGE = "stand", "stacking"
-#: Channels by which the things of the stage are known.
+#: Channels that identify the objects of the stage.
 CHANNELS: Mapping[str, str] = {
     "blue_box": "blue",
     "purple_box": "hue_9",
@@ -27,16 +27,16 @@ Features = Mapping[str, tuple[float, ...]]
 
 
 class ConstellationTrial(NamedTuple):
-    """One episode.
+    """Episode of stacking a pair.
 
     Attributes:
-        things: its context, such as ``football_on_blue_box``.
-        seed: of the episode.
-        judged: whether the robot takes them to stand, by its own signals.
-        stands: whether they do, by the simulator's truth.
-        before: features of both as they lie beside each other.
-        after: the same once the hand has gone; what was undefined is left out.
-        ending: of the program.
+        things: Context, such as ``football_on_blue_box``.
+        seed: Seed of the episode.
+        judged: True if the stack stands according to the robot's own signals.
+        stands: True if the stack stands according to the simulator's ground truth.
+        before: Features of both objects side by side.
+        after: Features after the hand has left, without undefined ones.
+        ending: Ending of the program.
     """
 
     things: str
@@ -49,12 +49,12 @@ class ConstellationTrial(NamedTuple):
 
 
 def constellation_digest(things: str) -> str:
-    """Digest of all that decides trials of a pair beside seed and engine."""
+    """Return the digest of all inputs of a pair's trials except seed and engine."""
     return trial_digest(PROGRAM, _values(things), STAGE)
 
 
 def _values(things: str) -> dict[str, str]:
-    """Values of the program's parameters for a pair."""
+    """Return the values of the program's parameters for a pair."""
     upper, _, lower = things.partition("_on_")
     return {"feature": CHANNELS[upper], "goal": CHANNELS[lower]}
 
@@ -62,16 +62,16 @@ def _values(things: str) -> dict[str, str]:
 def run_constellations(
     things: str, seeds: Iterable[int], engine: str, cameras: str | None
 ) -> Iterator[ConstellationTrial]:
-    """Stack two things, once for each seed, and look at them.
+    """Stack two objects, once for each seed, and record their features.
 
     Args:
-        things: a context of the stage ``stacking``, of two things.
-        seeds: of the episodes.
-        engine, cameras: of the simulation.
+        things: Context of the stage ``stacking`` with two objects.
+        seeds: Seeds of the episodes.
+        engine, cameras: Engine and cameras of the simulation.
 
     Raises:
-        BackendError, EpisodeError: the simulator cannot run it.
-        ImportError: it is not installed.
+        BackendError, EpisodeError: The simulator cannot run it.
+        ImportError: The simulator is not installed.
     """
     values = _values(things)
     with simulation_fixture(PROGRAM, values, STAGE, engine, cameras) as lab:

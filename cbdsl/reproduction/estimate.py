@@ -1,4 +1,4 @@
-"""A statistic of samples as a quantity, with its bootstrap interval and chance of passing."""
+"""Statistic of samples as a quantity, with its bootstrap interval and chance of passing."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from cbdsl.reproduction.quantity import Quantity
 
 Floats = NDArray[np.float64]
 Statistic = Callable[[Floats], Floats]
-"""A statistic along the first axis, such as ``numpy.mean`` with ``axis=0``."""
+"""Statistic along the first axis, such as ``numpy.mean`` with ``axis=0``."""
 
-# Data sets that a chance is estimated from, and draws of the interval of each.
+# Number of data sets for the estimate of a chance, and draws of the interval of each.
 _SETS, _DRAWS = 1000, 200
 
 
@@ -34,14 +34,14 @@ def estimate(
     seed: int = 0,
     note: str = "",
 ) -> Quantity:
-    """A statistic of samples.
+    """Return a statistic of samples as a quantity.
 
     Args:
-        name, unit, source, expected, ordering, note: see ``Quantity``.
-        samples: shape (n,); of none the quantity is NaN, of a single one it is not judged.
-        statistic: of the samples.
-        interval: the statistic's 95 % interval.
-        seed: of the resampling by which the chance is estimated.
+        name, unit, source, expected, ordering, note: Fields of ``Quantity``.
+        samples: Samples, shape (n,); for n = 0 the quantity is NaN, for n = 1 it is not judged.
+        statistic: Statistic of the samples.
+        interval: Function that returns the statistic's 95 % interval.
+        seed: Seed of the resampling for the estimate of the chance.
     """
     values = np.asarray(samples, dtype=float)
     return Quantity(
@@ -68,7 +68,7 @@ def mean_of(
     seed: int = 0,
     note: str = "",
 ) -> Quantity:
-    """The mean of samples, see ``estimate``."""
+    """Return the mean of samples as a quantity; see ``estimate``."""
     return estimate(
         name,
         unit,
@@ -84,28 +84,28 @@ def mean_of(
 
 
 def mean(values: Floats) -> Floats:
-    """The mean along the first axis."""
+    """Return the mean along the first axis."""
     result: Floats = values.mean(axis=0)
     return result
 
 
 def median(values: Floats) -> Floats:
-    """The median along the first axis."""
+    """Return the median along the first axis."""
     result: Floats = np.median(values, axis=0)
     return result
 
 
 def chance_of_samples(claim: Claim, samples: Floats, statistic: Statistic, seed: int = 0) -> float:
-    """How likely samples whose statistic is at an end of the claim's region are called reproduced.
+    """Return the probability that samples at an end of the claim's region are called reproduced.
 
-    As many samples as there are, drawn from the measured ones, which are moved so that their
-    statistic is at the end.
+    As many samples as measured are drawn from the measured ones, which are shifted so that their
+    statistic is at the end of the region.
 
     Args:
-        claim: about the statistic.
-        samples: shape (n,); of less than two there is no interval, and none passes.
-        statistic: of samples along the first axis.
-        seed: of the draws.
+        claim: Claim about the statistic.
+        samples: Samples, shape (n,); for n < 2 there is no interval, and the result is 0.
+        statistic: Statistic of samples along the first axis.
+        seed: Seed of the draws.
     """
     n, centre = len(samples), float(statistic(samples)) if len(samples) else math.nan
     if n < 2 or not math.isfinite(centre):
@@ -113,7 +113,7 @@ def chance_of_samples(claim: Claim, samples: Floats, statistic: Statistic, seed:
     rng = np.random.default_rng(seed)
     sets = samples[rng.integers(n, size=(n, _SETS))]
     again = sets[rng.integers(n, size=(n, _DRAWS)), :]
-    # Between infinite values, as of trials that never learned, nothing is to interpolate.
+    # Infinite values, as of trials that never learned, cannot be interpolated.
     method: Literal["linear", "nearest"] = "linear" if np.isfinite(samples).all() else "nearest"
     lows, highs = np.percentile(statistic(again), (2.5, 97.5), axis=0, method=method)
     intervals = [(float(low), float(high)) for low, high in zip(lows, highs, strict=True)]
@@ -122,13 +122,13 @@ def chance_of_samples(claim: Claim, samples: Floats, statistic: Statistic, seed:
 
 
 def _outside(claim: Claim, end: float) -> float:
-    """The next value to an end of a region for which the claim is false."""
+    """Return the value next to an end of a region that violates the claim."""
     step = 1e-6 * max(1.0, abs(end))
     return end - step if end == claim.low else end + step
 
 
 def _share(claim: Claim, intervals: list[Interval], shift: float) -> float:
-    """Share of intervals that the claim contains once they are moved."""
+    """Return the share of shifted intervals that the claim contains."""
     return sum(claim.contains((low + shift, high + shift)) for low, high in intervals) / len(
         intervals
     )

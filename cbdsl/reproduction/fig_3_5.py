@@ -1,4 +1,4 @@
-"""Figure 3.5: a box with a barcode on the table, held in both hands, and brought to the optimum."""
+"""Figure 3.5: a box with a barcode on the table, held in both hands, and at the optimum."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from cbdsl.reproduction.interval import resampled_interval
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 
-# Six times as many as the source has, so that all of them held is not by chance.
+# Six times as many trials as in the source, so that holding all boxes is not by chance.
 _TRIALS, _QUICK_TRIALS = 60, 2
-#: Depths of Table 3.2, m, and how far from them a depth may be to count as the same place.
+#: Depths of Table 3.2, m, and tolerance within which a depth counts as the same place.
 _DEPTHS = {"table": 1.0, "held": 0.75, "optimum": 0.5}
 _TOLERANCE = 0.1
 _PRINTED = {"held": 0.95 / 0.43, "optimum": 0.95 / 0.14}
@@ -42,7 +42,7 @@ _NOTES = (
 
 
 def run(settings: RunSettings) -> Result:
-    """Look at boxes on the table and in the hands."""
+    """Record looks at boxes on the table and in the hands."""
     trials = _QUICK_TRIALS if settings.quick else _TRIALS
     everything = [barcode for each in barcodes().values() for barcode in each]
     on_table: list[Look] = []
@@ -123,7 +123,7 @@ def _held(in_hands: Sequence[InspectionRun]) -> Quantity:
 
 
 def _depth(place: str, source: float, depths: Sequence[float], seed: int) -> Quantity:
-    """How far the print is from the left camera, along its axis."""
+    """Return the mean depth of the print along the left camera's axis as a quantity."""
     return mean_of(
         f"depth, {place}",
         "m",
@@ -135,7 +135,7 @@ def _depth(place: str, source: float, depths: Sequence[float], seed: int) -> Qua
 
 
 def _ratio(place: str, table: Sequence[float], values: Sequence[float], seed: int) -> Quantity:
-    """How much smaller phi_l is than on the table."""
+    """Return the ratio of phi_l on the table to phi_l at a place as a quantity."""
     ends = list(zip(table, values, strict=False))
     printed = _PRINTED[place]
     return Quantity(
@@ -152,13 +152,13 @@ def _ratio(place: str, table: Sequence[float], values: Sequence[float], seed: in
 
 
 def _quotient(ends: Sequence[tuple[float, float]]) -> float:
-    """The mean of the first ends by that of the second ones."""
+    """Return the mean of the first ends divided by the mean of the second ones."""
     first, second = np.mean(ends, axis=0) if ends else (math.nan, math.nan)
     return float(first / second)
 
 
 def _rise(phis: Sequence[float]) -> float:
-    """The largest rise of a curve above what it was before, % of its start."""
+    """Return the largest rise of a curve above its previous minimum, % of its start."""
     curve = np.array(phis)
     return 100 * float((curve - np.minimum.accumulate(curve)).max() / curve[0])
 

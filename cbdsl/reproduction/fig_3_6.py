@@ -1,7 +1,6 @@
-"""Figure 3.6: how well barcodes of three spatial frequencies are read at three ranges.
+"""Figure 3.6: reading of barcodes of three spatial frequencies at three ranges.
 
-The robot looks at the box on the table, when it has it in both hands, and where localizability
-has brought it.
+The robot looks at the box on the table, in both hands, and at the optimum of localizability.
 """
 
 from __future__ import annotations
@@ -33,13 +32,13 @@ LENSES = {
 }
 
 _PLACES = ("table", "held", "optimum")
-# Of each class at each place; the source has ten, of which four to nine in ten may be chance.
+# Trials of each class at each place; of ten, as in the source, four to nine hits may be chance.
 _TRIALS, _QUICK_TRIALS = 40, 1
 _CHANCE = 100 / 3  # %, of three classes
 
 
 class _GridCell(NamedTuple):
-    """A class of barcodes at a range, and what the source found."""
+    """Class of barcodes at a range, and the result of the source."""
 
     frequency: str
     place: str
@@ -50,7 +49,7 @@ class _GridCell(NamedTuple):
 
 _BETTER_THAN_CHANCE = above(_CHANCE)
 _READ = (above(80), _BETTER_THAN_CHANCE)
-# Nearer to chance than to what the source calls classifiable.
+# Nearer to chance than to the rate that the source calls classifiable.
 _UNREAD = (below(60), below(80))
 _CELLS = (
     _GridCell("low", "table", "classifiable", *_READ),
@@ -100,7 +99,7 @@ def run(settings: RunSettings) -> Result:
 
 
 def _looks(dexter: Inspection, barcode: Barcode, seed: int) -> Mapping[str, Look]:
-    """The looks at a barcode by place; none at places where the box did not get."""
+    """Return the looks at a barcode by place, without places that the box did not reach."""
     handling = dexter.in_hands(barcode, seed)
     looks = {"table": dexter.on_table(barcode, seed)}
     if handling.held is not None:

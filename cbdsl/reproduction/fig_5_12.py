@@ -1,4 +1,4 @@
-"""REACHTOUCH with TACTILEPROBE in the place of TOUCH (Figure 5.12)."""
+"""REACHTOUCH with TACTILEPROBE in place of TOUCH (Figure 5.12)."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ _NAMES = {
 }
 
 Outcomes = Mapping[str, Sequence[Experience]]
-"""Episodes of the same seeds, by how contact is come by."""
+"""Episodes of the same seeds, by the way of making contact."""
 
 
 def run(settings: RunSettings) -> Result:
-    """Reach, and come by contact in three ways."""
+    """Reach, and make contact in three ways."""
     programs = reparameterised()
     episodes = {way: tuple(_episodes(settings, way, each)) for way, each in programs.items()}
     graph = graph_of(_PROGRAM, programs[PROBING], episodes[PROBING])
@@ -76,7 +76,7 @@ _NOTES = (
 
 
 def reparameterised() -> dict[str, CheckedProgram]:
-    """The shipped program in the three ways."""
+    """Return the shipped program in three variants, by the way of making contact."""
     library = Library(shipped())
     path = shipped_file(library, ProgramDocument, _PROGRAM)
     policy = library.read(shipped_file(library, PolicyDocument, _PROGRAM), PolicyDocument)
@@ -96,7 +96,7 @@ def reparameterised() -> dict[str, CheckedProgram]:
 
 
 def _without_seeking(program: CheckedProgram) -> CheckedProgram:
-    """The program with a TOUCH that acts only where contact is felt."""
+    """Return the program with a TOUCH that acts only on measured contact."""
     actions = tuple(map(_passive_action, program.actions))
     primitives = {name: _passive(each) for name, each in program.primitives.items()}
     return program._replace(actions=actions, primitives=primitives)
@@ -115,7 +115,7 @@ def _passive(primitive: Primitive) -> Primitive:
 
 
 def _episodes(settings: RunSettings, way: str, program: CheckedProgram) -> Iterator[Experience]:
-    """Episodes of one way, those that are kept and those that are run."""
+    """Yield the episodes of one way, from the file or by running them."""
     usual = _QUICK if settings.quick else _EPISODES
     count = settings.trials or usual
     cameras = settings.cameras or "ideal"
@@ -150,9 +150,9 @@ def _episodes(settings: RunSettings, way: str, program: CheckedProgram) -> Itera
 
 
 def quantities(episodes: Outcomes, seed: int) -> Iterator[Quantity]:
-    """How much more often the probe finds contact than either TOUCH, and how often each way does.
+    """Yield the gains of the probe over either TOUCH, and the share of rewards of each way.
 
-    That it works in more cases than TOUCH is claimed in Section 5.3.2.
+    Section 5.3.2 claims that the probe works in more cases than TOUCH.
     """
     yield from (_more(episodes, other, seed) for other in (PASSIVE, SEEKING))
     contexts = sorted({each.context for each in episodes[PROBING]})
@@ -176,4 +176,4 @@ def _more(episodes: Outcomes, other: str, seed: int) -> Quantity:
 
 
 def _ignore(transition: Transition) -> None:
-    """Nothing is learned."""
+    """Ignore a transition: nothing is learned."""

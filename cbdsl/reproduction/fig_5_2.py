@@ -1,4 +1,4 @@
-"""Where motion is expected after something was shaken in front of the robot (Figure 5.2)."""
+"""Expected motion after an object was shaken in front of the robot (Figure 5.2)."""
 
 from __future__ import annotations
 
@@ -32,9 +32,10 @@ Limits = Mapping[str, tuple[float, float]]
 
 _ROBOT = "dexter"
 _TRIALS, _QUICK_TRIALS, _EPISODES = 20, 1, 25
-# Standard deviation of a kernel, rad, as of the densities that are learned with policies.
+# Standard deviation of a kernel, rad, as in the densities that are learned with policies.
 _BANDWIDTH = 0.1
-# deg of what is tracked; % of the trials that have one peak; % of the episodes without motion.
+# Distance from the tracked object, deg; share of trials with one peak, %; share of episodes that
+# track motion although nothing moves, %.
 _CLOSE, _MOST, _FEW = 5.0, 80, 5
 _DRAWS = 200
 
@@ -48,7 +49,7 @@ _NOTES = (
 
 
 def run(settings: RunSettings) -> Result:
-    """Look for motion, and see where it was found."""
+    """Search for motion, and evaluate the postures that track it."""
     count = settings.trials or (_QUICK_TRIALS if settings.quick else _TRIALS)
     seeds = {
         context: [s for trial in range(count) for s in seeds_of(trial, context, settings.seed)]
@@ -74,7 +75,7 @@ def run(settings: RunSettings) -> Result:
 
 
 def seeds_of(trial: int, context: str, first: int) -> list[int]:
-    """Seeds of the episodes of a trial in one of both contexts, which take turns."""
+    """Return the seeds of a trial's episodes in one of both contexts, which alternate."""
     numbers = range(trial * _EPISODES, (trial + 1) * _EPISODES)
     return [first + n for n in numbers if (n % _EPISODES % 2 == 0) == (context == SHAKEN)]
 
@@ -94,7 +95,7 @@ def _density(
 
 
 def _tracked(episodes: Mapping[str, Sequence[MotionEpisode]]) -> Iterator[Quantity]:
-    """How often motion was tracked, and where the cameras looked then."""
+    """Yield the shares of episodes that track motion, and the angle to the shaken object."""
     shaken, nothing = episodes[SHAKEN], episodes[NOTHING]
     tracked = [each for each in shaken if each.posture]
     name = "motion tracked where something is shaken"
@@ -108,7 +109,7 @@ def _tracked(episodes: Mapping[str, Sequence[MotionEpisode]]) -> Iterator[Quanti
 
 
 def _peaks(densities: Sequence[PostureDensity], seed: int) -> Iterator[Quantity]:
-    """How many peaks the densities have."""
+    """Yield the share of densities with a single peak."""
     single = sum(len(each.peaks()) == 1 for each in densities)
     yield percentage(
         "trials whose density has a single peak",
@@ -121,7 +122,7 @@ def _peaks(densities: Sequence[PostureDensity], seed: int) -> Iterator[Quantity]
 
 
 def _by_chance(densities: Sequence[PostureDensity], seed: int) -> int:
-    """How many draws of as many postures anywhere have one peak."""
+    """Return the number of draws of uniformly distributed postures with a single peak."""
     rng, first = np.random.default_rng(seed), densities[0]
     ends = np.array([*first.limits.values()])
     drawn = (

@@ -1,4 +1,4 @@
-"""Which loads a hand can track where two things meet, and how stiff they are (Fig 7.13, 7.14)."""
+"""Trackable loads and stiffness of the contact of two objects (Figures 7.13 and 7.14)."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _NOTES = (
 
 
 def run(settings: RunSettings) -> Result:
-    """Feel the six pairs."""
+    """Measure the impedance of the six pairs."""
     count = settings.trials or (_QUICK_TRIALS if settings.quick else _TRIALS)
     seeds = range(settings.seed, settings.seed + count)
     trials = kept_trials(
@@ -63,7 +63,7 @@ def _quantities(name: str, count: int, profiles: Sequence[ImpedanceProfile]) -> 
     yield percentage(f"{label}: brought together and tested", "", len(profiles), count, None)
     rights = [pair.right(profile.tracked()) for profile in profiles]
     source = f"{', '.join(pair.stiff)}; not {', '.join(pair.free)}"
-    # Signs of one profile depend on each other.
+    # Signs of one profile are not independent.
     yield clustered_percentage(
         f"{label}: directions tracked as there",
         source,

@@ -22,17 +22,17 @@ from cbdsl.types.resource import KernelSample
 
 Floats = NDArray[np.float64]
 
-# One that earns this share of the other's reward more earns clearly more.
+# Relative difference of rewards from which one policy earns clearly more.
 _CLEARLY = 0.1
-# As many as the source has.
+# Numbers of trials and episodes, as in the source.
 _TRIALS, _EPISODES = 50, 10
 _QUICK_TRIALS, _QUICK_EPISODES = 4, 2
-# The context in which something has to be searched for, and a density that always finds it, rad.
+# Context that requires a search, and bandwidth of a density that always finds the object, rad.
 _SEARCHED, _EFFECTOR, _BANDWIDTH = "window", "head", 0.01
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Run the greedy policies where the first search finds what there is."""
+    """Run the greedy policies with a first search that always finds the object."""
     with trial_runner(settings) as dexter:
         sequential, both = gather(dexter, settings, name)
     rewards_of = {SEQUENTIAL: sequential, COARTICULATED: both}
@@ -42,12 +42,12 @@ def run(settings: RunSettings, name: str) -> Result:
 
 
 def series_of(name: str) -> tuple[Series, ...]:
-    """The series of trials."""
+    """Return the series of trials."""
     return SEQUENTIAL, COARTICULATED
 
 
 def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> tuple[Floats, ...]:
-    """Run all episodes; what the policies of each series earn, see ``_rewards``."""
+    """Run all episodes, and return the rewards of each series; see ``_rewards``."""
     episodes = _QUICK_EPISODES if settings.quick else _EPISODES
     for series in series_of(name):
         for number in dexter.numbers(series):
@@ -57,12 +57,12 @@ def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> tuple[Float
 
 
 def _turns(settings: RunSettings, series: Series, number: int) -> range:
-    """Which of the trials without exploration the policy of a trial has."""
+    """Return the numbers of the trials without exploration that a trial's policy runs."""
     return range(number, _QUICK_TRIALS if settings.quick else _TRIALS, trials(settings, series))
 
 
 def _rewards(dexter: TrialRunner, series: Series, settings: RunSettings, episodes: int) -> Floats:
-    """Reward per transition, shape (trials, episodes); the learned policies take turns."""
+    """Return rewards per transition, shape (trials, episodes); the learned policies take turns."""
     rows: dict[int, list[float]] = {}
     for learned in dexter.learn(series):
         turns = _turns(settings, series, learned.trial.number)
@@ -75,7 +75,7 @@ def _rewards(dexter: TrialRunner, series: Series, settings: RunSettings, episode
 
 
 def _finding(learned: LearnedTrial) -> CheckedProgram:
-    """The program with the head's internal model narrowed to where a search succeeded."""
+    """Return the program with the head's internal model narrowed to successful searches."""
     samples = tuple(
         experience.rewarded[_EFFECTOR]
         for experience in learned.trial.experiences
@@ -94,7 +94,7 @@ def _reward(series: Series, rewards: Floats, seed: int) -> Quantity:
 
 
 def _gain(sequential: Floats, both: Floats, seed: int) -> Quantity:
-    """How much more the co-articulated policies earn, beside what counts as clearly more."""
+    """Return the additional reward of the co-articulated policies, with the claim about it."""
     differences = both.mean(axis=1) - sequential.mean(axis=1)
     level = float(sequential.mean())
     return mean_of(

@@ -1,4 +1,4 @@
-"""Trials of a stack of three that grows: what the robot sees of it, and whether it stands."""
+"""Trials of a growing stack of three: its blobs in the image, and its stability."""
 
 from __future__ import annotations
 
@@ -16,32 +16,32 @@ from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Resource
 
 PROGRAM, CONTEXT = "stand_three", "blue_box_purple_box_football"
-#: The things, from below.
+#: Objects, from below.
 ORDER = ("blue_box", "purple_box", "football")
 _VALUES = {"goal": CHANNELS[ORDER[0]], "middle": CHANNELS[ORDER[1]], "feature": CHANNELS[ORDER[2]]}
 
 # Part of a blob, as a signal's name ends.
 _PARTS = ("", ".extent", ".orientation")
-# Of the program that stacks three: the hand has gone home from the lower pair.
+# State of the program that stacks three: the hand has returned from the lower pair.
 _TWO_STAND = "X1"
 
 Blobs = Mapping[str, tuple[float, ...]]
 
 
 class GrowingStack(NamedTuple):
-    """One episode.
+    """Episode with a growing stack.
 
     Attributes:
-        things: its context.
-        seed: of the episode.
-        tracked: whether the robot tracks both constellations after the release, and takes the three
-            to stand.
-        stands: whether each thing rests on the one below it alone, by the simulator's truth.
-        views: blobs of the things by name in the left image, as they lie, when two are stacked, and
-            in the end: heading to the centre and extent of the axes, two angles each, and the
-            direction of the longer axis, which round ones have not; all in rad. What is not seen is
-            left out.
-        ending: of the program.
+        things: Context of the stage.
+        seed: Seed of the episode.
+        tracked: True if the robot tracks both constellations after the release, and judges that
+            the stack stands.
+        stands: True if each object rests only on the one below, by the simulator's ground truth.
+        views: Blobs of the objects by name in the left image, initially, with two stacked, and
+            finally. A blob holds the heading to the centre and the extent of the axes, two angles
+            each, and the direction of the longer axis except for round ones, rad. Invisible
+            objects are left out.
+        ending: Ending of the program.
     """
 
     things: str
@@ -53,30 +53,30 @@ class GrowingStack(NamedTuple):
 
 
 class _BlobReader:
-    """Reads the blobs as the things lie, and when two of them are stacked."""
+    """Reader of the blobs of the initial objects, and of two stacked ones."""
 
     def __init__(self, features: Mapping[str, Sequence[Resource]]) -> None:
         self._features = features
         self.views: list[Blobs] = []
 
     def note(self, tick: Tick) -> None:
-        """Take in a tick."""
+        """Record the blobs of a tick, if they are complete."""
         two = tick.run.children["stack"].state.startswith(_TWO_STAND)
-        # Where all three were never in view at once, the second view is none without the first.
+        # The second view requires the first, in which all three are visible simultaneously.
         if len(self.views) == int(two):
             seen = self.look(tick.signals)
-            # The third one may be out of view of a head that looks at the two that stand.
+            # The third object may be out of view while the head looks at the two stacked ones.
             if seen.keys() >= {*(ORDER[:2] if two else ORDER)}:
                 self.views.append(seen)
 
     def look(self, signals: Signals) -> Blobs:
-        """Blobs of the things that are seen now."""
+        """Return the blobs of the visible objects."""
         seen = {name: _blob(signals, parts) for name, parts in self._features.items()}
         return {name: blob for name, blob in seen.items() if blob}
 
 
 def _blob(signals: Signals, parts: Sequence[Resource]) -> tuple[float, ...]:
-    """Heading, extent and, where it has one, direction of a blob; nothing where it is not seen."""
+    """Return heading, extent and, if defined, direction of a blob; empty if it is invisible."""
     heading, extent, axis = map(signals.read, parts)
     if heading is None or extent is None:
         return ()
@@ -85,23 +85,23 @@ def _blob(signals: Signals, parts: Sequence[Resource]) -> tuple[float, ...]:
 
 
 def growing_digest(context: str) -> str:
-    """Digest of all that decides trials beside seed and engine."""
+    """Return the digest of all inputs of trials except seed and engine."""
     return trial_digest(PROGRAM, _VALUES, STAGE)
 
 
 def run_growing_stacks(
     context: str, seeds: Iterable[int], engine: str, cameras: str | None
 ) -> Iterator[GrowingStack]:
-    """Stack three things, once for each seed, and look at them.
+    """Stack three objects, once for each seed, and record their blobs.
 
     Args:
-        context: of the stage ``stacking``.
-        seeds: of the episodes.
-        engine, cameras: of the simulation.
+        context: Context of the stage ``stacking``.
+        seeds: Seeds of the episodes.
+        engine, cameras: Engine and cameras of the simulation.
 
     Raises:
-        BackendError, EpisodeError: the simulator cannot run it.
-        ImportError: it is not installed.
+        BackendError, EpisodeError: The simulator cannot run it.
+        ImportError: The simulator is not installed.
     """
     with simulation_fixture(PROGRAM, _VALUES, STAGE, engine, cameras) as lab:
         named, camera = resources(lab.robot), next(iter(lab.robot.cameras))

@@ -1,4 +1,4 @@
-"""Three catalogs that PICKANDPLACE joins, and the meta-catalogs that follow (7.7 to 7.10)."""
+"""Three catalogs extended by PICKANDPLACE, and the resulting meta-catalogs (7.7 to 7.10)."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
 Floats = NDArray[np.float64]
 
 _ACTION, _META = "pick_and_place", "fig-7.10"
-# Actions before it joins and at the end, and those after it joined in which it is tried out.
+# Numbers of actions before it is added and at the end, and of the trial phase after it is added.
 _WINDOW, _DIP = 10, 20
 _TOLERANCE = 0.02
-# % of the trials that habituate.
+# Least share of trials that habituate, %.
 _MOST = 80
 
 
 class Grown(NamedTuple):
-    """A report of the source about one object.
+    """Report of the source about one object.
 
     Attributes:
-        series: the exploration.
-        source: how often PICKANDPLACE is rewarded, in a few words.
-        claim: the same, about the percentage.
-        affords: whether the object can be taken anywhere.
+        series: Series of explorations.
+        source: Reward rate of PICKANDPLACE, in a few words.
+        claim: Claim about the percentage of rewards.
+        affords: True if the object can be transported.
     """
 
     series: ExplorationSeries
@@ -76,7 +76,7 @@ _META_NOTES = (
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Explore, let PICKANDPLACE join, explore on, and see what it was worth."""
+    """Explore, add PICKANDPLACE, explore further, and measure its rewards."""
     with trial_runner(settings) as dexter:
         explored = gather(dexter, settings, name)
     if name == _META:
@@ -95,20 +95,20 @@ def run(settings: RunSettings, name: str) -> Result:
 
 
 def series_of(name: str) -> tuple[ExplorationSeries, ...]:
-    """The series of explorations."""
+    """Return the series of explorations."""
     figures = FIGURES.values() if name == _META else (FIGURES[name],)
     return tuple(each.series for each in figures)
 
 
 def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[list[CatalogDocument]]:
-    """Run all actions; the catalogs of the trials of each series."""
+    """Run all actions, and return the catalogs of the trials of each series."""
     for series in series_of(name):
         dexter.expect(len(dexter.numbers(series)) * dexter.actions(series))
     return [dexter.explore(series) for series in series_of(name)]
 
 
 def joined_after(catalogs: Sequence[CatalogDocument]) -> int:
-    """How many actions each trial had before something joined."""
+    """Return the number of actions of each trial before an action was added."""
     (after,) = {
         joined.after for each in catalogs if each.provenance for joined in each.provenance.joined
     }
@@ -122,7 +122,7 @@ def _counts(grown: Grown, catalogs: Sequence[CatalogDocument]) -> Iterator[Quant
 
 
 def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Iterator[Quantity]:
-    """Quantities of an object that can be taken elsewhere: reward returns, and is over again."""
+    """Yield quantities of a transportable object: reward returns, and habituates again."""
     reward = rewards(catalogs)
     firsts = [_first_reward(each) for each in catalogs]
     known = [each for each in firsts if each is not None]
@@ -141,7 +141,7 @@ def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> I
 
 
 def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Iterator[Quantity]:
-    """Quantities of an action that teaches nothing: a dip, and then no less than before."""
+    """Yield quantities of an unrewarded action: a dip, and then the same reward as before."""
     reward = rewards(catalogs)
     before = _before(reward, joined).mean(axis=1)
     dip = reward[:, joined : joined + _DIP].mean(axis=1) - before
@@ -153,7 +153,7 @@ def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Ite
 
 
 def _meta(explored: Sequence[Sequence[CatalogDocument]]) -> Result:
-    """Result of the catalogs that have it now, and of what they make together."""
+    """Return the result of the extended catalogs, and of their meta-catalogs."""
     quantities, nodes = list[Quantity](), dict[str, CatalogNode]()
     for grown, catalogs in zip(FIGURES.values(), explored, strict=True):
         label = grown.series.label
@@ -175,7 +175,7 @@ def _meta(explored: Sequence[Sequence[CatalogDocument]]) -> Result:
 
 
 def _layers(catalogs: Sequence[CatalogDocument]) -> list[Layer]:
-    """Affordances of an object by itself."""
+    """Return the affordances of an object by itself."""
     keys = dict.fromkeys(key for each in catalogs for key in each.affordances if key != _ACTION)
     counts = {key: tally(catalogs, key) for key in keys}
     return [Layer(key, tried, hits) for key, (hits, tried) in counts.items() if tried]
@@ -186,7 +186,7 @@ def _before(reward: Floats, joined: int) -> Floats:
 
 
 def _first_reward(catalog: CatalogDocument) -> float | None:
-    """Reward of the first PICKANDPLACE that teaches something."""
+    """Return the reward of the first rewarded PICKANDPLACE."""
     steps = catalog.steps
     if steps is None:
         return None
@@ -195,7 +195,7 @@ def _first_reward(catalog: CatalogDocument) -> float | None:
 
 
 def _first_trial(name: str, label: str, catalog: CatalogDocument) -> Chart:
-    """Reward action by action, that of PICKANDPLACE again as a line of its own."""
+    """Return a chart of the reward by action, with a separate line for PICKANDPLACE."""
     reward = rewards([catalog])[0]
     numbers = [float(k + 1) for k in range(len(reward))]
     own = [k for k, action in enumerate(actions_of(catalog)) if action == _ACTION]

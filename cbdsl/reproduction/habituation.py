@@ -1,4 +1,4 @@
-"""Habituation over the actions of explorations: rewards, changes of models, and when they end."""
+"""Habituation over the actions of explorations: rewards, and changes of models."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from cbdsl.reproduction.quantity import Quantity
 
 Floats = NDArray[np.float64]
 
-# Reward is negligible where its mean over so many actions stays below what an action costs.
+# Reward is negligible if its mean over this number of actions stays below the cost of an action.
 _WINDOW, _NEGLIGIBLE = 10, 0.05
 _MOST_LINES = 4
 
 
 def actions_of(catalog: CatalogDocument) -> tuple[str, ...]:
-    """The actions of an exploration in turn."""
+    """Return the actions of an exploration, in order."""
     return () if catalog.steps is None else catalog.steps.action
 
 
 def rewards(catalogs: Sequence[CatalogDocument]) -> Floats:
-    """Reward by trial and action, shape (trials, actions)."""
+    """Return the rewards by trial and action, shape (trials, actions)."""
     return np.array([each.steps.reward for each in catalogs if each.steps is not None])
 
 
 def rewards_by_hindsight(catalogs: Sequence[CatalogDocument]) -> Floats:
-    """Reward relative to the largest change of the whole trial, as the source has it.
+    """Return the rewards relative to the largest change of the whole trial, as in the source.
 
-    That is known only at its end; no learner can use it.
+    The largest change is known only at the end of a trial; no learner can use it.
     """
     return np.array([_by_hindsight(each.steps, cost_of(each)) for each in catalogs if each.steps])
 
@@ -51,13 +51,13 @@ def _by_hindsight(steps: StepColumns, cost: float) -> list[float]:
 
 
 def cost_of(catalog: CatalogDocument) -> float:
-    """Cost of an action; that of the algorithm where the catalog does not say."""
+    """Return the cost of an action; by default, the cost of the algorithm."""
     usual = ExplorationConstants().cost
     return float(catalog.provenance.constants.get("cost", usual)) if catalog.provenance else usual
 
 
 def negligible_after(reward: Floats) -> float:
-    """Actions after which the reward of one trial is negligible; infinite where it never is."""
+    """Return the number of actions after which a trial's reward is negligible, or infinity."""
     if len(reward) < _WINDOW:
         return math.inf
     means = np.convolve(reward, np.full(_WINDOW, 1 / _WINDOW), mode="valid")
@@ -71,12 +71,12 @@ def negligible_after(reward: Floats) -> float:
 def negligible_reward(
     catalogs: Sequence[CatalogDocument], low: int, high: int, seed: int
 ) -> Quantity:
-    """Actions after which reward is negligible, median of the trials.
+    """Return the median number of actions after which the reward is negligible.
 
     Args:
-        catalogs: of the trials.
-        low, high: between which it is in the source.
-        seed: of the resampling.
+        catalogs: Catalogs of the trials.
+        low, high: Range in the source.
+        seed: Seed of the resampling.
     """
     after = np.array([negligible_after(row) for row in rewards(catalogs)])
     claim, middle = between(low, high), float(np.median(after))
@@ -92,7 +92,7 @@ def negligible_reward(
 
 
 def tries_until_habituated(catalog: CatalogDocument, name: str, share: float = 0.1) -> float:
-    """How often an action was taken until its model's change fell below a share for good.
+    """Return the number of tries of an action until its model's change stays below a share.
 
     The share is of the largest change of the exploration.
     """
@@ -106,7 +106,7 @@ def tries_until_habituated(catalog: CatalogDocument, name: str, share: float = 0
 
 
 def reward_chart(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> Chart:
-    """Mean reward over the actions, causal and by hindsight, with the interval of the first."""
+    """Return a chart of the mean causal and hindsight rewards, with the causal one's interval."""
     causal, hindsight = rewards(catalogs), rewards_by_hindsight(catalogs)
     x = tuple(float(k + 1) for k in range(causal.shape[1]))
     ends = [bootstrap_interval(column) for column in causal.T] if len(causal) > 1 else []
@@ -122,7 +122,7 @@ def reward_chart(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> 
 
 
 def change_chart(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> Chart | None:
-    """Mean change of each model's variance at its first, second, ... reward."""
+    """Return a chart of the mean change of each model's variance, reward by reward."""
     keys = dict.fromkeys(key for each in catalogs for key in each.affordances)
     lines = []
     for key in keys:
@@ -139,7 +139,7 @@ def change_chart(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> 
 
 
 def _changes(catalog: CatalogDocument, name: str) -> list[float]:
-    """Changes of one model relative to the largest of the trial, reward by reward."""
+    """Return the changes of one model relative to the trial's largest, reward by reward."""
     steps = catalog.steps
     if steps is None:
         return []

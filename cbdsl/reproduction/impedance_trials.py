@@ -1,4 +1,4 @@
-"""Trials of impedance: a pair of things brought together by a hand, and felt in twelve tests."""
+"""Trials of impedance: a hand brings two objects together and runs twelve tests on them."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ PROGRAM = "impedance"
 
 
 class ImpedanceTrial(NamedTuple):
-    """One episode.
+    """Episode of impedance tests.
 
     Attributes:
-        things: name of the pair.
-        seed: of the episode.
-        profile: what was felt; not whole where the things did not come together.
-        ending: of the program.
-        sim_seconds: simulated.
+        things: Name of the pair.
+        seed: Seed of the episode.
+        profile: Measured impedance; incomplete if the objects were not brought together.
+        ending: Ending of the program.
+        sim_seconds: Simulated time, s.
     """
 
     things: str
@@ -33,7 +33,7 @@ class ImpedanceTrial(NamedTuple):
 
 
 def impedance_digest(name: str) -> str:
-    """Digest of all that decides trials of a pair beside seed and engine."""
+    """Return the digest of all inputs of a pair's trials except seed and engine."""
     pair = ALL_PAIRS[name]
     return trial_digest(PROGRAM, pair.values, pair.stage)
 
@@ -41,11 +41,11 @@ def impedance_digest(name: str) -> str:
 def run_trials(
     name: str, seeds: Iterable[int], engine: str, cameras: str | None
 ) -> Iterator[ImpedanceTrial]:
-    """Feel one pair, once for each seed.
+    """Measure the impedance of one pair, once for each seed.
 
     Raises:
-        BackendError, EpisodeError: the simulator cannot run it.
-        ImportError: it is not installed.
+        BackendError, EpisodeError: The simulator cannot run it.
+        ImportError: The simulator is not installed.
     """
     pair = ALL_PAIRS[name]
     with simulation_fixture(PROGRAM, pair.values, pair.stage, engine, cameras) as lab:

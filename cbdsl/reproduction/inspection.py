@@ -1,4 +1,4 @@
-"""Looks that the robot takes at a printed box: on the table, and in both of its hands."""
+"""Looks of the robot at a printed box: on the table, and in both of its hands."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from cbdsl.sensing.observation import Image
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Headings, NetForces
 
-#: How many times as many pixels as 640 x 480 the pictures have, each way.
+#: Factor by which the pictures exceed 640 x 480 pixels, along each axis.
 FINENESS = 4
 
 _FEATURE, _BOX, _CAMERA, _ARMS = "int_10", "box", "left", "arms"
 _WIDTH = 640
-# A box that moved less than this in the hands was held, m.
+# Displacement in the hands below which a box counts as held, m.
 _SLIP = 0.03
 
 
 @dataclass(frozen=True)
 class Look:
-    """The view of the left camera's lens, and its distance.
+    """View of the left camera's lens, and the distance of the box.
 
     Attributes:
-        picture: RGB, with ``FINENESS`` times as many pixels as 640 x 480 each way, no noise.
-        depth: of the printed side along the camera's axis, by the simulator, m.
-        phi: localizability by the robot's own headings, m^2/rad^2; NaN where not both cameras see
+        picture: RGB, with ``FINENESS`` times 640 x 480 pixels along each axis, without noise.
+        depth: Depth of the printed side along the camera's axis, by the simulator, m.
+        phi: Localizability by the robot's own headings, m^2/rad^2; NaN unless both cameras see
             the whole box.
     """
 
@@ -46,14 +46,14 @@ class Look:
 
 @dataclass
 class InspectionRun:
-    """One episode of taking a box in both hands and bringing it nearer.
+    """Episode of taking a box in both hands and bringing it nearer.
 
     Attributes:
-        held: the look when both hands have it, or ``None`` where they never had.
-        optimum: the look at the end.
-        phis: localizability in every tick between the two.
-        forces: along the palms' normals in each of those ticks, N.
-        slip: how far the box ended from where it was in the hands, by the simulator, m.
+        held: Look when both hands have grasped the box, or ``None`` if they never did.
+        optimum: Look at the end.
+        phis: Localizability in every tick between the two looks, m^2/rad^2.
+        forces: Forces along the palms' normals in each of those ticks, N.
+        slip: Displacement of the box in the hands, by the simulator, m.
     """
 
     held: Look | None = None
@@ -64,22 +64,22 @@ class InspectionRun:
 
     @property
     def is_held(self) -> bool:
-        """Whether the box stayed in the hands to the end."""
+        """True if the box stayed in the hands to the end."""
         return self.held is not None and self.slip < _SLIP
 
 
 class Inspection:
-    """Dexter, which looks at boxes with barcodes."""
+    """Inspection of boxes with barcodes by Dexter."""
 
     def __init__(self, table: SimulationFixture, hands: SimulationFixture) -> None:
         self._table = table
         self._hands = hands
         self._looker, self._handler = table.runner(), hands.runner()
-        #: Of the control ticks, s.
+        #: Period of the control ticks, s.
         self.period = hands.backend.control_period
 
     def on_table(self, barcode: Barcode, seed: int) -> Look:
-        """The look when the head has the box in the middle of its images."""
+        """Return the look when the head has the box in the middle of its images."""
         stage = barcode.printed_on(self._table.stage, _BOX)
         last: list[Tick] = []
 
@@ -90,7 +90,7 @@ class Inspection:
         return _look(self._table, last[0].signals)
 
     def in_hands(self, barcode: Barcode, seed: int) -> InspectionRun:
-        """Take the box, and bring it to where the cameras resolve it best (Eq 3.44)."""
+        """Take the box, and bring it to the place of best resolution (Eq 3.44)."""
         stage = barcode.printed_on(self._hands.stage, _BOX)
         record = InspectionRun()
         at_first: list[Floats] = []
@@ -122,7 +122,7 @@ def inspection() -> Iterator[Inspection]:
     """Set up both experiments on the simulator.
 
     Raises:
-        BackendError: the simulator cannot embody the robot.
+        BackendError: The simulator cannot embody the robot.
     """
     feature = {"feature": _FEATURE}
     with (
@@ -151,7 +151,7 @@ def _phi(signals: Signals) -> float:
 
 
 def _place_in_hands(lab: SimulationFixture, signals: Signals) -> Floats:
-    """The box's position relative to the middle between the hands, m."""
+    """Return the box's position relative to the middle between the hands, m."""
     tips = [signals.tips.point(arm).position for arm in lab.robot.members(_ARMS)]
     centroid = np.mean(tips, axis=0)
     place: Floats = lab.backend.truth.pose(_BOX).position - centroid
@@ -159,5 +159,5 @@ def _place_in_hands(lab: SimulationFixture, signals: Signals) -> Floats:
 
 
 def _forces(signals: Signals) -> Floats:
-    """Along each palm's normal, N."""
+    """Return the forces along each palm's normal, N."""
     return signals.touch.palm_forces(NetForces("hands")).value

@@ -1,4 +1,4 @@
-"""Intervals of 95 % for means and medians, and means that outliers do not move."""
+"""Intervals of 95 % for means and medians, and means that are robust to outliers."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Sample = TypeVar("Sample")
 
 
 def bootstrap_interval(samples: Sequence[float], seed: int = 0) -> tuple[float, float]:
-    """Bootstrap interval of the mean; ``seed`` is that of the resampling.
+    """Return the bootstrap interval of the mean; ``seed`` controls the resampling.
 
     Raises:
-        ValueError: there are no samples.
+        ValueError: There are no samples.
     """
     import numpy as np
 
@@ -32,10 +32,10 @@ def resampled_interval(
     seed: int = 0,
     draws: int = 1000,
 ) -> tuple[float, float]:
-    """Bootstrap interval of a statistic of samples of any kind, such as whole curves.
+    """Return the bootstrap interval of a statistic of samples of any kind, such as curves.
 
     Raises:
-        ValueError: there are no samples.
+        ValueError: There are no samples.
     """
     import numpy as np
 
@@ -48,9 +48,9 @@ def resampled_interval(
 
 
 def interquartile_mean(values: Floats) -> Floats:
-    """Mean of the middle half along the first axis, of at least one value.
+    """Return the mean of the middle half along the first axis, of at least one value.
 
-    A quarter is left out at either end, rounded down.
+    A quarter of the values, rounded down, is excluded at either end.
     """
     import numpy as np
 
@@ -60,17 +60,17 @@ def interquartile_mean(values: Floats) -> Floats:
 
 
 def interquartile_interval(values: Floats, seed: int = 0) -> tuple[Floats, Floats]:
-    """Bootstrap interval of the interquartile mean along the first axis.
+    """Return the bootstrap interval of the interquartile mean along the first axis.
 
     Args:
-        values: shape (n, ...), of n independent trials.
-        seed: of the resampling.
+        values: Values of n independent trials, shape (n, ...).
+        seed: Seed of the resampling.
 
     Returns:
         Lower and upper ends, shape (...).
 
     Raises:
-        ValueError: there are no values.
+        ValueError: There are no values.
     """
     return _bootstrap(values, interquartile_mean, seed)
 
@@ -78,7 +78,7 @@ def interquartile_interval(values: Floats, seed: int = 0) -> tuple[Floats, Float
 def interval_of(
     statistic: Callable[[Floats], Floats], seed: int = 0
 ) -> Callable[[Floats], tuple[float, float]]:
-    """Bootstrap interval of a statistic along the first axis, as a function of samples (n,)."""
+    """Return a function of samples (n,) for the bootstrap interval of a statistic."""
 
     def interval(values: Floats) -> tuple[float, float]:
         low, high = _bootstrap(values, statistic, seed)
@@ -88,10 +88,10 @@ def interval_of(
 
 
 def median_interval(values: Floats, seed: int = 0) -> tuple[float, float]:
-    """Bootstrap interval of the median of values (n,) of which some may be infinite."""
+    """Return the bootstrap interval of the median of values (n,), some of which may be infinite."""
     import numpy as np
 
-    # Between infinite ones there is nothing to interpolate.
+    # Infinite values cannot be interpolated.
     low, high = _bootstrap(values, np.median, seed, method="nearest")
     return float(low), float(high)
 
@@ -103,7 +103,7 @@ def _bootstrap(
     draws: int = 2000,
     method: Literal["linear", "nearest"] = "linear",
 ) -> tuple[Floats, Floats]:
-    """Percentile bootstrap interval of a statistic along the first axis."""
+    """Return the percentile bootstrap interval of a statistic along the first axis."""
     import numpy as np
 
     if not len(values):

@@ -1,4 +1,4 @@
-"""Rows of JSON in a file, each kept as soon as it is known."""
+"""Rows of JSON in a file, each stored immediately."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ class KeptRows:
     """Rows in a file, a line for each.
 
     Args:
-        path: the file; it need not be there.
+        path: File of the rows; it need not exist.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def __iter__(self) -> Iterator[Any]:
-        """The rows in their order, without what was cut off when a process was ended."""
+        """Yield the rows in order, without rows truncated by the end of a process."""
         for line in self._text().splitlines():
             try:
                 yield json.loads(line)

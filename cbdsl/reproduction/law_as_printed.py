@@ -1,7 +1,8 @@
-"""The control law taken literally, beside ours (Eq 3.18 to 3.26).
+"""Control law taken literally, beside ours (Eq 3.18 to 3.26).
 
-Printed, a controller moves by -kappa J^# phi with J the gradient of phi, one row, and a subordinate
-one moves in the nullspace of that row. Both are implemented here alone, to show what they do.
+As printed, a controller moves by -kappa J^# phi, where J is the gradient of phi, one row. A
+subordinate controller moves in the nullspace of that row. Both are implemented only here, to show
+their effect.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ _NOTES = (
 
 
 def run(settings: RunSettings) -> Result:
-    """Both laws on manipulability alone, and on the range potential below a reach."""
+    """Run both laws on manipulability alone, and on the range potential below a reach."""
     rng = np.random.default_rng(settings.seed)
     starts, goals, steps = (10, 2, 100) if settings.quick else (_STARTS, _GOALS, _HOLDING_STEPS)
     conditioned = _condition(rng, starts)
@@ -68,7 +69,7 @@ def run(settings: RunSettings) -> Result:
 
 
 class _Evaluation(NamedTuple):
-    """A potential in k task coordinates: residual (k,), coordinates per joint (k, n), step (k,)."""
+    """Potential in k task coordinates: residual (k,), coordinates per joint (k, n), step (k,)."""
 
     phi: float
     residual: Floats
@@ -79,7 +80,7 @@ class _Evaluation(NamedTuple):
 def _evaluate(
     potential: Potential, value: Floats, reference: Floats, jacobian: Floats
 ) -> _Evaluation:
-    """A potential of a value, shape (m,), whose Jacobian by the joints has shape (m, n)."""
+    """Evaluate a potential of a value (m,), whose Jacobian by the joints has shape (m, n)."""
     phi, residual, slope = potential.evaluate(value, reference, len(jacobian))
     rows = slope @ jacobian
     if potential.rule == Rule.DESCENT:
@@ -89,14 +90,14 @@ def _evaluate(
 
 @dataclass(frozen=True)
 class _Curves:
-    """One start under both laws, step by step."""
+    """Curves from one start under both laws, step by step."""
 
     printed: Floats
     ours: Floats
 
 
 def _condition(rng: np.random.Generator, starts: int) -> list[_Curves]:
-    """Manipulability, m^2, while it alone moves the planar arm."""
+    """Return manipulability, m^2, while it alone moves the planar arm."""
     potential = of_jacobian(2, len(_LINKS))
     law = Law(np.full(3, -np.inf), np.full(3, np.inf), _SETTINGS)
 
@@ -123,7 +124,7 @@ def _condition(rng: np.random.Generator, starts: int) -> list[_Curves]:
 
 
 def _hold(rng: np.random.Generator, goals: int, steps: int) -> Iterator[_Curves]:
-    """Distance of the hand from its goal, m, while the range potential acts below the reach."""
+    """Yield the hand's distance from its goal, m, with the range potential below the reach."""
     arm = _Arm()
     law = Law(arm.lower, arm.upper, _SETTINGS)
 
@@ -153,7 +154,7 @@ def _hold(rng: np.random.Generator, goals: int, steps: int) -> Iterator[_Curves]
 
 
 class _Arm:
-    """One arm by its kinematics alone; the robot's other joints stay at 0."""
+    """Kinematic model of one arm; the robot's other joints stay at 0."""
 
     def __init__(self) -> None:
         robot, urdf = shipped_robot(_ROBOT)
@@ -165,20 +166,20 @@ class _Arm:
         self._spring, self._range = spring("position", 3), between(self.lower, self.upper)
 
     def hand(self, q: Floats) -> Floats:
-        """Position of the tip, m, shape (3,)."""
+        """Return the position of the tip, m, shape (3,)."""
         return self._tip(q)[0]
 
     def reach(self, q: Floats, goal: Floats) -> _Evaluation:
-        """The spring between the hand and ``goal``."""
+        """Evaluate the spring between the hand and ``goal``."""
         position, jacobian = self._tip(q)
         return _evaluate(self._spring, position, goal, jacobian)
 
     def centre(self, q: Floats) -> _Evaluation:
-        """The range potential."""
+        """Evaluate the range potential."""
         return _evaluate(self._range, q, np.zeros(0), np.eye(len(q)))
 
     def _tip(self, q: Floats) -> tuple[Floats, Floats]:
-        """Position of the tip, m, shape (3,), and its Jacobian."""
+        """Return the position of the tip, m, shape (3,), and its Jacobian."""
         positions = np.zeros(len(self._kinematics.joints))
         positions[self._columns] = q
         self._kinematics.update(positions)
@@ -194,19 +195,19 @@ def _path(q: Floats, move: Move, steps: int) -> list[Floats]:
 
 
 def _inverse(row: Floats) -> Floats:
-    """The pseudoinverse of one row; that of nothing is nothing."""
+    """Return the pseudoinverse of one row; zero for a zero row."""
     square = float(row @ row)
     return row / square if square > 1e-24 else np.zeros_like(row)
 
 
 def _planar(q: Floats) -> tuple[Floats, Floats]:
-    """Jacobian of the tip of the planar arm, whose joints turn about z, and its derivative."""
+    """Return the Jacobian of the planar arm's tip, with joints about z, and its derivative."""
     angles = np.cumsum(q)
     links = _LINKS[:, None] * np.column_stack((np.cos(angles), np.sin(angles)))
-    # What each joint carries; joint i moves the tip at right angles to it.
+    # Vector from each joint to the tip; joint i moves the tip at right angles to it.
     carried = np.cumsum(links[::-1], axis=0)[::-1]
     jacobian = np.column_stack((-carried[:, 1], carried[:, 0])).T
-    # Joint j turns what the outer one of joints i and j carries.
+    # Joint j rotates the vector of the outer one of joints i and j.
     outer = np.maximum.outer(np.arange(len(q)), np.arange(len(q)))
     curvature = -np.moveaxis(carried[outer], 2, 0)
     return jacobian, curvature

@@ -1,4 +1,4 @@
-"""The lens and the sensor of a camera: how an ideal picture becomes an image."""
+"""Lens and sensor of a camera, which turn an ideal picture into an image."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from cbdsl.sensing.observation import Image
 
 @dataclass(frozen=True)
 class Lens:
-    """A lens of fixed focus, and the noise of the sensor behind it.
+    """Lens of fixed focus, and the noise of the sensor behind it.
 
     Attributes:
-        spread: standard deviation of the point spread in focus, px.
-        noise: standard deviation of pixel values, of 255.
-        aperture: diameter of the pupil, m; 0 for a lens that is in focus everywhere.
-        focus: distance at which it is in focus, m.
+        spread: Standard deviation of the point spread in focus, px.
+        noise: Standard deviation of pixel values, on the scale of 0 to 255.
+        aperture: Diameter of the pupil, m; 0 for a lens that is in focus everywhere.
+        focus: Distance at which the lens is in focus, m.
     """
 
     spread: float
@@ -28,7 +28,7 @@ class Lens:
     focus: float = math.inf
 
     def blur(self, focal_length: float, distance: float) -> float:
-        """Standard deviation of the point spread at a distance, m, by a focal length in px: px.
+        """Return the point spread's standard deviation, px, at a distance, m; focal length in px.
 
         A point out of focus becomes a disc, and a disc's deviation is a quarter of its diameter.
         """
@@ -43,17 +43,17 @@ class Lens:
         distance: float,
         rng: np.random.Generator,
     ) -> Image:
-        """An image of what is at a distance.
+        """Return an image of a scene at a distance.
 
         Args:
-            fine: the picture before the lens, RGB, with ``times`` as many pixels each way.
-            times: how much finer it is; at least 2, so that the lens comes before the pixels.
-            focal_length: of the image, px.
-            distance: of what matters in it, m.
-            rng: draws the noise.
+            fine: Picture in front of the lens, RGB, with ``times`` as many pixels along each axis.
+            times: Factor of the resolution, at least 2, so that the lens acts before the pixels.
+            focal_length: Focal length of the image, px.
+            distance: Distance of the relevant object, m.
+            rng: Random generator of the noise.
 
         Returns:
-            RGB, shape (height, width, 3).
+            RGB image, shape (height, width, 3).
         """
         deviation = times * self.blur(focal_length, distance)
         seen = cv2.GaussianBlur(fine, (0, 0), deviation)

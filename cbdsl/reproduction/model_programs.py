@@ -1,4 +1,4 @@
-"""Model-exploration programs: what a robot attends to that it does not know (6.6 to 6.8)."""
+"""Model-exploration programs: attention to unknown objects (Figures 6.6 to 6.8)."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _AS_PRINTED = {"red": "about 7", "yellow": "about 18", "blue": "about 27"}
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Explore, and find out what was attended to, when."""
+    """Explore, and measure the attention over time."""
     with trial_runner(settings) as dexter:
         catalogs = gather(dexter, settings, name)
     measure = {"fig-6.6": _table, "fig-6.7": _balls, "fig-6.8": _attention}[name]
@@ -58,12 +58,12 @@ _NOTES = (
 
 
 def series_of(name: str) -> tuple[ExplorationSeries, ...]:
-    """The series of explorations."""
+    """Return the series of explorations."""
     return (_SERIES[name],)
 
 
 def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[CatalogDocument]:
-    """Run all actions; the catalog of each trial."""
+    """Run all actions, and return the catalog of each trial."""
     series = _SERIES[name]
     dexter.expect(len(dexter.numbers(series)) * dexter.actions(series))
     return dexter.explore(series)
@@ -79,7 +79,7 @@ def _table(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]
 
 
 def _balls(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
-    """The more a ball's place varies, the longer it is explored."""
+    """Yield the tries until habituation, which increase with the variance of a ball's place."""
     tries = {
         color: np.array([tries_until_habituated(each, f"reachtouch_{color}") for each in catalogs])
         for color in _COLORS
@@ -102,12 +102,12 @@ def _balls(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]
 
 
 def _attention(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
-    """The novel ball is attended to, and the moved one again."""
+    """Yield the attention to the novel ball, and to the moved one."""
     for text, name, first in (
         ("the blue ball, once it is there", "reachtouch_blue", _COMES),
         ("the red ball, once it was moved", "reachtouch_red", _MOVES),
     ):
-        # The change is seen at the end of the action that it comes before.
+        # The change becomes visible at the end of the action that follows it.
         soon = [name in actions_of(each)[first : first + 1 + _SOON] for each in catalogs]
         label = f"touches {text}, within {_SOON} actions"
         yield percentage(label, "yes", sum(soon), len(soon), at_least(90))

@@ -1,4 +1,4 @@
-"""Episodes in which a robot looks for something that moves (Section 5.2.1)."""
+"""Episodes in which a robot searches for motion (Section 5.2.1)."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from cbdsl.reproduction.trial_digest import trial_digest
 from cbdsl.runtime.episode import Tick
 
 PROGRAM, STAGE, EFFECTOR = "watch_for_motion", "shaken", "head"
-#: Contexts of the stage: something is shaken, or nothing moves.
+#: Contexts of the stage: an object is shaken, or nothing moves.
 SHAKEN, NOTHING = "shaken", "nothing"
 # Ten looks have two transitions each: on the way, and there. Tracking takes three more.
 _TRANSITIONS = 23
 
 
 class MotionEpisode(NamedTuple):
-    """One episode.
+    """Episode of a search for motion.
 
     Attributes:
-        things: its context.
-        seed: of the episode.
-        posture: of the head where motion was tracked, rad; empty where it was not.
-        off: angle in the end between where the cameras looked and the middle of what was shaken,
-            by the simulator's truth, rad; NaN where nothing was.
-        ending: of the program.
+        things: Context of the episode.
+        seed: Seed of the episode.
+        posture: Posture of the head that tracks motion, rad; empty if motion was not tracked.
+        off: Final angle between the cameras' mean line of sight and the centre of the shaken
+            object, by the simulator's ground truth, rad; NaN if no object was shaken.
+        ending: Ending of the program.
     """
 
     things: str
@@ -40,7 +40,7 @@ class MotionEpisode(NamedTuple):
 
 
 class _EpisodeEye:
-    """Takes in an episode, and what the simulator's truth says of it."""
+    """Observer of an episode and of the simulator's ground truth."""
 
     def __init__(self, lab: SimulationFixture) -> None:
         self._truth, self._things = lab.backend.truth, tuple(lab.stage.things)
@@ -49,16 +49,16 @@ class _EpisodeEye:
         self._last: Tick | None = None
 
     def note(self, tick: Tick) -> None:
-        """Take in a tick."""
+        """Record a tick."""
         if self._last is None:
-            # A thing is shaken about where it is at first.
+            # An object is shaken about its initial position.
             shown = [name for name in self._things if name in self._truth.names()]
             self._middle = self._truth.pose(shown[0]).position if shown else None
         self._last = tick
 
     @property
     def posture(self) -> tuple[float, ...]:
-        """Joint angles of the head in the end, rad."""
+        """Final joint angles of the head, rad."""
         if self._last is None:
             return ()
         columns = self._last.signals.joints.of(EFFECTOR)
@@ -66,7 +66,7 @@ class _EpisodeEye:
 
     @property
     def off(self) -> float:
-        """Angle between the cameras' mean line of sight and the middle of what was shaken, rad."""
+        """Angle from the cameras' mean line of sight to the centre of the shaken object, rad."""
         if self._middle is None or self._last is None:
             return math.nan
         frames = [self._last.signals.kinematics.frame(link) for link in self._cameras]
@@ -77,23 +77,23 @@ class _EpisodeEye:
 
 
 def motion_digest(context: str) -> str:
-    """Digest of all that decides episodes beside context, seed and engine."""
+    """Return the digest of all inputs of episodes except context, seed and engine."""
     return trial_digest(PROGRAM, {}, STAGE)
 
 
 def run_motion_episodes(
     context: str, seeds: Iterable[int], engine: str, cameras: str | None
 ) -> Iterator[MotionEpisode]:
-    """Look for motion, once for each seed.
+    """Search for motion, once for each seed.
 
     Args:
-        context: of the stage.
-        seeds: of the episodes.
-        engine, cameras: of the simulation.
+        context: Context of the stage.
+        seeds: Seeds of the episodes.
+        engine, cameras: Engine and cameras of the simulation.
 
     Raises:
-        BackendError, EpisodeError: the simulator cannot run it.
-        ImportError: it is not installed.
+        BackendError, EpisodeError: The simulator cannot run it.
+        ImportError: The simulator is not installed.
     """
     with simulation_fixture(PROGRAM, None, STAGE, engine, cameras) as lab:
         runner = replace(lab, program=lab.program._replace(transitions=_TRANSITIONS)).runner()

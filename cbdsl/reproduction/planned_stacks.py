@@ -1,4 +1,4 @@
-"""Stacks of three whose order a meta-catalog gives, on the stage ``stacking``."""
+"""Stacks of three in an order planned from a meta-catalog, on the stage ``stacking``."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from cbdsl.reproduction.stack_trials import StackJudge
 from cbdsl.yaml_text.library import Library, shipped
 
 _PROGRAM = "stack_three"
-# What the things of a plan are to the program, from below.
+# Parameters of the program for the objects of a plan, from below.
 _ROLES = ("goal", "middle", "feature")
 
 
 class PlannedStack(NamedTuple):
-    """One trial.
+    """Trial of a planned stack.
 
     Attributes:
-        seed: of the episode, and of the order in which the things lie.
-        things: as they lie, from left to right.
-        order: that was planned, from below.
-        expected: probability that the plan has.
-        stands: whether each thing rests on the one below it alone, by the simulator's truth.
-        ending: of the program.
+        seed: Seed of the episode, and of the initial order of the objects.
+        things: Context with the initial order of the objects, from left to right.
+        order: Planned order, from below.
+        expected: Probability of success of the plan.
+        stands: True if each object rests only on the one below, by the simulator's ground truth.
+        ending: Ending of the program.
     """
 
     seed: int
@@ -49,14 +49,14 @@ def run_planned(
     """Plan and build a stack of three, once for each seed.
 
     Args:
-        catalog: has the things, and what stands on what.
-        seeds: of the trials.
-        engine, cameras: of the simulation.
+        catalog: Meta-catalog with the objects and their support relations.
+        seeds: Seeds of the trials.
+        engine, cameras: Engine and cameras of the simulation.
 
     Raises:
-        BackendError, EpisodeError: the simulator cannot run it.
-        ImportError: it is not installed.
-        ValueError: the meta-catalog knows no stack of the things that lie there.
+        BackendError, EpisodeError: The simulator cannot run it.
+        ImportError: The simulator is not installed.
+        ValueError: The meta-catalog has no stack of the presented objects.
     """
     library = Library(shipped())
     stage = library.read(shipped_file(library, StageDocument, STAGE), StageDocument).document

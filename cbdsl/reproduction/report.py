@@ -1,4 +1,4 @@
-"""Outcomes as rows, as data, and as a page whose sections can be renewed one by one."""
+"""Outcomes as rows, as data, and as a page whose sections can be renewed separately."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _SECTION = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
 
 
 def row(quantity: Quantity) -> dict[str, str]:
-    """A quantity as texts, by the headings of a table."""
+    """Return a quantity as texts, by the headings of a table."""
     return {
         "quantity": quantity.name,
         "source": quantity.source,
@@ -57,7 +57,7 @@ def row(quantity: Quantity) -> dict[str, str]:
 
 
 def data(experiment: Experiment, settings: RunSettings, outcome: Result) -> dict[str, object]:
-    """An outcome for scripts; what could not be measured is ``None``."""
+    """Return an outcome for scripts; unmeasured values are ``None``."""
     keys = ("backend", "cameras", "trials")
     learned = {key: getattr(settings, key) for key in keys} if experiment.learns else {}
     learned |= {"trials": settings.trials} if experiment.keeps else {}
@@ -77,7 +77,7 @@ def data(experiment: Experiment, settings: RunSettings, outcome: Result) -> dict
 
 
 def section(experiment: Experiment, settings: RunSettings, outcome: Result, pictures: str) -> str:
-    """The part of the page about one experiment; ``pictures`` is the folder of the charts."""
+    """Return the section of one experiment; ``pictures`` is the folder of the charts."""
     rows = [row(quantity) for quantity in outcome.quantities]
     headings = list(rows[0]) if rows else []
     table = [headings, ["---"] * len(headings), *(list(cells.values()) for cells in rows)]
@@ -98,20 +98,20 @@ def section(experiment: Experiment, settings: RunSettings, outcome: Result, pict
 
 
 def picture_file(picture: Picture, experiment: Experiment, settings: RunSettings) -> str:
-    """Name of the file of a picture: no two sections share one."""
+    """Return the file name of a picture, which is unique among all sections."""
     # A link has no spaces.
     backend = _other_backend(experiment, settings).replace(" ", "-")
     return f"{picture.name}-{backend}.svg" if backend else f"{picture.name}.svg"
 
 
 def heading(experiment: Experiment, settings: RunSettings) -> str:
-    """Whose section it is: an experiment has one for each backend on which it ran."""
+    """Return the heading of a section; an experiment has one section for each backend."""
     backend = _other_backend(experiment, settings)
     return f"{experiment.name} on {backend}" if backend else experiment.name
 
 
 def _other_backend(experiment: Experiment, settings: RunSettings) -> str:
-    """The backend on which an experiment ran, if that is not the usual one."""
+    """Return the backend on which an experiment ran; empty if it is the default."""
     if not experiment.backend:
         return ""
     own = "" if settings.backend == experiment.backend else settings.backend
@@ -130,12 +130,12 @@ def _command(experiment: Experiment, settings: RunSettings) -> str:
 
 
 def page(before: str, sections: Mapping[str, str], order: Iterable[str]) -> str:
-    """The whole page.
+    """Return the whole page.
 
     Args:
-        before: the page so far, or nothing.
-        sections: new text by its heading.
-        order: names of all experiments; sections of any others are left out.
+        before: Existing page, or an empty text.
+        sections: New text by its heading.
+        order: Names of all experiments; sections of any others are removed.
     """
     marks = list(_SECTION.finditer(before))
     ends = [mark.start() for mark in marks[1:]] + [len(before)] * bool(marks)
@@ -144,7 +144,7 @@ def page(before: str, sections: Mapping[str, str], order: Iterable[str]) -> str:
         for mark, end in zip(marks, ends, strict=True)
     }
     kept.update(sections)
-    # On other backends after the usual one.
+    # Sections of other backends follow the section of the default one.
     ordered = (kept[each] for name in order for each in sorted(kept) if each.split()[0] == name)
     texts = list(ordered)
     return "\n".join([_HEADER, summary(texts), *texts])
@@ -167,7 +167,7 @@ def _quantity(quantity: Quantity) -> dict[str, object]:
 
 
 def _chance(quantity: Quantity) -> str:
-    """The chance of a false verdict; nothing where nothing is sampled or judged."""
+    """Return the chance of a false verdict; empty if nothing is sampled or judged."""
     if quantity.verdict is Verdict.NOT_JUDGED or _is_computed(quantity):
         return ""
     return f"{100 * quantity.chance:.2g} %"

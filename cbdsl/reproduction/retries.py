@@ -1,4 +1,4 @@
-"""Retries: a reach that has found nothing, made again with other resources (Figure 5.9)."""
+"""Retries: a reach without contact, repeated with other resources (Figure 5.9)."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from cbdsl.reproduction.diagram import Diagram, graph_of
 from cbdsl.reproduction.percentage import clustered_percentage, percentage
 from cbdsl.reproduction.quantity import Quantity
 
-# The reach at rest and nothing felt; on its way again.
+# States of a reach at rest without contact, and of a renewed reach.
 _IN_VAIN, _AGAIN = "X1-", "X0-"
 
 Episodes = Sequence[Experience]
 
 
 def retries(experience: Experience) -> Iterator[Transition]:
-    """Transitions from X1- back to X0- under another allocation than that which led there."""
+    """Yield transitions from X1- back to X0- under another allocation than before."""
     for before, after in itertools.pairwise(experience.transitions):
         is_back = (after.state, after.next_state) == (_IN_VAIN, _AGAIN)
         if is_back and after.allocation != before.allocation:
@@ -30,10 +30,10 @@ def retries(experience: Experience) -> Iterator[Transition]:
 
 
 def retry_quantities(trials: Sequence[Episodes]) -> Iterator[Quantity]:
-    """In how many trials there are retries, and how many of their episodes are rewarded.
+    """Yield the share of trials with retries, and the share of rewarded episodes with retries.
 
     Args:
-        trials: the episodes of the second stage of each.
+        trials: Episodes of the second stage of each trial.
     """
     with_any = [any(any(True for _ in retries(each)) for each in trial) for trial in trials]
     name = f"Figure 5.9: trials that learn the retry {_IN_VAIN} → {_AGAIN}"
@@ -53,12 +53,12 @@ def retry_quantities(trials: Sequence[Episodes]) -> Iterator[Quantity]:
 
 
 def retry_diagram(name: str, program: CheckedProgram, trials: Sequence[Episodes]) -> Diagram:
-    """Diagram of the second stage, by the abstract action that is chosen most in each state.
+    """Return the diagram of the second stage for the most frequent abstract action of each state.
 
     Args:
-        name: of the experiment.
-        program: whose abstract actions they are.
-        trials: the episodes of the second stage of each.
+        name: Name of the experiment.
+        program: Program with the abstract actions.
+        trials: Episodes of the second stage of each trial.
     """
     episodes = [_abstract(each) for trial in trials for each in trial]
     chosen = Counter((t.state, t.action) for each in episodes for t in each.transitions)
@@ -76,7 +76,7 @@ def retry_diagram(name: str, program: CheckedProgram, trials: Sequence[Episodes]
 
 
 def _abstract(experience: Experience) -> Experience:
-    """An episode without what its actions were allocated with."""
+    """Return an episode without the allocations of its actions."""
     transitions = (
         replace(each, action=each.action.removesuffix(f" with {each.allocation}"))
         for each in experience.transitions

@@ -16,12 +16,12 @@ from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
 
 Floats = NDArray[np.float64]
 
-# Episodes at the end of a trial that tell its level; what the source's curve comes to, by eye.
+# Final episodes of a trial that define its level; level of the source's curve, by eye.
 _LAST, _LEVEL, _TOLERANCE = 10, 0.15, 0.03
 
 
 def run(settings: RunSettings, name: str) -> Result:
-    """Learn, and average what was earned while exploring."""
+    """Learn, and average the rewards during exploration."""
     with trial_runner(settings) as dexter:
         rewards = gather(dexter, settings, name)
     level: Floats = rewards[:, -_LAST:].mean(axis=1)
@@ -48,12 +48,12 @@ _NOTES = (
 
 
 def series_of(name: str) -> tuple[Series, ...]:
-    """The series of trials."""
+    """Return the series of trials."""
     return (PICKANDPLACE,)
 
 
 def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> Floats:
-    """Run all episodes; reward per transition, shape (trials, episodes)."""
+    """Run all episodes, and return the reward per transition, shape (trials, episodes)."""
     dexter.expect(len(dexter.numbers(PICKANDPLACE)) * dexter.episodes(PICKANDPLACE))
     trials = tuple(dexter.learn(PICKANDPLACE))
     return np.array([[per_transition(each) for each in one.trial.experiences] for one in trials])

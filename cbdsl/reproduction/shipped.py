@@ -10,7 +10,7 @@ from cbdsl.yaml_text.library import Library, shipped
 
 
 def shipped_robot(name: str, library: Library | None = None) -> tuple[RobotDocument, Path]:
-    """A shipped robot and its URDF."""
+    """Return a shipped robot and its URDF."""
     library = library or Library(shipped())
     file = shipped_file(library, RobotDocument, name)
     robot = library.read(file, RobotDocument).document
@@ -18,10 +18,10 @@ def shipped_robot(name: str, library: Library | None = None) -> tuple[RobotDocum
 
 
 def shipped_file(library: Library, kind: type[Document], name: str) -> Path:
-    """The file of a shipped document.
+    """Return the file of a shipped document.
 
     Raises:
-        LookupError: it is not shipped.
+        LookupError: The document is not shipped.
     """
     file = library.find(kind, name)
     if file is None:

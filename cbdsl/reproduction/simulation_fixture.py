@@ -1,4 +1,4 @@
-"""A simulated robot, set up for the episodes of an experiment."""
+"""Simulated robot, set up for the episodes of an experiment."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library, shipped
 
-#: The backend on which the experiments of the source are measured.
+#: Backend on which the experiments of the source are measured.
 REFERENCE = "bullet"
 
 
 @dataclass(frozen=True)
 class SimulationFixture:
-    """The parts of a simulated robot that an experiment works with.
+    """Parts of a simulated robot for an experiment.
 
     Attributes:
-        robot: the robot document.
-        program: the checked program.
-        stage: the program's own stage.
-        kinematics: of the robot; for the experiment alone, episodes have their own.
-        backend: the simulated body; its ``truth`` is for judging, never for the robot.
+        robot: Robot document.
+        program: Checked program.
+        stage: Stage of the episodes.
+        kinematics: Kinematics of the robot for the experiment alone; episodes have their own.
+        backend: Simulated body; its ``truth`` is for judging, never for the robot.
     """
 
     robot: RobotDocument
@@ -44,7 +44,7 @@ class SimulationFixture:
     backend: SimulatedBackend[Any]
 
     def runner(self, policy: Policy | None = None) -> Runner:
-        """Runs episodes of the program, under its own policy or another."""
+        """Return a runner of episodes of the program, under its own policy or another."""
         kinematics = Kinematics(self.robot, self.urdf)
         return Runner(self.robot, kinematics, self.program, self.backend, policy)
 
@@ -60,17 +60,17 @@ def simulation_fixture(
     """Set up a shipped program and its robot on the simulator.
 
     Args:
-        name: the program.
-        values: of its parameters.
-        stage: another stage than the program's own.
-        engine: name of the backend.
-        cameras: kind of its cameras; without it, the backend's own choice.
+        name: Name of the program.
+        values: Values of its parameters.
+        stage: Name of a stage that replaces the program's own.
+        engine: Name of the backend.
+        cameras: Kind of its cameras; ``None`` for the backend's default.
 
     Raises:
-        BackendError: the simulator cannot embody the robot.
-        ImportError: the simulator is not installed.
+        BackendError: The simulator cannot embody the robot.
+        ImportError: The simulator is not installed.
     """
-    # What is shipped, not what somebody may have put into the working folder under its name.
+    # The shipped documents, instead of documents of the same names in the working folder.
     library = Library(shipped())
     program = check_program(shipped_file(library, ProgramDocument, name), values or {}, library)
     robot, urdf = shipped_robot(program.robot, library)

@@ -1,4 +1,4 @@
-"""Slip: how far things that hands carry move in these hands, by the simulator's truth."""
+"""Slip of objects within the hands that carry them, by the simulator's ground truth."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from cbdsl.robot.urdf import UrdfModel
 
 Floats = NDArray[np.float64]
 
-# So far above where it was first a thing is carried, m.
+# Height above its initial position from which an object counts as carried, m.
 _LIFTED = 0.01
-# A hand that touches a thing with fewer fingertips does not hold it.
+# A hand that touches an object with fewer fingertips does not hold it.
 _FINGERS = 2
 
 
 def palms(robot: RobotDocument, model: UrdfModel) -> Mapping[str, str]:
-    """The link on which each hand with load cells sits, by hand: the tip of an arm."""
+    """Return the link that carries each hand with load cells, by hand: the tip of an arm."""
     tips = {each.tip.link for each in robot.effectors.values() if each.tip is not None}
     carriers = {}
     for hand, fingers in robot.load_cells.items():
@@ -33,26 +33,26 @@ def palms(robot: RobotDocument, model: UrdfModel) -> Mapping[str, str]:
 
 
 class SlipGauge:
-    """Gauge of how far things slip in hands during an episode.
+    """Gauge of the slip of objects in hands during an episode.
 
-    A thing is carried from when it is 1 cm above where it was first, while a hand touches it with
-    two fingertips. From there on it is to stay where it is in the hand's frame.
+    An object is carried once it is 1 cm above its initial position, while a hand touches it with
+    two fingertips. From then on, each displacement in the hand's frame is slip.
 
     Args:
-        truth: the engine.
-        hands: the link whose frame is the hand's, by hand.
-        fixtures: what nobody carries.
+        truth: Engine with the ground truth.
+        hands: Link whose frame is the hand's frame, by hand.
+        fixtures: Names of objects that cannot be carried.
     """
 
     def __init__(self, truth: Engine, hands: Mapping[str, str], fixtures: frozenset[str]) -> None:
         self._truth, self._hands, self._fixtures = truth, hands, fixtures
         self._heights: dict[str, float] = {}
         self._held: dict[tuple[str, str], Floats] = {}
-        #: The largest so far, m; ``None`` while nothing was carried.
+        #: Largest slip so far, m; ``None`` if no object was carried.
         self.largest: float | None = None
 
     def watch(self, _: Any) -> None:
-        """Look at the world after a tick."""
+        """Measure the slip after a tick."""
         for name in self._truth.names():
             if name in self._fixtures:
                 continue
@@ -66,7 +66,7 @@ class SlipGauge:
                     self._held.pop((name, hand), None)
 
     def _carrying(self, name: str) -> frozenset[str]:
-        """The hands that touch a thing with enough fingertips."""
+        """Return the hands that touch an object with enough fingertips."""
         touching = [hand for hand, _ in self._truth.touching(name)]
         return frozenset(hand for hand in touching if touching.count(hand) >= _FINGERS)
 

@@ -1,4 +1,4 @@
-"""Trials of stacks: things set on each other by a hand, judged by the simulator's truth."""
+"""Trials of stacks: objects set on each other by a hand, judged by the simulator's truth."""
 
 from __future__ import annotations
 
@@ -12,22 +12,23 @@ from cbdsl.reproduction.simulation_fixture import simulation_fixture
 from cbdsl.reproduction.trial_digest import trial_digest
 from cbdsl.runtime.episode import Tick
 
-# m/s; s that it has to stay, and in which a pace counts as that of the release; s of a tick.
+# Largest speed at rest, m/s; time to stand, time after the release in which the pace is measured,
+# and period of a tick, s.
 _STILL, _LONG, _JUST, _TICK = 0.01, 1.0, 0.2, 1 / 60
 
 
 class StackTrial(NamedTuple):
-    """One stack.
+    """Trial of a stack.
 
     Attributes:
-        things: its context.
-        seed: of the episode.
-        released: whether the topmost thing was let go on another one.
-        stands: whether each thing rests on the one below it alone, 1 s later at least.
-        offset: distance on the level between the upper two centres at the release, m; NaN without.
-        pace: largest speed of the topmost thing within 0.2 s of the release, m/s; NaN without.
-        seconds: from the release to the end.
-        ending: of the program.
+        things: Context of the stage.
+        seed: Seed of the episode.
+        released: True if the topmost object was released on another one.
+        stands: True if each object rests only on the one below, at least 1 s after the release.
+        offset: Horizontal distance of the upper two centres at the release, m; NaN without.
+        pace: Largest speed of the topmost object within 0.2 s of the release, m/s; NaN without.
+        seconds: Time from the release to the end, s.
+        ending: Ending of the program.
     """
 
     things: str
@@ -41,11 +42,11 @@ class StackTrial(NamedTuple):
 
 
 class StackJudge:
-    """Watches one episode by the simulator's truth, which no controller sees.
+    """Judge of one episode by the simulator's ground truth, which no controller uses.
 
     Args:
-        truth: of the backend.
-        order: things from below.
+        truth: Ground truth of the backend.
+        order: Names of the objects, from below.
     """
 
     def __init__(self, truth: Any, order: tuple[str, ...]) -> None:
@@ -56,11 +57,11 @@ class StackJudge:
         self._offset, self._pace = math.nan, 0.0
 
     def note(self, _: Tick) -> None:
-        """Take in a tick."""
+        """Record a tick."""
         self._ticks += 1
         top, below = self._order[-1], self._order[-2]
         if self._truth.touched(top):
-            # What is held above all others has been taken, and may be let go.
+            # An object held clear of the table has been taken, and may be released.
             self._lifted |= "table" not in self._truth.neighbours(top)
             self._left, self._pace = -1, 0.0
             return
@@ -75,7 +76,7 @@ class StackJudge:
             self._pace = max(self._pace, speed)
 
     def conclude(self, stack: str, seed: int, ending: str) -> StackTrial:
-        """The trial, once it is over."""
+        """Return the finished trial."""
         released = self._left >= 0
         seconds = (self._ticks - self._left) * _TICK if released else 0.0
         stands = released and seconds >= _LONG and self._stands()
@@ -83,7 +84,7 @@ class StackJudge:
         return StackTrial(stack, seed, released, stands, self._offset, pace, seconds, ending)
 
     def _stands(self) -> bool:
-        """Whether each thing rests on the one below it, and touches no other but that above it."""
+        """Return whether each object rests, and touches only the objects below and above."""
         around = ("table", *self._order, None)
         for place, name in enumerate(self._order, start=1):
             beside = {each for each in (around[place - 1], around[place + 1]) if each}
@@ -94,13 +95,13 @@ class StackJudge:
 
 
 def stack_digest(stack: str) -> str:
-    """Digest of all that decides trials of a stack beside seed and engine."""
+    """Return the digest of all inputs of a stack's trials except seed and engine."""
     program, stage, _ = _parts(stack)
     return trial_digest(program, {}, stage)
 
 
 def _parts(stack: str) -> tuple[str, str, tuple[str, ...]]:
-    """Program and stage of a stack, and its things from below."""
+    """Return program and stage of a stack, and its objects from below."""
     if stack.count("_on_") > 1:
         return "stack_three", "stacks_of_three", ("base", "middle", "top")
     return "stack", "stacks", ("base", "top")
@@ -112,13 +113,13 @@ def run_stacks(
     """Build one stack, once for each seed.
 
     Args:
-        stack: a context of the stage ``stacks`` or ``stacks_of_three``.
-        seeds: of the episodes.
-        engine, cameras: of the simulation.
+        stack: Context of the stage ``stacks`` or ``stacks_of_three``.
+        seeds: Seeds of the episodes.
+        engine, cameras: Engine and cameras of the simulation.
 
     Raises:
-        BackendError, EpisodeError: the simulator cannot run it.
-        ImportError: it is not installed.
+        BackendError, EpisodeError: The simulator cannot run it.
+        ImportError: The simulator is not installed.
     """
     program, stage, order = _parts(stack)
     with simulation_fixture(program, None, stage, engine, cameras) as lab:

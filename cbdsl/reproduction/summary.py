@@ -1,4 +1,4 @@
-"""The summary of the page: verdicts counted by section, and each miss with its cause."""
+"""Summary of the page: verdicts counted by section, and each miss with its cause."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cbdsl.reproduction.quantity import Verdict
 
 _HEADING = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
 _CELLS = re.compile(r"(?<!\\)\|")
-# What is said of rows without a cause of their own. A miss has one, or none is known.
+# Default texts for rows without a recorded cause.
 _DEFAULTS = {
     Verdict.MISSED: "cause not known",
     Verdict.UNDECIDED: "too few trials for a verdict",
@@ -24,13 +24,13 @@ _DEFAULTS = {
 
 @dataclass(frozen=True)
 class PageRow:
-    """A judged row of the page.
+    """Judged row of the page.
 
     Attributes:
-        section: the heading of its section, such as ``fig-4.5 on bullet``.
-        quantity: its name, as on the page.
-        ours: the number and its interval.
-        verdict: the word.
+        section: Heading of its section, such as ``fig-4.5 on bullet``.
+        quantity: Name of the quantity, as on the page.
+        ours: Number and its interval.
+        verdict: Verdict, as on the page.
     """
 
     section: str
@@ -41,12 +41,12 @@ class PageRow:
 
 @dataclass(frozen=True)
 class Cause:
-    """The measured cause of a miss.
+    """Measured cause of a miss.
 
     Attributes:
-        experiment: whose rows it explains.
-        quantity: a part of their names; empty for all of the experiment.
-        text: the cause, a clause without capital and full stop.
+        experiment: Experiment whose rows it explains.
+        quantity: Part of their names; empty for all rows of the experiment.
+        text: Cause, as a clause without capital and full stop.
     """
 
     experiment: str
@@ -54,15 +54,15 @@ class Cause:
     text: str
 
     def explains(self, row: PageRow) -> bool:
-        """Whether it is the cause of a row's verdict."""
+        """Return whether it is the cause of a row's verdict."""
         return row.section.split()[0] == self.experiment and self.quantity in row.quantity
 
 
 def summary(sections: Sequence[str]) -> str:
-    """Counts by section, and every row that is not reproduced with its cause.
+    """Return the counts by section, and each row that is not reproduced with its cause.
 
     Args:
-        sections: the texts of the sections of the page, in their order.
+        sections: Texts of the sections of the page, in order.
     """
     rows = [row for section in sections for row in rows_of(section)]
     judged = [row for row in rows if row.verdict != Verdict.NOT_JUDGED]
@@ -83,7 +83,7 @@ def summary(sections: Sequence[str]) -> str:
 
 
 def rows_of(section: str) -> Iterator[PageRow]:
-    """The rows of the table of a section."""
+    """Yield the rows of the table of a section."""
     heading = _HEADING.search(section)
     table = [line for line in section.splitlines() if line.startswith("|")]
     if heading is None or len(table) < 2:
@@ -99,7 +99,7 @@ def _cells(line: str) -> list[str]:
 
 
 def _counts(rows: Sequence[PageRow]) -> Iterator[str]:
-    """A table with a line for each section."""
+    """Yield the lines of a table with a row for each section."""
     verdicts = [verdict.value for verdict in Verdict]
     yield f"| section | {' | '.join(verdicts)} |"
     yield f"|{' --- |' * (1 + len(verdicts))}"
@@ -128,6 +128,6 @@ def _miss(row: PageRow) -> str:
 
 
 def causes() -> tuple[Cause, ...]:
-    """The causes that are known, in the order in which they are asked."""
+    """Return the known causes, in order of precedence."""
     text = (resources.files(__package__) / "causes.toml").read_text(encoding="utf-8")
     return tuple(Cause(**entry) for entry in tomllib.loads(text)["cause"])

@@ -22,7 +22,7 @@ from cbdsl.sensing.observation import Image
 Floats = NDArray[np.float64]
 
 DEPTHS = (1.0, 0.75, 0.5)
-# Periods, m, and what is printed for each depth, px per period.
+# Periods, m, and printed values for each depth, px per period.
 _PRINTED = {
     "high": (0.002, (1.67, 2.32, 3.35)),
     "medium": (0.006, (5.02, 6.97, 10.04)),
@@ -30,7 +30,7 @@ _PRINTED = {
 }
 _LOCALIZABILITY = (0.95, 0.43, 0.14)
 _RATIO_TOLERANCE = 0.05
-# The baseline that comes nearest to the printed ratios when both count alike.
+# Candidate baselines, m, for the best fit to both printed ratios with equal weights.
 _BASELINES = np.arange(0.05, 0.8, 0.005)
 
 
@@ -85,7 +85,7 @@ def _periods(place: CameraRig, depths: tuple[float, ...], settings: RunSettings)
 
 
 def measured_period(picture: Image) -> float:
-    """Period of even stripes across the middle of a picture, px, from their dark edges."""
+    """Return the period of even stripes across the middle of a picture, px, from dark edges."""
     row = picture[picture.shape[0] // 2].max(axis=1).astype(float)
     dark = row < row.max() / 2
     begins = np.flatnonzero(dark[1:] & ~dark[:-1])
@@ -93,9 +93,9 @@ def measured_period(picture: Image) -> float:
 
 
 def localizability(baseline: float, depth: float) -> float:
-    """Eq 3.6 for a point at a depth in front of the middle between two parallel cameras.
+    """Return localizability (Eq 3.6), m^2/rad^2, of a point in front of two parallel cameras.
 
-    In m^2/rad^2, see ``localizability``.
+    The point is at a depth in front of the middle between the cameras.
     """
     places = [np.array([0.0, side * baseline / 2, 0.0]) for side in (1, -1)]
     point = np.array([depth, 0.0, 0.0])
@@ -109,7 +109,7 @@ def _ratio(baseline: float, near_depth: float) -> float:
 
 
 def _printed_ratios() -> dict[float, float]:
-    """Localizability at 100 cm to that at the depth, for the two other depths."""
+    """Return the ratios of localizability at 100 cm to its value at the two other depths."""
     return {
         depth: _LOCALIZABILITY[0] / value
         for depth, value in zip(DEPTHS[1:], _LOCALIZABILITY[1:], strict=True)
@@ -138,7 +138,7 @@ def _ratios(whose: str, baseline: float) -> list[Quantity]:
 
 
 def _periods_of_ours() -> str:
-    """A sentence about the bar widths of Code 39 on 10 cm."""
+    """Return a sentence about the smallest periods of Code 39 on 10 cm."""
     periods = [
         f"{code.name} {1000 * code.period:.2f} mm"
         for name in ("medium", "high")

@@ -1,4 +1,4 @@
-"""Which things stay on each other, of two and of three (Tables 7.1 and 7.2)."""
+"""Stability of stacks of two and of three objects (Tables 7.1 and 7.2)."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.stack_trials import StackTrial, run_stacks, stack_digest
 
-# Of fewer than 73, all that stand would not tell 95 %.
+# With fewer than 73 trials, even a stand in all of them would not show 95 %.
 _TRIALS, _FLAT_TRIALS, _QUICK_TRIALS = 40, 80, 1
 _FLAT = "purple_box_on_blue_box"
 
-#: Stacks, and the percentages that are printed; ``None`` for those that the source does not have.
+#: Stacks, and the printed percentages; ``None`` for stacks that the source does not have.
 STACKS: Mapping[str, int | None] = {
     _FLAT: 100,
     "basketball_on_blue_box": 20,

@@ -1,8 +1,8 @@
-"""Touch map: where the world affords touch (Figure 5.6).
+"""Touch map: positions at which the world affords touch (Figure 5.6).
 
 Fifty places: 20 on the surface of a table, 20 at an object on it, and 10 where the second hand
-touches what the first one brings (Section 5.2.2). Each is where fingertips felt contact when an
-episode was rewarded, by load cells and kinematics.
+touches the object that the first one brings (Section 5.2.2). Each is the position of contact of
+the fingertips at the reward of an episode, by load cells and kinematics.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from cbdsl.yaml_text.writer import write
 
 Floats = NDArray[np.float64]
 
-# Samples of each source that are wanted: five of them give the source's fifty.
+# Desired samples of each of five sources, fifty in all as in the dissertation.
 _WANTED, _QUICK = 10, 2
-# A source is given up after so many times as many episodes as samples are wanted of it.
+# A source is given up after this number of episodes for each desired sample.
 _PATIENCE = 3
 _KINDS = ("table", "object", "bimanual")
 # Standard deviation of the kernels in the picture, and the least of those in models, m.
 _BANDWIDTH, _LEAST = 0.03, 0.003
-# What the source says of the table's height, m.
+# Height of the table in the dissertation, and its tolerance, m.
 _TABLE, _WITHIN = -0.42, 0.01
 
 _NOTES = (
@@ -50,7 +50,7 @@ _NOTES = (
 
 
 def run(settings: RunSettings) -> Result:
-    """Touch, and map where."""
+    """Touch, and map the positions of contact."""
     trials = gather(settings)
     samples = by_kind(trials)
     for source, own in trials.items():
@@ -64,7 +64,7 @@ def run(settings: RunSettings) -> Result:
 
 
 def gather(settings: RunSettings) -> dict[str, list[TouchTrial]]:
-    """Episodes of every source, until it has given as many samples as are wanted."""
+    """Run episodes of each source until it has yielded the desired number of samples."""
     wanted = _QUICK if settings.quick else settings.trials or _WANTED
     trials: dict[str, list[TouchTrial]] = {}
     total = wanted * len(SOURCES)
@@ -86,7 +86,7 @@ def _gathered(
     wanted: int,
     tell: Callable[[int], None],
 ) -> list[TouchTrial]:
-    """Episodes of one source in the order of their seeds, those that are kept and new ones."""
+    """Return stored and new episodes of one source, in the order of their seeds."""
     own: list[TouchTrial] = []
     hits, touch = 0, None
     with ExitStack() as stack:
@@ -107,7 +107,7 @@ def _gathered(
 
 
 def by_kind(trials: Mapping[str, Sequence[TouchTrial]]) -> dict[str, Floats]:
-    """Places on the table, at an object and of both hands, m, shape (k, 3)."""
+    """Return the places on the table, at an object and of both hands, m, shape (k, 3)."""
     return {kind: _places(_of(kind, trials)) for kind in _KINDS}
 
 
@@ -120,14 +120,14 @@ def _places(trials: Sequence[TouchTrial]) -> Floats:
 
 
 def bandwidth(places: Floats) -> Floats:
-    """Standard deviations of kernels by Scott's rule (1992), m, shape (3,)."""
+    """Return standard deviations of kernels by Scott's rule (1992), m, shape (3,)."""
     count, axes = places.shape
     wide: Floats = places.std(axis=0) * count ** (-1 / (axes + 4))
     return np.maximum(wide.round(3), _LEAST)
 
 
 def document(source: str, places: Floats) -> ModelDocument:
-    """The map of one source as a model that references of a position are drawn from."""
+    """Return the map of one source as a model for drawing position references."""
     own = SOURCES[source]
     return ModelDocument(
         cbdsl=1,
@@ -148,7 +148,7 @@ def document(source: str, places: Floats) -> ModelDocument:
 def quantities(
     trials: Mapping[str, Sequence[TouchTrial]], picture: CrossSections, seed: int
 ) -> Iterator[Quantity]:
-    """Where the samples lie, beside the source's words."""
+    """Yield the positions of the samples beside the claims of the dissertation."""
     samples = picture.samples
     for kind in _KINDS:
         own = _of(kind, trials)
@@ -178,7 +178,7 @@ def _over_the_table(picture: CrossSections) -> Quantity:
 
 
 def _peak(picture: CrossSections) -> Quantity:
-    """How far the highest peak from above is from where both hands touch."""
+    """Return the distance between the highest peak from above and the bimanual touches."""
     both, name = picture.samples["bimanual"], "from the highest peak to the bimanual touches"
     apart = float("nan")
     if len(both):
@@ -187,7 +187,7 @@ def _peak(picture: CrossSections) -> Quantity:
 
 
 def _table() -> Floats:
-    """Corners of the table that all stages share, m, shape (2, 3)."""
+    """Return the corners of the table that all stages share, m, shape (2, 3)."""
     library = Library(shipped())
     path = shipped_file(library, StageDocument, "bare_table")
     table = library.read(path, StageDocument).document.fixtures["table"]

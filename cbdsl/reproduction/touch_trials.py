@@ -1,4 +1,4 @@
-"""Touch trials: episodes that end in a rewarded touch, and where that was felt (Section 5.2.2)."""
+"""Touch trials: episodes with a rewarded touch, and the place of contact (Section 5.2.2)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cbdsl.reproduction.trial_digest import trial_digest
 from cbdsl.runtime.episode import Tick
 from cbdsl.sensing.contact_place import contact_places
 
-# Of Dexter's fingertips, m.
+# Radius of Dexter's fingertips, m.
 _RADIUS = 0.012
 
 _HANDS = {"left_arm": "left_hand", "right_arm": "right_hand"}
@@ -20,13 +20,13 @@ Place = tuple[float, ...]
 
 
 class TouchSource(NamedTuple):
-    """A way to gather touches.
+    """Source of touches.
 
     Attributes:
-        program: that is run.
-        stage: where.
-        values: of its parameters.
-        arm: whose hand's touch is rewarded.
+        program: Name of the program.
+        stage: Name of the stage.
+        values: Values of the program's parameters.
+        arm: Arm whose hand is rewarded for touch.
     """
 
     program: str
@@ -36,12 +36,12 @@ class TouchSource(NamedTuple):
 
     @property
     def hand(self) -> str:
-        """The hand of the arm."""
+        """Hand of the arm."""
         return _HANDS[self.arm]
 
 
 _LEFT = {"arm": "left_arm", "hand": "left_hand"}
-#: Either arm touches the table and an object on it; both touch what one of them brings up.
+#: Either arm touches the table and an object on it; both touch an object that one of them lifts.
 SOURCES: Mapping[str, TouchSource] = {
     "table_right": TouchSource("touch_table", "bare_table", {}, "right_arm"),
     "table_left": TouchSource("touch_table", "bare_table", _LEFT, "left_arm"),
@@ -52,12 +52,12 @@ SOURCES: Mapping[str, TouchSource] = {
 
 
 class TouchTrial(NamedTuple):
-    """One episode.
+    """Episode of a touch.
 
     Attributes:
-        things: its source.
-        seed: of the episode.
-        place: mean of the fingertips' contacts, m, world frame; empty where it was not rewarded.
+        things: Name of its source.
+        seed: Seed of the episode.
+        place: Mean of the fingertips' contacts, m, world frame; empty if it was not rewarded.
     """
 
     things: str
@@ -66,18 +66,18 @@ class TouchTrial(NamedTuple):
 
 
 def touch_digest(source: str) -> str:
-    """Digest of all that decides trials of a source beside seed and engine."""
+    """Return the digest of all inputs of a source's trials except seed and engine."""
     own = SOURCES[source]
     return trial_digest(own.program, own.values, own.stage)
 
 
 @contextmanager
 def toucher(source: str, engine: str, cameras: str | None) -> Iterator[Callable[[int], TouchTrial]]:
-    """Runs episodes of one source, each by its seed.
+    """Provide a function that runs episodes of one source, each by its seed.
 
     Raises:
-        BackendError, EpisodeError: the simulator cannot run it.
-        ImportError: it is not installed.
+        BackendError, EpisodeError: The simulator cannot run it.
+        ImportError: The simulator is not installed.
     """
     own = SOURCES[source]
     with simulation_fixture(own.program, own.values, own.stage, engine, cameras) as lab:

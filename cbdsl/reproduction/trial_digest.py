@@ -1,4 +1,4 @@
-"""Digest of what decides the outcome of a shipped program's episode, but for seed and engine."""
+"""Digest of all inputs of a shipped program's episode, except seed and engine."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from cbdsl.yaml_text.library import Library, shipped
 
 
 def trial_digest(program: str, values: Mapping[str, str], stage: str) -> str:
-    """Digest of a shipped program with all it uses, its robot and a stage.
+    """Return the digest of a shipped program with its dependencies, its robot and a stage.
 
     Args:
-        program: its name.
-        values: of its parameters.
-        stage: name of a stage, its own or another.
+        program: Name of the program.
+        values: Values of its parameters.
+        stage: Name of a stage, its own or another.
     """
     library = Library(shipped())
     file = shipped_file(library, ProgramDocument, program)
@@ -26,7 +26,7 @@ def trial_digest(program: str, values: Mapping[str, str], stage: str) -> str:
     place = library.read(shipped_file(library, StageDocument, stage), StageDocument).document
     parts = (
         str(program_digest(file, library)),
-        # Its policy is no part of that.
+        # The program's digest does not cover its policy.
         file.read_text(encoding="utf-8"),
         str(sorted(values.items())),
         robot.model_dump_json(),

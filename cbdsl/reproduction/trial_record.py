@@ -1,4 +1,4 @@
-"""Records of trials as plain data for JSON, and back by the types of their fields."""
+"""Conversion of records of trials to plain data for JSON, and back by their field types."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ Some = TypeVar("Some")
 
 
 def plain_data(value: Any) -> Any:
-    """Plain data of a named tuple, of what is in it, or of a value of JSON.
+    """Return the plain data of a named tuple, of its contents, or of a value of JSON.
 
     Args:
-        value: an ``as_data`` of its own comes first.
+        value: Value to convert; its method ``as_data`` takes precedence.
     """
     if hasattr(value, "as_data"):
         return value.as_data()
@@ -26,15 +26,15 @@ def plain_data(value: Any) -> Any:
 
 
 def read_record(kind: type[Some], data: object) -> Some:
-    """Named tuple that ``plain_data`` wrote.
+    """Return the named tuple that ``plain_data`` converted.
 
     Args:
-        kind: its class; a ``from_data`` of its own comes first. Fields may be named tuples, and
-            sequences and mappings by text, which become tuples and dictionaries.
-        data: by the names of its fields; what has a default may be missing.
+        kind: Class of the record; its method ``from_data`` takes precedence. Fields may be named
+            tuples, and sequences and mappings by text, which become tuples and dictionaries.
+        data: Values by the names of the fields; fields with a default may be missing.
 
     Raises:
-        ValueError: the data are none of it.
+        ValueError: The data do not match the class.
     """
     own: Callable[[object], Some] | None = getattr(kind, "from_data", None)
     if own:
@@ -51,7 +51,7 @@ def read_record(kind: type[Some], data: object) -> Some:
 
 
 def _read(kind: Any, value: Any) -> Any:
-    """A field's value, of plain data."""
+    """Return a field's value from plain data."""
     origin = get_origin(kind)
     if origin is Mapping:
         if not isinstance(value, Mapping):
