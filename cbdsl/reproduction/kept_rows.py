@@ -27,7 +27,7 @@ class KeptRows:
                 continue
 
     def add(self, row: Any) -> None:
-        """Add a row at the end, on a line of its own."""
+        """Append a row on a separate line."""
         text = self._text()
         start = "\n" if text and not text.endswith("\n") else ""
         self._path.parent.mkdir(parents=True, exist_ok=True)

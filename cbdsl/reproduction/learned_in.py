@@ -17,7 +17,7 @@ from cbdsl.reproduction.series import Series
 
 # A policy counts as learned once it succeeds this often, at as many checks in a row.
 _SUCCESS, _IN_A_ROW = 0.95, 3
-_HARDLY_ANY = 15.0  # %, which none of 30 trials show
+_HARDLY_ANY = 15.0  # %, above the interval of 0 in 30 trials
 
 
 def learned_in(series: Series, checks: Sequence[Check]) -> float:

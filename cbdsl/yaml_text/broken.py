@@ -8,7 +8,7 @@ Steps = tuple[str | int, ...]
 
 
 class Broken:
-    """Set of paths of omitted parts, indexed so that each query takes constant time per step."""
+    """Set of paths of omitted parts, indexed so that no query about a path searches all of them."""
 
     def __init__(self, paths: Iterable[Steps] = ()) -> None:
         self._paths: set[Steps] = set()

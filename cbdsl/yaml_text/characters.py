@@ -8,7 +8,8 @@ from cbdsl.types.unit import is_quantity
 
 # Patterns are compiled where they are used: most texts have no such characters.
 
-# Excluded by YAML 1.2 (5.1): control characters except NEL, surrogates and noncharacters.
+# Excluded by YAML 1.2 (5.1): C0 controls except tab and line ends, DEL, surrogates and
+# noncharacters; in addition, C1 controls except NEL.
 _CONTROL = r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]"
 # Zero-width characters, byte order marks and direction marks.
 _INVISIBLE = r"[\u200b\u200e\u200f\u202a-\u202e\u2060\u2066-\u2069\ufeff]"

@@ -202,7 +202,7 @@ class _Layout:
             self._opened.pop()
 
     def _enter_bare_list(self) -> None:
-        """Enter a list at the indentation of its key, which is kept."""
+        """Enter a list at the indentation of its key; the formatter preserves this indentation."""
         if self._opened:
             raise UnknownLayoutError  # between brackets, where a parser refuses it
         if not self._blocks[-1].is_list:

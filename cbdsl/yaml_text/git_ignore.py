@@ -40,7 +40,8 @@ class GitIgnore:
     def above(cls, folder: Path) -> GitIgnore:
         """Read the rules of the folders above, up to the root of the repository.
 
-        A folder that they ignore has none of them: its files would be ignored altogether.
+        If they ignore the folder itself, the result is empty; else all of its files would be
+        ignored.
         """
         root = next((each for each in folder.parents if (each / ".git").exists()), None)
         if root is None or (folder / ".git").exists():

@@ -132,7 +132,7 @@ class Library:
 
         Returns:
             True if no cached robot can have changed. False if the file was or becomes a robot or
-            a calibration, or if it is new, because a name may now refer to it.
+            a calibration, if its kind changed, or if it is new, so that a name may refer to it.
         """
         key = self.real(path)
         before = self._given.get(key)

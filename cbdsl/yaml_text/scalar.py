@@ -33,7 +33,7 @@ REFUSED = {
 }
 # Form of most numbers; it matches no refused text.
 _SIMPLE = re.compile(r"-?(?:0|[1-9][0-9]{0,8})(?:\.[0-9]{1,9})?\Z")
-# The largest integer up to which a 64-bit float holds every one.
+# Largest integer up to which 64-bit floats represent all integers exactly.
 _LARGEST = 2**53
 
 # First characters of scalars that match a pattern: most texts need no match at all.

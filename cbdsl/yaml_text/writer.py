@@ -131,7 +131,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 def _require_replaceable(path: Path) -> None:
-    """Refuse a path that is a folder or a device such as /dev/null, which a rename would replace.
+    """Refuse a folder, and a device such as /dev/null, which a rename would replace.
 
     Raises:
         OSError: The path exists and is not a file.

@@ -20,7 +20,7 @@ _LEAST_EVIDENCE = 2
 def identify(
     source: SourceMap, findings: tuple[Diagnostic, ...]
 ) -> tuple[type[Document], tuple[Diagnostic, ...]]:
-    """Return the model of a document's kind, and the findings including one about its ``kind``."""
+    """Return the model of a document's kind, and all findings, including a wrong ``kind``."""
     root = source.root
     if not isinstance(root.value, dict):
         described = describe(root.value)
