@@ -1,4 +1,4 @@
-"""Documents that went wrong: shipped and bad ones, cut, doubled, swapped and spiked."""
+"""Mutated documents: shipped and bad ones with bytes cut, doubled, swapped or inserted."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SEEDS = [
     for folder in (shipped() / "robots", shipped() / "programs", BAD)
     for path in sorted(folder.rglob("*.yaml"))
 ]
-#: What the reader, the checker or a terminal might stumble over.
+#: Bytes that the reader, the checker or a terminal may mishandle.
 SPIKES = [
     *(b"[", b"]", b"{", b"}", b": ", b"- ", b"? ", b"| ", b"> ", b'"', b"'", b"#", b"&a ", b"*a"),
     *(b"!!python/object:x ", b"<<: ", b"---\n", b"...\n", b"%YAML 1.1\n", b"\t", b"\n", b"\r"),
@@ -29,7 +29,7 @@ _WHERE = st.floats(0, 1, exclude_max=True)
 
 @st.composite
 def documents(draw: st.DrawFn) -> bytes:
-    """A document with a few mutations."""
+    """Draw a document with a few mutations."""
     data = draw(st.sampled_from(SEEDS))
     for _ in range(draw(st.integers(1, 6))):
         mutate = draw(st.sampled_from([_spike, _cut, _double, _swap]))

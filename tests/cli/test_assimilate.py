@@ -1,4 +1,4 @@
-"""``cb learn --learner assimilate`` and ``cb run --schema``, on the kinematic backend."""
+"""Tests of ``cb learn --learner assimilate`` and ``cb run --schema`` on the kinematic backend."""
 
 from __future__ import annotations
 

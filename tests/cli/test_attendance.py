@@ -1,4 +1,4 @@
-"""The person at the terminal: asked, or agreed in advance."""
+"""Consent of the operator at the terminal: given at a prompt or in advance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands that make and use calibrations, and what they refuse."""
+"""Commands that make and use calibrations, and the input that they refuse."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tests.cli.test_main import cb
 
 
 def made(folder: Path, robot: str = "dexter", body: int | None = 3) -> Path:
-    """File of a calibration."""
+    """Write a calibration file and return its path."""
     camera = CalibratedCamera(
         position=(0.001, 0.0, 0.0),
         rotation=(0.0, 0.0, 0.01),
@@ -144,7 +144,7 @@ def test_a_body_is_calibrated_by_its_own_hand(
 
 @pytest.mark.slow
 def test_a_killed_calibration_goes_on(tmp_path: Path) -> None:
-    """What was watched is kept at any moment, and so is the calibration that is there already."""
+    """Killed calibrations keep their journal and leave an existing calibration file unchanged."""
     file, journal = made(tmp_path), tmp_path / "mine.jsonl"
     before, words = file.read_bytes(), ["--body", "7", "--backend", "kinematic", "--json"]
     command = [str(Path(sys.executable).with_name("cb")), "calibrate", "dexter", *words, "--out"]
@@ -156,7 +156,7 @@ def test_a_killed_calibration_goes_on(tmp_path: Path) -> None:
         killed.kill()
         killed.wait()
         if not journal.exists():
-            break  # this machine is done by then
+            break  # the calibration has finished before the signal
         lines.append(_lines(journal))
         assert file.read_bytes() == before
     assert len(lines) > 1 and lines == sorted(lines)

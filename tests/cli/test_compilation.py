@@ -1,4 +1,4 @@
-"""Whoever waits for the compiler is told, once; others hear nothing."""
+"""The notice of compilation: printed once, and only while a command waits for the compiler."""
 
 from __future__ import annotations
 
@@ -15,5 +15,5 @@ def test_the_first_function_that_is_compiled_is_told(capsys: pytest.CaptureFixtu
     assert capsys.readouterr().err == f"{NOTICE}\n"
     with told_of_compilation():
         assert [function(1) for function in functions] == [2, 3]
-    assert njit(lambda x: x)(1) == 1  # nobody listens any more
+    assert njit(lambda x: x)(1) == 1  # outside of the context there is no notice
     assert capsys.readouterr() == ("", "")

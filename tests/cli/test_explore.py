@@ -1,4 +1,4 @@
-"""``cb explore``: mistakes are found before anything moves, and what was done is not done again."""
+"""``cb explore``: mistakes are reported before any motion, and no recorded action is repeated."""
 
 from __future__ import annotations
 
@@ -133,14 +133,14 @@ def test_actions_join_an_exploration_that_has_begun(
     later = rows(here / "ball.actions.jsonl")
     assert later[:5] == before and list(later[5]) == ["joined"]
     assert {each["action"] for each in later[:5]} <= {"searchtrack", "noop"}
-    # What is new is what is attended to.
+    # Exploration attends to the new action.
     assert "reachtouch" in [each["action"] for each in later[6:]]
     grown = catalog(here / "ball.yaml")
     assert grown.provenance is not None and grown.provenance.actions == 9
     (joined,) = grown.provenance.joined
     assert (joined.after, joined.programs) == (5, ("reachtouch",))
     assert joined.stage == grown.provenance.stage
-    # It goes on as any other, and nothing leaves it.
+    # The joined exploration resumes like any other, and no action may leave it.
     assert cb(monkeypatch, *both[:-1], "10", "--resume") == 0
     assert len(rows(here / "ball.actions.jsonl")) == 11
     capsys.readouterr()
@@ -217,7 +217,7 @@ def test_a_damaged_journal_names_its_line(
 
 
 def ended(process: subprocess.Popen[bytes], done: Callable[[], bool]) -> None:
-    """Kill a process once something is done."""
+    """Kill a process once a condition holds."""
     deadline = time.monotonic() + 120
     while not done() and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.02)

@@ -1,4 +1,4 @@
-"""``cb explore --thing`` and ``cb show meta-catalog``: which things stay on which."""
+"""``cb explore --thing`` and ``cb show meta-catalog``: pairs of objects that stay stacked."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_what_was_done_is_not_done_again(
     whole = read(here / "boxes.yaml")
     assert whole.steps is not None and first.steps is not None
     assert whole.steps.action[:1] == first.steps.action
-    # Pairs that were not tried come first.
+    # Untried pairs come first.
     assert {each.tried for each in whole.pairs.values()} == {1}
     stayed = {name: each.rewarded for name, each in whole.pairs.items()}
     assert stayed == {"purple_box_on_blue_box": 1, "blue_box_on_purple_box": 0}
@@ -93,7 +93,7 @@ def test_a_box_stands_on_a_larger_one_and_that_on_no_smaller_one(
     assert pairs["blue_box_on_purple_box"].rewarded == 0
     seen = pairs["purple_box_on_blue_box"].with_reward
     assert seen is not None
-    # Half as large, above it, and not beside it.
+    # The upper object is half as large and above the lower one, without lateral offset.
     assert seen.mean[0] == pytest.approx(0.5, abs=0.15)
     assert max(map(abs, seen.mean[3:5])) < 0.06 < seen.mean[5]
 

@@ -1,4 +1,4 @@
-"""``cb validate --fix`` writes what was probably meant, and only that."""
+"""``cb validate --fix``: unambiguous misspellings are corrected, and all else stays."""
 
 from __future__ import annotations
 

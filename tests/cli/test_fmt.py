@@ -1,4 +1,4 @@
-"""``cb fmt``: files are replaced, checked or shown, and what is no YAML is told."""
+"""``cb fmt``: files are replaced, checked or shown, and invalid YAML is reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What other tools are told about ``cb validate`` is true."""
+"""Descriptions of ``cb validate`` for other tools: they agree with its behaviour."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Damaged lines of what ``cb reproduce --keep`` holds: told by number, and nothing is lost."""
+"""Damaged lines in files of ``cb reproduce --keep``: reported by number, without loss of data."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["toys"]
 
 @pytest.fixture
 def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, toys: list[RunSettings]) -> Path:
-    """A file of three rows in a folder that an experiment keeps."""
+    """Write three rows to a file in an experiment's folder, and return its path."""
     monkeypatch.setattr(registry, "EXPERIMENTS", {KEPT.name: KEPT})
     path = tmp_path / "trials" / "bullet_ideal.jsonl"
     for seed in range(3):
@@ -29,7 +29,7 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, toys: list[RunSettings
 
 
 def damage(path: Path, line: bytes) -> bytes:
-    """Replace the second line of a file; what the file holds then."""
+    """Replace the second line of a file, and return the new content."""
     first, _, third = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(first + line + b"\n" + third)
     return path.read_bytes()
@@ -71,7 +71,7 @@ def test_a_line_that_cannot_be_passed_over_stops_with_its_number_and_a_remedy(
     assert f"{kept}, line 2: it is {problem}" in told and "internal error" not in told
     assert "delete this line" in told and not toys and kept.read_bytes() == held
     rows = held.splitlines(keepends=True)
-    kept.write_bytes(rows[0] + rows[2])  # as the message says
+    kept.write_bytes(rows[0] + rows[2])  # remove the line, as the message advises
     assert cb(monkeypatch, KEPT.name, "--keep", str(kept.parent)) == 0
     assert [json.loads(row)["seed"] for row in kept.read_text().splitlines()] == [0, 2]
 

@@ -1,4 +1,4 @@
-"""``cb learn``: mistakes are found before the episodes, and what is learned can be run."""
+"""``cb learn``: mistakes are reported before the episodes, and learned policies can be run."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ OTHER_STAGE = "cbdsl: 1\nkind: stage\nname: elsewhere\nrobot: other\ncontexts: {
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A working folder with what can be in the way."""
+    """Change to a working folder with files and folders that conflict with outputs."""
     (tmp_path / "elsewhere.yaml").write_text(OTHER_STAGE, encoding="utf-8")
     (tmp_path / "folder.yaml").mkdir()
     (tmp_path / "taken.yaml").write_text("not learned", encoding="utf-8")
@@ -32,7 +32,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def cb(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
-    """Run ``cb`` in this process; its exit code."""
+    """Run ``cb`` in this process and return its exit code."""
     monkeypatch.setattr(sys, "argv", ["cb", *words])
     try:
         command.main()
@@ -41,13 +41,13 @@ def cb(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
     return 0
 
 
-# Options with numbers that are not whole.
+# Options that take real numbers.
 MEASURED = (
     *("gamma", "alpha", "epsilon", "bandwidth", "prior"),
     *("transition-time", "idle-time", "episode-time"),
 )
 
-# What is asked for, the exit code, and what the message has to name.
+# Arguments, exit code and required parts of the message.
 MISTAKES = [
     (["searchtrack"], 2, ["--out"]),
     (["serchtrack", "--out", "a.yaml"], 2, ["did you mean 'searchtrack'"]),
@@ -106,7 +106,7 @@ def test_a_mistake_is_one_clear_message(
 def test_an_episode_lasts_no_longer_than_asked_for(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The search that a reach uses goes on for many transitions of its own."""
+    """``--episode-time`` also bounds the search that a reach uses, which lasts many transitions."""
     words = ["learn", "reachtouch", "--stage", "absent", "--backend", "kinematic", "--seed", "3"]
     words += ["--episodes", "2", "--episode-time", "6", "--out", "short.yaml"]
     assert cb(monkeypatch, *words) == 0
@@ -121,7 +121,7 @@ BEGUN = [
     *("--seed", "3", "--episodes", "2", "--out", "begun.yaml"),
 ]
 
-# Options that come after those, and how it is told what they differ in.
+# Options after those of BEGUN, and the difference that the message reports.
 OTHERS = [
     ([], "go on with --resume"),
     (["--resume", "--seed", "4"], "seed was 3, is 4"),
@@ -138,7 +138,7 @@ OTHERS = [
 
 @pytest.fixture(scope="module")
 def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder in which a trial is over."""
+    """Return a folder with a finished trial."""
     folder = tmp_path_factory.mktemp("begun")
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.chdir(folder)
@@ -270,7 +270,7 @@ def test_a_policy_of_a_program_that_changed_is_refused_before_it_runs(
     write(learned_documents(trial, toy_provenance(trial, 1), "policy")[-1], here / "policy.yaml")
     assert cb(monkeypatch, "run", "searchtrack.yaml", "--policy", "policy.yaml") == 1
     assert "CB622" in capsys.readouterr().out
-    # Its own policy, its stage and what is said of it may change: they were not learned from.
+    # The program's own policy, stage and comments may change, because learning does not use them.
     others = text.replace("table_right", "absent").replace('  "*1": search\n', "")
     program.write_text(f"# Another comment.\n{others}", encoding="utf-8")
     assert cb(monkeypatch, "validate", "policy.yaml") == 0
@@ -283,6 +283,6 @@ def test_what_stops_an_episode_is_one_clear_message(
     monkeypatch.setattr(multigrid, "_CYCLES", 0)
     assert cb(monkeypatch, "learn", "stuck.yaml", "--backend", "kinematic", "--out", "a.yaml") == 2
     _, err = capfd.readouterr()
-    # The first run after an installation also says that it compiles.
+    # The first run after an installation also prints the notice of compilation.
     (line,) = [line for line in err.splitlines() if not line.startswith("compiling")]
     assert "0.00 s: no convergence in 0 cycles" in line and "a.episodes.jsonl" in line

@@ -1,4 +1,4 @@
-"""What people see of a trial while it runs."""
+"""Progress lines of a trial while it runs."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ EPISODES = 14
 
 
 class Terminal(io.StringIO):
-    """A standard output that is a terminal."""
+    """Standard output that is a terminal."""
 
     def isatty(self) -> bool:
         return True
 
 
 def watched(*, trials: int = 1) -> None:
-    """Trials whose first episodes are over, and whose others take half a minute each."""
+    """Run trials whose later episodes take half a minute each, and report their progress."""
     with LearningProgress("searchtrack", trials, EPISODES) as progress:
         for number in range(trials):
             trial, runner = toy_trial(), ToyEpisodeRunner()

@@ -1,4 +1,4 @@
-"""What is told of trials that run elsewhere."""
+"""Progress of trials that run in other processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Printed texts: what documents and names of files hold never moves or changes a terminal."""
+"""Printed texts: control characters from documents and file names never reach the terminal."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_legible_output_leaves_the_streams_as_they_were() -> None:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with harmful names of files and texts in documents."""
+    """Change to a folder with harmful file names and harmful texts in documents."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "programs").mkdir()
     name = f"x{PAYLOAD}"

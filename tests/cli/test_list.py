@@ -1,4 +1,4 @@
-"""``cb list``, and what shells complete."""
+"""``cb list`` and shell completion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``--live``: a page while it runs, which changes nothing, and leaves nothing."""
+"""``--live``: its page changes no result, and leaves no process and no port."""
 
 from __future__ import annotations
 

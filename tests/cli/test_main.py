@@ -1,4 +1,4 @@
-"""The command line: exit codes, messages, and what it does not import."""
+"""The command line: exit codes, messages and modules that it does not import."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BAD = ROOT / "tests" / "checking" / "bad"
 
 
 def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    """Run ``cb`` in this process; its exit code."""
+    """Run ``cb`` in this process and return its exit code."""
     monkeypatch.setattr(sys, "argv", ["cb", *arguments])
     try:
         command.main()
@@ -48,7 +48,7 @@ def test_validating_imports_nothing_heavy() -> None:
 
 
 class Interrupted:
-    """A thing whose end is interrupted, where Python can raise nothing."""
+    """Object whose destructor is interrupted, where Python cannot propagate exceptions."""
 
     def __del__(self) -> None:
         raise KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""``cb new robot`` from xacro, SRDF and MJCF: what it writes is valid, and mistakes are named."""
+"""``cb new robot`` from xacro, SRDF and MJCF: valid output, and messages that name mistakes."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ TRIANGLE = (
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to work in, with the package of a robot in another one."""
+    """Change to a working folder; the robot's package is in another folder."""
     package = tmp_path / "elsewhere" / "desk_description"
     package.mkdir(parents=True)
     (package / "joint.xacro").write_text(MACRO)

@@ -1,4 +1,4 @@
-"""What C code prints does not get between what Python prints."""
+"""Output of C code, kept apart from the output of Python."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``cb new``: what it writes has no findings, and is never written over something."""
+"""``cb new``: its documents have no findings, and existing files are never overwritten."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-# A cube that turns in place has nothing within its reach, which is a warning.
+# A cube that turns in place has no object within its reach, which is a warning.
 REACHING = [model for model in MODELS if model.stem != "cube_rotate"]
 
 
@@ -40,7 +40,7 @@ def test_robots_of_any_model_and_their_programs_and_stages_are_clean(
     assert cb(monkeypatch, "new", "stage", "desk", "--robot", "fresh") == 0
     assert cb(monkeypatch, "new", "program", "move", "--robot", "fresh") == 0
     session = Session(Library(folder))
-    # Some of the models come without all of their meshes, which is told.
+    # Some of the models come without all of their meshes, which is a finding.
     assert {
         each.code
         for path in folder.rglob("*.yaml")

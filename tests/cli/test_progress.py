@@ -1,4 +1,4 @@
-"""Progress: silent while short, then how much is left."""
+"""Progress: silent during short work, then the remaining time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cbdsl.cli import progress
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """The time, s."""
+    """Replace the clock by a list with the time, s."""
     now = [100.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
     return now
@@ -28,7 +28,7 @@ def test_what_takes_longer_says_what_is_left(
     with progress.Progress("work") as told:
         clock[0] += 30
         told.note(1, 4)
-        told.note(2, 4)  # right after it
+        told.note(2, 4)  # immediately after the first line
         clock[0] += 30
         told.note(3, 4)
     assert capsys.readouterr().err.splitlines() == [

@@ -1,4 +1,4 @@
-"""``cb replay``: pages are written in one step, or a sentence says why not."""
+"""``cb replay``: pages are written in one step, or a message gives the reason."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ __all__ = ["Record", "kept", "play", "record"]
 
 
 def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str | Path) -> int:
-    """Run ``cb replay`` in this process; its exit code."""
+    """Run ``cb replay`` in this process and return its exit code."""
     return test_main.cb(monkeypatch, "replay", *map(str, arguments))
 
 
 @pytest.fixture
 def folder(kept: Path, tmp_path: Path) -> Path:
-    """Two recordings."""
+    """Copy two recordings into a folder."""
     folder = tmp_path / "kept"
     folder.mkdir()
     for suffix in (".json", ".npz"):

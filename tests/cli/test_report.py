@@ -1,4 +1,4 @@
-"""``cb report``: a page is written in one step, or a sentence says why not."""
+"""``cb report``: a page is written in one step, or a message gives the reason."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.reporting.trials import write_trial
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working folder, with the trials of a lesson in ``knowledge``."""
+    """Change to a working folder with the trials of a lesson in ``knowledge``."""
     (tmp_path / "knowledge").mkdir()
     for seed in (0, 1):
         write_trial(tmp_path / "knowledge", f"walked_{seed}", seed)
@@ -39,7 +39,7 @@ def test_a_folder_has_one_page_of_all_its_trials(
     assert cb(monkeypatch, "report", "knowledge") == 0
     text = Path("knowledge/report.html").read_text("utf-8")
     assert text.count('<section class="trial"') == 2
-    # The page is no policy: the same command makes the same page again.
+    # The page is not a policy: the same command makes the same page again.
     assert cb(monkeypatch, "report", "knowledge") == 0
     assert Path("knowledge/report.html").read_text("utf-8") == text
 

@@ -1,4 +1,4 @@
-"""``cb reproduce``: which experiments there are, what a run prints and writes, and wrong calls."""
+"""``cb reproduce``: its list of experiments, its output and files, and wrong calls."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ LEARNED = Experiment(
 
 
 def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    """Run ``cb reproduce`` in this process; its exit code."""
+    """Run ``cb reproduce`` in this process and return its exit code."""
     return test_main.cb(monkeypatch, "reproduce", *arguments)
 
 
 @pytest.fixture
 def toys(monkeypatch: pytest.MonkeyPatch) -> list[RunSettings]:
-    """Two experiments that take no time; what they were run with."""
+    """Register two experiments that take no time, and return the settings of their runs."""
     ran: list[RunSettings] = []
 
     def run(settings: RunSettings) -> Result:
@@ -55,7 +55,7 @@ def toys(monkeypatch: pytest.MonkeyPatch) -> list[RunSettings]:
 
 @pytest.fixture
 def learning(toys: list[RunSettings], monkeypatch: pytest.MonkeyPatch) -> list[RunSettings]:
-    """The toys, and one that learns."""
+    """Register the toys and an experiment that learns."""
 
     def run(settings: RunSettings, name: str) -> Result:
         toys.append(settings)
@@ -252,7 +252,7 @@ def test_a_json_file(
 
 
 def test_what_is_not_installed_is_told() -> None:
-    """In a process of its own: what has been loaded once is not looked for again."""
+    """Run in a separate process, because Python does not import loaded modules again."""
     script = (
         "import sys\nsys.modules['pybullet'] = None\n"
         "from cbdsl.cli.main import main\nsys.argv = ['cb', 'reproduce', 'fig-3.4']\nmain()\n"

@@ -1,4 +1,4 @@
-"""``cb run``: what goes wrong is one clear message, and what goes well can be repeated."""
+"""``cb run``: one clear message for each mistake, and repeatable results."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ policy: {"*": go}
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A working folder with files that do not fit."""
+    """Change to a working folder with files that do not fit."""
     files = {
         "elsewhere.yaml": OTHER_STAGE,
         "touching.yaml": OTHER_POLICY,
@@ -68,12 +68,12 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    """Run ``cb run`` in this process; its exit code."""
+    """Run ``cb run`` in this process and return its exit code."""
     return test_main.cb(monkeypatch, "run", *arguments)
 
 
 def cb_process(*arguments: str, **changes: str | None) -> subprocess.CompletedProcess[str]:
-    """Run ``cb`` in a process of its own; ``changes`` are to its environment."""
+    """Run ``cb`` in a separate process, with ``changes`` to its environment."""
     environment = {**os.environ, **{key: value for key, value in changes.items() if value}}
     for key in changes.keys() - {key for key, value in changes.items() if value}:
         environment.pop(key, None)
@@ -83,7 +83,7 @@ def cb_process(*arguments: str, **changes: str | None) -> subprocess.CompletedPr
     )
 
 
-# What is asked for, the exit code, and what the message has to name.
+# Arguments, exit code and required parts of the message.
 MISTAKES = [
     (["serchtrack"], 2, ["serchtrack", "did you mean 'searchtrack'", "known: "]),
     (["nowhere/none.yaml"], 1, ["nowhere/none.yaml:1:1", "No such file"]),
@@ -172,7 +172,7 @@ def test_a_window_without_a_screen_is_refused() -> None:
 
 @pytest.mark.slow
 def test_the_same_call_prints_the_same_bytes(tmp_path: Path) -> None:
-    """But for how long it took."""
+    """Repeated calls differ in the wall time alone."""
     call = ("run", "reachtouch", "--stage", "table_right", "--seed", "70011", "--episodes", "2")
     runs = [cb_process(*call, "--json") for _ in range(2)]
     assert [run.returncode for run in runs] == [0, 0]

@@ -21,7 +21,7 @@ BAD = Path(__file__).parents[1] / "checking" / "bad"
 
 
 def faults(log: Any) -> list[str]:
-    """Where a log breaks the rules of its schema, and how."""
+    """Return places and messages of all violations of the schema in a log."""
     validator = jsonschema.Draft4Validator(SCHEMA, format_checker=jsonschema.FormatChecker())
     return [f"{list(error.absolute_path)}: {error.message}" for error in validator.iter_errors(log)]
 

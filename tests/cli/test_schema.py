@@ -1,4 +1,4 @@
-"""``cb schema``: the committed schemas are those of the models, and documents name theirs."""
+"""``cb schema``: committed schemas match the models, and documents name their schema."""
 
 from __future__ import annotations
 

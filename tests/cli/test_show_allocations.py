@@ -1,4 +1,4 @@
-"""``cb show allocations``."""
+"""Tests of ``cb show allocations``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Formats of ``cb show`` and ``cb list``: every table can be had as JSON, by one option."""
+"""Formats of ``cb show`` and ``cb list``: one option prints every table as JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.cli.test_main import cb
 
 WEDGE = Path("cbdsl/errors/codes/wedge.obj").resolve()
 
-#: What each command of ``cb show`` is asked for.
+#: Arguments of each command of ``cb show``.
 ASKED = {
     "types": [],
     "potentials": [],

@@ -1,4 +1,4 @@
-"""``cb show mesh``: forms from meshes, and meshes that are none."""
+"""``cb show mesh``: forms of meshes, and files that contain no valid mesh."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> 
 
 
 def write_stl(file: Path, triangles: np.ndarray) -> Path:
-    """Write triangles as an STL of bytes."""
+    """Write triangles as a binary STL file."""
     records = np.zeros(len(triangles), [("normal", "<f4", 3), ("at", "<f4", (3, 3)), ("no", "<u2")])
     records["at"] = triangles
     file.write_bytes(bytes(80) + len(triangles).to_bytes(4, "little") + records.tobytes())
@@ -43,7 +43,7 @@ def write_stl(file: Path, triangles: np.ndarray) -> Path:
 
 
 def gutter() -> np.ndarray:
-    """Three cuboids side by side, of which the middle one is lower; mm."""
+    """Return three adjacent cuboids with a lower one in the middle, mm."""
     parts = [(0, 20, 60), (20, 60, 20), (60, 80, 60)]
     return np.concatenate([cuboid((a, 0, 0), (b, 100, c)) for a, b, c in parts])
 

@@ -13,7 +13,7 @@ from cbdsl.yaml_text.writer import write
 from tests.cli.test_main import cb
 from tests.reporting.drawing.policies import learned
 
-#: Two of three episodes ended at once; the third came back from where it lost what it saw.
+#: Two of three episodes reach directly; the third searches again after it loses the object.
 WALKS = [
     [("reach", "X0"), ("reach", "X1")],
     [("reach", "X0"), ("reach", "X1")],

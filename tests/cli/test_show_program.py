@@ -1,4 +1,4 @@
-"""``cb show program`` and ``cb show potentials``."""
+"""Tests of ``cb show program`` and ``cb show potentials``."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_every_quantity_has_its_unit(
         "right_hand.finger_forces: force x 3 in N,",
         "reference [3.14159, 0, 0] rad ",
         "gain 8 /s, speed 0.35 m/s at most, acceleration 1.5 m/s² at most",
-        "gain 4 /s, speed 0.3 rad/s at most",  # of the joints that bring the forces about
+        "gain 4 /s, speed 0.3 rad/s at most",  # speed of the joints that generate the forces
     ):
         assert told in text
 

@@ -1,4 +1,4 @@
-"""``cb show substitutes``."""
+"""Tests of ``cb show substitutes``."""
 
 from __future__ import annotations
 

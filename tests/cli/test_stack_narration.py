@@ -24,13 +24,13 @@ TRANSITION = re.compile(r"^ +([\d.]+) s +\w+  \S+ -> ", re.MULTILINE)
 
 @pytest.fixture(scope="module")
 def told(checked: Checked, dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> str:
-    """What is printed of an episode in the synthetic world."""
+    """Return the printed lines of an episode in the synthetic world."""
     with pytest.MonkeyPatch.context() as patch:
         lines: list[str] = []
         into_file = print
 
         def note(*texts: str, file: Any = None, **how: Any) -> None:
-            # What compiles meanwhile prints into texts of its own.
+            # The notice of compilation is printed into a file.
             into_file(*texts, file=file, **how) if file else lines.extend(texts)
 
         patch.setattr("builtins.print", note)
@@ -54,7 +54,7 @@ def test_there_is_a_table_every_second_at_least(told: str) -> None:
 
 
 def test_every_transition_has_one(told: str) -> None:
-    """But the first, which nothing has led to."""
+    """Transitions have a table each, except the first one, which has no predecessor."""
     tables = set(TABLE.findall(told))
     assert set(TRANSITION.findall(told)[1:]) <= tables
 

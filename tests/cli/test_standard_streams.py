@@ -1,4 +1,4 @@
-"""Closed standard streams: a command goes on, and says so where it needs one."""
+"""Closed standard streams: a command runs, and reports a stream that it needs."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_a_language_server_without_streams_says_so(closed: str, tmp_path: Path) 
 
 
 def test_a_file_never_takes_the_number_of_a_closed_stream(tmp_path: Path) -> None:
-    """Else a line that a library in C prints would be written into it."""
+    """Files get descriptors above 2, so that output of C libraries is not written into them."""
     code = (
         "from cbdsl.cli.standard_streams import fill_closed_streams; fill_closed_streams(); "
         f"import os; file = open({str(tmp_path / 'kept')!r}, 'w'); "

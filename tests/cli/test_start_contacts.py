@@ -1,4 +1,4 @@
-"""``cb new robot`` of a model whose links overlap: it comes to rest where it starts."""
+"""``cb new robot`` for a model whose links overlap: it rests in its start posture."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def proposed(folder: Path, monkeypatch: pytest.MonkeyPatch, urdf: str) -> RobotD
 
 
 def moved(folder: Path, robot: RobotDocument, engine: str) -> float:
-    """How far its joints are from where they start after a second of holding, rad."""
+    """Return the largest joint displacement after holding the start posture for a second, rad."""
     from cbdsl.backends.backend import embody
 
     backend = embody(engine, robot, folder / "two_arms.urdf")
@@ -61,7 +61,7 @@ def test_a_robot_whose_links_overlap_holds_its_posture(
 def test_what_touches_only_where_it_starts_is_told(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    # The right arm beside the left one, nearer than they are wide, and zero amid their ranges.
+    # The arms are nearer than they are wide, and zero is in the middle of their ranges.
     near = two_arms().replace("0.08 -0.05 0.3", "0.08 0.02 0.3")
     robot = proposed(folder, monkeypatch, near)
     told = capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""A command that is ended by SIGTERM ends as one that is interrupted at the keyboard."""
+"""SIGTERM: it ends a command like an interrupt from the keyboard."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import pytest
 from cbdsl.cli.termination import termination_interrupts
 from tests.conftest import ROOT
 
-# Whoever was started in the background ignores SIGINT, and hands that down.
+# Processes started in the background ignore SIGINT, and their children inherit that.
 AT_A_KEYBOARD = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
 COMMAND = AT_A_KEYBOARD + "from cbdsl.cli.main import main; main()"
 LEARN = (

@@ -1,4 +1,4 @@
-"""Two public arms put together as the docs say: made, checked, run and replayed without Python."""
+"""Two public arms combined as in the docs: created, checked, run and replayed without Python."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STAGE = "cbdsl: 1\nkind: stage\nname: pair_bench\nrobot: pair\ncontexts: {empty:
 
 
 def block(language: str, word: str) -> Block:
-    """The block of the page that has a word."""
+    """Return the block of the page that contains a word."""
     page = blocks(ROOT / "docs" / "how_to" / "new_robot.md")
     (found,) = [each for each in page if each.language == language and word in each.text]
     return found
@@ -31,7 +31,7 @@ def block(language: str, word: str) -> Block:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What the page's shell makes of the public model."""
+    """Run the page's shell commands on the public model, and return the folder."""
     folder = tmp_path_factory.mktemp("pair")
     shutil.copytree(Path(pybullet_data.getDataPath(), "kuka_iiwa"), folder / "kuka_iiwa")
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
@@ -51,7 +51,7 @@ def test_it_has_no_findings_and_two_arms_that_are_alike(
     assert "3 documents, no findings" in capsys.readouterr().out
     joints = read_urdf(folder / "robots" / "pair.urdf").movable
     assert len(joints) == 14 and {name.split("_")[0] for name in joints} == {"left", "right"}
-    # Each arm brings the model's materials, of which a reader takes one.
+    # Each arm brings the model's materials, and a reader takes one of each name.
     materials = ElementTree.parse(folder / "robots" / "pair.urdf").getroot().findall("material")
     names = [each.get("name") for each in materials]
     assert "Grey" in names and len(names) == len(set(names))
@@ -75,7 +75,7 @@ def test_both_hands_come_to_rest_around_a_place(
 def test_two_materials_of_one_name_are_a_finding(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Kinematics cannot read such a model; the checker says so first."""
+    """Kinematics cannot read such a model; the checker reports it first."""
     monkeypatch.chdir(tmp_path)
     grey = '<material name="grey"><color rgba="{} 0.5 0.5 1"/></material>'
     text = (ROOT / "robots" / "desk.urdf").read_text("utf-8").replace("</robot>", "{}{}</robot>")

@@ -1,4 +1,4 @@
-"""``cb validate``: formats, the standard input, strictness, ignores, and what is not imported."""
+"""``cb validate``: formats, the standard input, strictness, ignores and avoided imports."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SEARCHTRACK = shipped() / "programs" / "searchtrack.yaml"
 
 @pytest.fixture
 def printed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Any:
-    """Run ``cb validate`` with some words; its exit code and what it printed."""
+    """Return a function that runs ``cb validate`` and returns its exit code and output."""
 
     def run(*words: str) -> tuple[int, str]:
         code = cb(monkeypatch, "validate", *words)
@@ -124,7 +124,7 @@ def test_sarif_names_rules_and_regions(printed: Any) -> None:
 
 
 def require_location(location: dict[str, Any]) -> None:
-    """A location as SARIF 2.1.0 wants it (sections 3.28 to 3.30)."""
+    """Check a location against SARIF 2.1.0 (sections 3.28 to 3.30)."""
     physical = location["physicalLocation"]
     uri, region = physical["artifactLocation"]["uri"], physical["region"]
     assert re.fullmatch(r"[A-Za-z0-9._~!$&'()*+,;=:@%/-]+", uri)
@@ -170,7 +170,7 @@ def test_the_standard_input_stands_for_a_file(
     code, text = printed("-", "--stdin-name", str(CLASH))
     assert code == 1
     assert f"{CLASH}:8:16: CB501" in text
-    assert "reference: stereo.hue_44" in text  # the snippet is that of the standard input
+    assert "reference: stereo.hue_44" in text  # the snippet is from the standard input
 
 
 def test_the_standard_input_needs_no_name(monkeypatch: pytest.MonkeyPatch, printed: Any) -> None:
@@ -240,7 +240,7 @@ def test_a_silenced_error_still_keeps_a_program_from_running(tmp_path: Path) -> 
         check_program(tmp_path / "own.yaml")
 
 
-# -- what is checked -------------------------------------------------------------------------
+# -- checked files ---------------------------------------------------------------------------
 
 
 def test_a_name_stands_for_its_documents(
@@ -278,7 +278,7 @@ def test_of_a_flood_the_first_findings_are_told(tmp_path: Path, printed: Any) ->
     assert data["left_out"] > 1000 and len(data["findings"]) == 100
 
 
-# -- files that are none ----------------------------------------------------------------------
+# -- paths that are not regular files ---------------------------------------------------------
 
 
 def test_special_files_are_one_finding_each_and_the_rest_is_checked(tmp_path: Path) -> None:
@@ -288,7 +288,7 @@ def test_special_files_are_one_finding_each_and_the_rest_is_checked(tmp_path: Pa
         (tmp_path / f"{name}.yaml").symlink_to(target)
     with (tmp_path / "large.yaml").open("wb") as file:
         file.write(b"cbdsl: 1\n")
-        file.truncate(1 << 40)  # without a byte on the disk
+        file.truncate(1 << 40)  # a sparse file, which needs no space on the disk
     (tmp_path / "folder.yaml").mkdir()
     (tmp_path / "folder.yaml" / "up.yaml").symlink_to("..")
     command = [*CB, "validate", "--json", "."]

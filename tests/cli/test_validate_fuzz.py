@@ -1,4 +1,4 @@
-"""No text makes ``cb validate`` fail, hang, or show a traceback, in any format."""
+"""Mutated input: ``cb validate`` never fails, hangs or shows a traceback, in any format."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from tests.cli.mutations import documents
 TOLERANT = settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-#: Tries of the long run; more of them find more.
+#: Number of examples of the long run.
 MANY = int(os.environ.get("FUZZ_EXAMPLES", "2000"))
 
 
 def survives(folder: Path, content: bytes, form: str) -> None:
-    # The shipped robots are found here, and no neighbour of the file is.
+    # The shipped robots are found here, and no document beside the file.
     path = folder / "programs" / "any.yaml"
     path.parent.mkdir(exist_ok=True)
     path.write_bytes(content)

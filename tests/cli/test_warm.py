@@ -1,4 +1,4 @@
-"""``cb warm``: what it compiles in advance, and where that cannot be kept."""
+"""``cb warm``: functions that it compiles in advance, and folders that cannot keep them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from cbdsl.cli import warm
 
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few programs and ticks."""
+    """Compile for few programs and few ticks."""
     monkeypatch.setattr(warm, "_PROGRAMS", ("reach",))
     monkeypatch.setattr(warm, "_TICKS", 2)
     monkeypatch.setattr(warm, "_TICKS_ON_ENGINES", 2)

@@ -1,4 +1,4 @@
-"""No word of a call is empty."""
+"""Arguments of a call: empty ones are refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Workers: no more than a machine bears, and a word on clusters that let anyone in."""
+"""Workers: their number is bounded, and open schedulers of clusters cause a warning."""
 
 from __future__ import annotations
 
