@@ -1,4 +1,4 @@
-"""Allocations are what the type table allows, and each other has a reason."""
+"""Allocations: those of the type table, and a reason for each other one."""
 
 from __future__ import annotations
 

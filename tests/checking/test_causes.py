@@ -1,4 +1,4 @@
-"""Findings that may be causes of others come before those."""
+"""Order of findings: possible causes come before their consequences."""
 
 from __future__ import annotations
 

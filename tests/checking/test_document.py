@@ -1,4 +1,4 @@
-"""Bad documents, each with the findings that it names in its last lines."""
+"""Bad documents, each with its expected findings in its last lines."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SHIPPED = sorted(
 
 
 def text_of(path: Path) -> str:
-    return path.read_text("utf-8", errors="replace")  # one of them is no UTF-8
+    return path.read_text("utf-8", errors="replace")  # one of them is not UTF-8
 
 
 CASES = sorted(path for path in BAD.rglob("*.yaml") if "# finds" in text_of(path))
@@ -29,7 +29,7 @@ CASES = sorted(path for path in BAD.rglob("*.yaml") if "# finds" in text_of(path
 
 @pytest.fixture(scope="module")
 def session() -> Session:
-    """What all cases share: the robots are read once."""
+    """Return the session of all cases, so that the robots are read once."""
     return Session(Library(BAD))
 
 
@@ -50,7 +50,7 @@ def test_findings(path: Path, session: Session) -> None:
     assert found == wanted
 
 
-#: Cases with several findings, and the reason for each group: one mended mistake leaves the others.
+#: Cases with several findings, and the reason for each group: a correction leaves the others.
 SEVERAL = {
     "the same kind of mistake in several places": """
         words_for_quantities background_unknown compared_with_itself elbow_bent_backwards

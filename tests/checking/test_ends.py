@@ -13,7 +13,7 @@ from tests.conftest import ROOT
 
 
 def codes(folder: Path, members: int, pattern: str) -> list[str]:
-    """Findings of a program that composes some controllers, which end in a pattern."""
+    """Return codes of a program that composes controllers and ends in a pattern."""
     names = [f"c{number}" for number in range(members)]
     whole = " ◁ ".join(names)
     data = {
@@ -42,11 +42,11 @@ def codes(folder: Path, members: int, pattern: str) -> list[str]:
 
 
 def test_an_end_that_the_policy_never_leads_to_is_told(tmp_path: Path) -> None:
-    # Where the composition runs, no member is inactive.
+    # While the composition runs, no member is inactive.
     assert "CB722" in codes(tmp_path, 3, "1XX")
     assert "CB722" not in codes(tmp_path, 3, "111")
 
 
 def test_the_check_ends_for_any_number_of_members(tmp_path: Path) -> None:
-    """Forty members that each have three predicates have more states than anybody can list."""
+    """Forty members with three predicate values each have too many states to enumerate."""
     assert "CB722" not in codes(tmp_path, 40, "1" * 40)

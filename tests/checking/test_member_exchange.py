@@ -1,4 +1,4 @@
-"""Programs stand in for members by what they are rewarded for, and each other has a reason."""
+"""Programs that substitute members by their reward, and a reason for each that does not fit."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ otherwise: [own]
 
 @pytest.fixture(scope="module")
 def found() -> list[Allocation]:
-    """All allocations of PICKANDPLACE."""
+    """Return all allocations of PICKANDPLACE."""
     return allocations(
         Library(ROOT).locate(ProgramDocument, "pick_and_place"), Session(Library(ROOT))
     )
@@ -51,7 +51,7 @@ def test_a_transfer_from_hand_to_hand_stands_in_for_the_grasp(found: list[Alloca
     assert handed.values["reachtouch"] == "handover" and handed.program is not None
     (taking,) = [each for each in handed.program.actions if each.name == "reachtouch"]
     assert taking.program is not None and taking.program.name == "handover"
-    # It goes by the same thing, and hands it to the hand that carries it.
+    # The substitute uses the same feature, and hands the object to the carrying hand.
     assert taking.program.parameters["feature"] == "red"
     assert taking.program.parameters["to_hand"] == "left_hand"
 
@@ -74,12 +74,12 @@ def test_what_does_not_stand_in_has_a_reason(
         if (each.values.get("arm"), each.values.get("reachtouch")) == (arm, program)
     ]
     assert refused.program is None and reason in refused.refusal
-    # What is rewarded for something else is not even asked.
+    # Programs with another reward are not candidates.
     assert "searchtrack" not in {each.values.get("reachtouch") for each in found}
 
 
 def test_names_do_not_matter(tmp_path: Path) -> None:
-    """A copy of the handover under another name stands in as well."""
+    """Copies of the handover under another name are substitutes as well."""
     for name in ("pick_and_place", "handover"):
         text = (ROOT / "programs" / f"{name}.yaml").read_text(encoding="utf-8")
         other = name.replace("handover", "entrust")

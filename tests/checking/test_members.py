@@ -1,4 +1,4 @@
-"""Programs made of programs need no controllers; all others name what they lack."""
+"""Programs made of programs, which need no controllers, and others, which name missing sections."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names that no file and nothing else has: findings, which hide none of other documents."""
+"""Odd names, which no file has: findings that hide none of other documents."""
 
 from __future__ import annotations
 

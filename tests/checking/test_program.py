@@ -1,4 +1,4 @@
-"""What becomes of a program that has no faults."""
+"""The result of checking a program without faults."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def test_a_faulty_part_does_not_hide_the_others_from_whoever_runs_it(tmp_path: P
 
 
 def references(tmp_path: Path, *bodies: str) -> list[object]:
-    """The references of controllers of the right arm's tip, as they were checked."""
+    """Return the checked references of controllers of the right arm's tip."""
     tip = "potential: spring, feedback: right_arm.position, effector: right_arm.position"
     lines = [f"  c{i}: {{{tip}, {body}}}\n" for i, body in enumerate(bodies)]
     names = ", ".join(f"c{i}" for i in range(len(bodies)))
@@ -210,7 +210,7 @@ def test_references_relative_to_the_activation_or_a_resource(tmp_path: Path) -> 
     assert isinstance(red, Relative) and isinstance(above, Relative)
     assert red.base is not None and red.base.name == "stereo.red" and red.offset == (0, 0, 0.1)
     assert above.offset == (0, 0, -0.03)
-    # In the order of the axes, however they are listed.
+    # Coordinates follow the order of the axes, in any order of writing.
     assert found[5] == Literal((0.01, 0.0, 0.02))
 
 

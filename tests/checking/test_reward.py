@@ -1,4 +1,4 @@
-"""Programs of which nothing can be learned are told before anybody tries."""
+"""Programs without learnable reward, which are reported before learning begins."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ LOCALIZE = "{potential: localizability, feedback: cameras.red, effector: right_a
 
 
 def test_conditioning_earns_nothing_whatever_it_senses(tmp_path: Path) -> None:
-    """Section 4.2: what follows no reference does not track what the environment does."""
+    """Controllers without a reference do not track the environment (Section 4.2)."""
     path = tmp_path / "own.yaml"
     text = f"controllers: {{look: {LOCALIZE}, track: {TRACK}}}\nactions: [look, track]\n"
     path.write_text(HEAD + text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Schemas fit their programs, run as they read, and can be used by other programs."""
+"""Schemas: they fit their programs, run as written, and can be used by other programs."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def test_a_policy_beside_a_schema_is_a_finding(folder: Path) -> None:
 
 
 def test_a_schema_of_a_policy_that_has_changed_is_found(tmp_path: Path) -> None:
-    """Its file is changed in one action, as if it had been learned again."""
+    """Schemas report a change of one action in their policy's file, as after relearning."""
     for kind in ("schemas", "policies"):
         (tmp_path / "knowledge" / kind).mkdir(parents=True)
         own = (ROOT / "knowledge" / kind / "reachtouch.yaml").read_text(encoding="utf-8")

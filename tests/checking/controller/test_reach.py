@@ -1,4 +1,4 @@
-"""The bound on a tip's distance holds in every posture."""
+"""The bound on a tip's distance, which holds in every posture."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ density: {form: gaussian, mean: [0.1, 0.9], deviation: [0.2, 0.1], uniform: 0.25
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """REACHTOUCH, which uses SEARCHTRACK as it was learned."""
+    """Write REACHTOUCH, which uses SEARCHTRACK with its learned policy."""
     using = SHIPPED["reachtouch"].replace("policy: searchtrack_table", "policy: learned")
     files = {
         "programs/searchtrack.yaml": SHIPPED["searchtrack"],

@@ -1,4 +1,4 @@
-"""Patterns of states against what every single state says."""
+"""Patterns of states against an enumeration of all states."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PATTERNS = st.lists(st.text("X-01**", min_size=2, max_size=2), min_size=1, max_s
 
 
 def found(policy: dict[str, str]) -> dict[str, set[str]]:
-    """Patterns by the code of what is found in them."""
+    """Return the patterns that have findings, by code."""
     text = "policy:\n" + "".join(f'  "{state}": {action}\n' for state, action in policy.items())
     findings = Findings()
     source = SourceMap(Path("p.yaml"), text.split("\n"), compose(text, "p.yaml").root)
@@ -31,7 +31,7 @@ def found(policy: dict[str, str]) -> dict[str, set[str]]:
 
 
 def closest(policy: dict[str, str], state: str) -> list[str]:
-    """The matching patterns with the fewest stars."""
+    """Return the matching patterns with the fewest stars."""
     matching = [p for p in policy if all(a in ("*", b) for a, b in zip(p, state, strict=True))]
     fewest = min((p.count("*") for p in matching), default=0)
     return [p for p in matching if p.count("*") == fewest]

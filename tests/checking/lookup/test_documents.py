@@ -1,4 +1,4 @@
-"""Documents that are named and are not there: only those that would do are proposed."""
+"""Missing documents that are named: only suitable documents are proposed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs that use programs: whatever they look like, checking them ends, and finds the same."""
+"""Programs that use programs: checking terminates, and its order changes no finding."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CONTROLLER = "{potential: spring, reference: 0, feedback: cyclopean.motion, effe
 
 
 def write(folder: Path, file: str, uses: dict[str, str], name: str = "") -> Path:
-    """A program that uses others: by key, what follows ``program:``."""
+    """Write a program that uses others; each key has the text after ``program:``."""
     lines = [f"  {key}: {{program: {used}}}" for key, used in uses.items()]
     text = (
         f"cbdsl: 1\nkind: program\nname: {name or file}\nrobot: dexter\nparameters: {{v: motion}}\n"
@@ -37,7 +37,7 @@ def codes(path: Path, folder: Path) -> list[str]:
 
 
 def chain(folder: Path, length: int, with_: tuple[str, str] = ("$v", "$v")) -> Path:
-    """Each uses the next one twice, with these values."""
+    """Write programs that each use the next one twice, with these values."""
     for n in range(length):
         uses = {
             key: f"p{n + 1}, with: {{v: {value}}}"
@@ -49,7 +49,7 @@ def chain(folder: Path, length: int, with_: tuple[str, str] = ("$v", "$v")) -> P
 
 
 def test_what_is_used_again_is_not_checked_again(tmp_path: Path) -> None:
-    assert codes(chain(tmp_path, 50), tmp_path) == []  # else 2**50 programs
+    assert codes(chain(tmp_path, 50), tmp_path) == []  # without reuse 2**50 programs
 
 
 def test_programs_with_values_of_their_own_are_counted(tmp_path: Path) -> None:
@@ -91,7 +91,7 @@ def test_the_order_of_checking_changes_nothing(
 
 
 def _has_a_circle(graph: list[set[int]]) -> bool:
-    """Taking away what uses nothing, again and again, leaves the circles."""
+    """Return whether nodes remain after repeated removal of nodes without successors."""
     left = set(range(len(graph)))
     while leaves := {n for n in left if not graph[n] & left}:
         left -= leaves

@@ -1,4 +1,4 @@
-"""Notes on what is assumed of a robot's model: told once, never an error, in every format."""
+"""Notes on assumptions about a robot's model: reported once, never errors, in every format."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def write(folder: Path, *, base: str, upper: str, lower: str, effort: float, more: str = "") -> str:
-    """A robot of three links, one after the other; its file."""
+    """Write a robot of three links in series, and return its file."""
     links = {"base": base, "upper": upper, "lower": lower}
     parts = "".join(f'\n  <link name="{name}">{text}</link>' for name, text in links.items())
     parts += JOINT.format(name="turn", parent="base", child="upper", effort=effort)

@@ -1,4 +1,4 @@
-"""What a robot's document says of the resources that it gives rise to."""
+"""Declarations of a robot's document about the resources that follow from it."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_a_clash_of_types_tells_where_both_resources_come_from(tmp_path: Path) -
 
 
 def _with_its_programs(name: str, folder: Path) -> list[Path]:
-    """Copies of a shipped robot and of all that is for it."""
+    """Copy a shipped robot and all documents for it."""
     (folder / "robots").mkdir()
     for path in (shipped() / "robots").glob(f"{name}.*"):
         shutil.copy(path, folder / "robots")

@@ -1,4 +1,4 @@
-"""Drivers of robot documents: what cannot work is found before anything moves."""
+"""Drivers of robot documents: invalid drivers are found before any motion."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WRENCHES = "    wrenches: {left_hand: {finger_1: /touch}}\n"
 
 
 def findings(tmp_path: Path, drivers: str) -> list[str]:
-    """Findings of Dexter with other drivers."""
+    """Return the findings of Dexter with other drivers."""
     text = (ROOT / "robots" / "dexter.yaml").read_text("utf-8")
     head, rest = text.split("drivers:\n")
     tail = rest[rest.index("\nsimulation:") :]

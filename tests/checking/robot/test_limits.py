@@ -1,4 +1,4 @@
-"""Joint limits are told in the unit of the angle that breaks them."""
+"""Joint limits, which are reported in the unit of the angle that violates them."""
 
 from __future__ import annotations
 

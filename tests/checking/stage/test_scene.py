@@ -1,4 +1,4 @@
-"""Scenes that overlap for certain are found, and no others."""
+"""Scenes that certainly overlap, which are found, and all others, which are not."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def placed(**places: str) -> str:
         ("{things: [ball], place: {on: table, x: [45 cm, 50 cm]}}", "x: 48 cm", False),
         ("{things: [box], place: {on: table, x: 45 cm}}", "x: 45 cm, y: 13 cm", True),
         ("{things: [box], place: {on: table, x: 45 cm}}", "x: 45 cm, y: 15 cm", False),
-        # A box that is turned by chance fills at least the cylinder in it.
+        # A box with a random yaw fills at least the cylinder inscribed in it.
         (
             "{things: [box], place: {on: table, x: 45 cm, yaw: [-90 deg, 90 deg]}}",
             "x: 45 cm, y: 8 cm",
@@ -60,7 +60,7 @@ def placed(**places: str) -> str:
             False,
         ),
         ("{things: [box], place: {on: table, x: 45 cm, yaw: 90 deg}}", "x: 45 cm, y: 10 cm", False),
-        # What is in something hollow does not overlap it.
+        # An object inside a hollow one does not overlap it.
         ("{things: [tube], place: {on: table, x: 45 cm}}", "x: 45 cm", False),
     ],
 )
