@@ -20,7 +20,7 @@ from cbdsl.documents.stage import StageDocument
 Data = st.SearchStrategy[dict[str, Any]]
 
 NAME = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,6}", fullmatch=True)
-# Texts that YAML readers are known to take for something else.
+# Texts that some YAML readers convert to other types.
 TRAPS = st.sampled_from(
     ["NO", "yes", "1e-3", "0755", "12:30:45", "~", "null", "", ".inf", "0x1F", "=", "<<", "%", "@"]
 ) | st.sampled_from(

@@ -1,4 +1,4 @@
-"""Questions about what was left out, against a search among all of it."""
+"""Queries about omitted parts, compared with an exhaustive search."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Folders of documents: what is hidden, vendored, ignored or of another tool is left alone."""
+"""Folders of documents: hidden, vendored, ignored and foreign files are skipped."""
 
 from __future__ import annotations
 

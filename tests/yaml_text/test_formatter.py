@@ -1,4 +1,4 @@
-"""Formatted text: one layout, the same values and comments, whatever the layout was before."""
+"""Formatted text: one layout for every input, with the same values and comments."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_lines_end_in_one_way(ending: str) -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "a:  |2\n    b\n",  # says its own indentation
+        "a:  |2\n    b\n",  # has an explicit indentation
         "? a\n:   b\n",
         "a:   !!str 1\n",
     ],
@@ -147,7 +147,7 @@ def test_small_texts(text: str) -> None:
 
 
 def disordered(text: str, rng: random.Random) -> str:
-    """The same document with other columns, spaces in brackets and empty lines."""
+    """Return the same document with other columns, spaces in brackets and empty lines."""
     times = rng.choice([1, 2, 3])
     lines = []
     for line in text.splitlines():
@@ -196,14 +196,14 @@ def test_any_edit_that_is_yaml_keeps_its_values_and_comments(file: Path, seed: i
     try:
         result = formatted(edited)
     except SyntaxFaultError:
-        return  # the two scanners differ in what they accept
+        return  # the two scanners accept different texts
     assert values(result) == before
     assert comments(result) == comments(edited)
     assert formatted(result) == result
 
 
 def findings(text: str) -> list[tuple[str, str]]:
-    """What the reader finds in a text, without places."""
+    """Return the reader's findings in a text, without places."""
     try:
         faults = read_sound_parts(Path("a.yaml"), Document, text).faults
     except DiagnosticsError as error:

@@ -1,4 +1,4 @@
-"""Documents by name."""
+"""Lookup of documents by name."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_a_name_means_what_it_would_mean_in_a_document_here(tmp_path: Path) -> N
 def test_a_folder_does_not_hide_the_document_of_its_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A robot's model, or a run's recording, is in a folder that likely has its name."""
+    """Folders of a robot's model or of a run's recording likely have the name of its document."""
     monkeypatch.chdir(tmp_path)
     own, folder = Path("own.yaml"), Path("own")
     own.write_text("cbdsl: 1\nkind: program\nname: own\n", encoding="utf-8")

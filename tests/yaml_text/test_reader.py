@@ -1,4 +1,4 @@
-"""Any file is a document or a located finding, never another exception."""
+"""Arbitrary files: each is a document or a located finding, never another exception."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What unquoted scalars mean: numbers that are read quickly mean what the patterns say."""
+"""Unquoted scalars: the fast path for numbers gives the result of the patterns."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TEXTS = st.text("+-.0123456789eE_:x", max_size=12) | st.decimals(
 
 
 def meaning(text: str) -> object:
-    """The value and its type, or the code of what is refused."""
+    """Return the type and the value, or the code of the error."""
     try:
         value = resolve(text)
     except ScalarError as error:

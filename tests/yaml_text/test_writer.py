@@ -1,4 +1,4 @@
-"""What is written reads back as it was."""
+"""Written documents, which are read back unchanged."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_what_killed_writers_left_can_be_removed(
 ) -> None:
     path, other = tmp_path / "[a].yaml", tmp_path / "[a].yaml.yaml"
     with monkeypatch.context() as patch:
-        # A killed process removes nothing.
+        # A killed process leaves its temporary file.
         patch.setattr(os, "replace", lambda *_: None)
         for file in (path, path, other):
             write_text("half", file)

@@ -1,4 +1,4 @@
-"""What is nearly an entry, a value or a name, and what is one."""
+"""Texts that are almost entries, values or names, and valid ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How values are to be written: whatever is proposed has the shape that the document wants."""
+"""Proposed forms of values: they have the shape that the document requires."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keys on the wrong level are one finding, and are read where they belong."""
+"""Keys on the wrong level, which are one finding and are read at their proper place."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SECTIONS = ("form", "tip", "quiescence", "standoff", "funnel", "limits", "contro
 
 
 def mappings(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    """Paths of all mappings in a value that have a key of their own."""
+    """Yield the paths of all mappings in a value that are entries of another mapping."""
     for step, inner in value.items() if isinstance(value, dict) else enumerate(value):
         if isinstance(inner, dict) and isinstance(value, dict):
             yield (*path, step)
@@ -38,7 +38,7 @@ CASES = [(f, p) for f, data in PLAIN.items() for p in mappings(data) if p[-1] in
 
 
 def without_level(value: Any, path: tuple[Any, ...], *, keep: bool) -> Any:
-    """A value in which what is below the end of a path is beside it, with or without its key."""
+    """Return a value whose mapping at a path is merged into its parent, with or without its key."""
     step, *rest = path
     if rest:
         changed = {step: without_level(value[step], tuple(rest), keep=keep)}
@@ -53,7 +53,7 @@ def without_level(value: Any, path: tuple[Any, ...], *, keep: bool) -> Any:
 
 
 def is_possible(file: Path, path: tuple[Any, ...]) -> bool:
-    """Whether no key would be there twice."""
+    """Return whether the merged keys would be unique."""
     outer = PLAIN[file]
     for step in path[:-1]:
         outer = outer[step]

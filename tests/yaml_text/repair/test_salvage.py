@@ -1,4 +1,4 @@
-"""What is left of a document with a fault: all of the rest, and no findings because of it."""
+"""Salvage of faulty documents: all other parts are checked, without consequential findings."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ FILES = [
 
 
 def paths(value: Any, path: Steps = ()) -> Iterator[Steps]:
-    """Paths of all values below one."""
+    """Yield the paths of all values below a value."""
     for step, inner in value.items() if isinstance(value, dict) else enumerate(value):
         yield (*path, step)
         if isinstance(inner, (dict, list)):
@@ -45,15 +45,15 @@ PLACES = [
     (file, path)
     for file, data in PLAIN.items()
     for path in paths(data)
-    if path[0] not in ("cbdsl", "kind")  # without these nobody knows what is to be checked
+    if path[0] not in ("cbdsl", "kind")  # without these keys the document kind is unknown
 ]
 TEXTS = [place for place in PLACES if isinstance(at(PLAIN[place[0]], place[1]), str)]
-#: Parts of which there are several: one can be faulty, and another be checked.
+#: Sections with several parts: one can be faulty while another is checked.
 SEVERAL = ("controllers", "effectors", "contexts", "things")
 
 
 def found(file: Path, *changes: tuple[Callable[[Any, Steps], None], Steps]) -> list[Diagnostic]:
-    """What is found in a shipped document with changes; JSON is YAML."""
+    """Return the findings of a shipped document after changes, as JSON, which is YAML."""
     data = copy.deepcopy(PLAIN[file])
     for change, path in changes:
         change(at(data, path[:-1]), path)
@@ -63,7 +63,7 @@ def found(file: Path, *changes: tuple[Callable[[Any, Steps], None], Steps]) -> l
 
 
 def spoil(parent: Any, path: Steps) -> None:
-    """Put something there that is of the wrong kind."""
+    """Replace a value by one of the wrong kind."""
     # A controller may be a mapping or a text, but never a list.
     is_mapping = isinstance(parent[path[-1]], dict) or len(path) == 2
     parent[path[-1]] = [[[]]] if is_mapping else {"nonsense": []}
@@ -74,7 +74,7 @@ def misspell(parent: Any, path: Steps) -> None:
 
 
 def rename(parent: Any, path: Steps) -> None:
-    """Misspell a key, in its place."""
+    """Misspell a key in place."""
     items = list(parent.items())
     parent.clear()
     parent.update({key + "q" if key == path[-1] else key: value for key, value in items})

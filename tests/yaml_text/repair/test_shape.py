@@ -1,4 +1,4 @@
-"""What documents want at a place, as their models say it."""
+"""Shapes of documents at a path, derived from their models."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ KINDS = models()
 def _sections(
     model: type[BaseModel], above: tuple[type[BaseModel], ...] = ()
 ) -> Iterator[type[BaseModel]]:
-    """A document's model and all sections below it; trees have sections within themselves."""
+    """Yield a document's model and all sections below it, ending where a section recurs."""
     if model in above:
         return
     yield model

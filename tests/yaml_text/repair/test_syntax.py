@@ -1,4 +1,4 @@
-"""Slips in YAML are named where they are, not where the parser noticed them."""
+"""Mistakes in YAML, reported where they are, not where the parser noticed them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FOLDED = re.compile(r"\s*[a-z]+: >-$")
 
 
 def in_folded(lines: list[str], number: int) -> bool:
-    """Whether a line is part of a folded text, where a colon is one of its characters."""
+    """Return whether a line is part of a folded text, where a colon is an ordinary character."""
     while number and lines[number].startswith("  "):
         number -= 1
         if FOLDED.match(lines[number]):
@@ -44,7 +44,7 @@ WITH_VALUES = [(p, n, end) for p, n, end in KEYS if len(LINES[p][n]) > end + 1]
 
 
 def found(path: Path, number: int, line: str) -> list[Diagnostic]:
-    """What is found in a shipped document with another line."""
+    """Return the findings of a shipped document with one line replaced."""
     lines = [*LINES[path][:number], line, *LINES[path][number + 1 :]]
     library = Library(given={path: "\n".join(lines).encode()})
     return check_document(path, session=Session(library))
@@ -69,7 +69,7 @@ def test_a_missing_space_is_told_on_its_line(key: tuple[Path, int, int]) -> None
 
 
 def slips(text: str) -> list[Diagnostic]:
-    """What is found in a YAML text, whether or not it could be mended."""
+    """Return the findings of a YAML text, with or without a successful repair."""
     try:
         return list(mend(text, "a.yaml").findings)
     except DiagnosticsError as error:
