@@ -1,4 +1,4 @@
-"""Contents of files: whatever is no file, or is too large, is refused before it is read."""
+"""Contents of files: special files and files above the bound are refused before they are read."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_a_file_is_read_whole_up_to_its_bound(tmp_path: Path) -> None:
 def test_what_is_no_file_is_named_by_its_kind(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(tmp_path)  # the name of a socket has to be short
+    monkeypatch.chdir(tmp_path)  # a socket's path has to be short
     with socket.socket(socket.AF_UNIX) as bound:
         bound.bind("socket")
     assert refused(tmp_path / "socket").strerror == "it is a socket"
@@ -59,6 +59,6 @@ def test_a_link_that_leads_nowhere_says_where_to(tmp_path: Path) -> None:
 
 
 def test_a_file_of_unknown_size_is_bounded_as_well() -> None:
-    # The kernel's own files say that they are empty.
+    # Files of the kernel report a size of zero.
     assert contents(Path("/proc/self/status"), 1_000_000)
     assert refused(Path("/proc/self/status"), 10).errno == errno.EFBIG

@@ -1,4 +1,4 @@
-"""The JSON Schemas say what the models say, of the shipped documents and of bad ones."""
+"""JSON Schemas: they agree with the models on the shipped documents and on bad ones."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ BAD = ROOT / "tests" / "checking" / "bad"
 SHIPPED = sorted(p for folder in ("robots", "programs") for p in (ROOT / folder).rglob("*.yaml"))
 SHAPE_CODES = {"CB202", "CB203", "CB204", "CB205", "CB206", "CB207", "CB208"}
 
-#: What relates keys to each other is the checker's to find.
+#: Relations between keys are left to the checker.
 BEYOND_SCHEMAS = {
     "place_twice",
     "place_nowhere",
     "gap_without_hand",
     "field_obstacle_shape",
     "thrown_and_shaken",
-    # To a schema a reference that is text is a text like any other.
+    # A schema treats a reference that is text like any other text.
     "reference_in_parentheses",
     "reference_quoted",
     "reference_without_brackets_below",
@@ -60,7 +60,7 @@ def is_valid(data: Any) -> bool:
 
 
 def readable(path: Path) -> bool:
-    """Whether a file is YAML at all: what is not has no shape."""
+    """Return whether a file is valid YAML; other files have no shape."""
     try:
         plain(path)
     except (DiagnosticsError, UnicodeDecodeError):
@@ -69,7 +69,7 @@ def readable(path: Path) -> bool:
 
 
 def fits(data: Any) -> bool:
-    """Whether some model accepts the data."""
+    """Return whether some model accepts the data."""
     kind = data.get("kind") if isinstance(data, dict) else None
     if kind not in KINDS:
         return False

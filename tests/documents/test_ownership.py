@@ -1,4 +1,4 @@
-"""Documents of this project are told from other YAML by what they declare and where they are."""
+"""Ownership: documents of this project are recognized by their declared keys and their folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a stage document may say of what is on a side of a thing, and of meshes."""
+"""Stage documents: patterns on the sides of objects, and meshes."""
 
 from __future__ import annotations
 
