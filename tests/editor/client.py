@@ -1,4 +1,4 @@
-"""An editor, as far as its language server can tell: the real server over its streams."""
+"""Test client: an editor that runs the real language server over its streams."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ COMMAND = [sys.executable, "-c", "from cbdsl.cli.main import main; main()", "lsp
 
 
 class Client:
-    """An editor with one document.
+    """Editor with one open document.
 
     Attributes:
-        published: the findings that were sent last, by URI.
+        published: Findings received last, by URI.
     """
 
     def __init__(self, folder: Path, encodings: Sequence[str] | None = None) -> None:
@@ -32,17 +32,17 @@ class Client:
         self.tell("initialized", {})
 
     def tell(self, method: str, params: Mapping[str, Any]) -> None:
-        """A notification."""
+        """Send a notification."""
         self._send({"method": method, "params": params})
 
     def ask(self, method: str, params: Mapping[str, Any]) -> Any:
-        """A request that is answered; its answer, once all that came before it has been read."""
+        """Send a request and return its result, after reading all earlier messages."""
         message = self._answer(method, params)
         assert "error" not in message, message["error"]
         return message["result"]
 
     def refused(self, method: str, params: Mapping[str, Any]) -> str:
-        """A request that is refused; what people are told."""
+        """Send a request that is refused, and return the error message."""
         told: str = self._answer(method, params)["error"]["message"]
         return told
 
@@ -71,13 +71,13 @@ class Client:
         self.tell("textDocument/didChange", changes)
 
     def at(self, method: str, path: Path, line: int, character: int) -> Any:
-        """A request about a place."""
+        """Send a request about a place."""
         position = {"line": line, "character": character}
         place = {"textDocument": {"uri": path.as_uri()}, "position": position}
         return self.ask(f"textDocument/{method}", place)
 
     def findings(self, path: Path) -> list[dict[str, Any]]:
-        """The findings of a document, once the server has answered something after its change."""
+        """Return the findings of a document, after the server has answered a later request."""
         self.at("hover", path, 0, 0)
         return self.published[path.as_uri()]
 
@@ -88,11 +88,11 @@ class Client:
         self._process.stdin.flush()
 
     def receive(self) -> dict[str, Any]:
-        """The next message of the server."""
+        """Return the next message of the server."""
         return self._receive()
 
     def close(self) -> int:
-        """End the server as editors do; its exit code."""
+        """End the server as editors do, and return its exit code."""
         self.ask("shutdown", {})
         self.tell("exit", {})
         assert self._process.stdin is not None

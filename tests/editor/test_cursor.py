@@ -1,4 +1,4 @@
-"""Where a cursor stands, in block and flow style, in texts that are not finished."""
+"""Cursor positions in block and flow style, in unfinished texts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Corrections replace the misspelled name, and nothing else."""
+"""Corrections, which replace the misspelled name and nothing else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Messages of an editor: lenient headers, and an answer to bytes without one."""
+"""Messages of an editor: lenient headers, and one answer to bytes without a length."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def message(body: bytes = BODY) -> bytes:
 
 
 def bodies(data: bytes) -> tuple[list[bytes], list[str]]:
-    """Bodies that are read of some bytes, and the answers to those that are not."""
+    """Return the bodies that are read from bytes, and the errors sent for the remaining bytes."""
     answers = io.BytesIO()
     stream, read = MessageStream(io.BytesIO(data), answers), list[bytes]()
     while header := stream.readline():

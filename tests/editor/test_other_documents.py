@@ -1,4 +1,4 @@
-"""Documents of other tools are left alone, and those in no file are served."""
+"""Documents of other tools, which are ignored, and unsaved documents, which are served."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_documents_in_no_file_are_kept_apart_from_each_other_and_from_files(
 
 
 def test_a_robot_that_a_program_named_before_keeps_its_own_findings(tmp_path: Path) -> None:
-    """Found by its name, its path is relative to the folder of the server."""
+    """Robots found by name have a path relative to the folder of the server."""
     robot = (ROOT / "robots" / "dexter.yaml").read_text("utf-8")
     (tmp_path / "robots").mkdir()
     path = tmp_path / "robots" / "twin.yaml"

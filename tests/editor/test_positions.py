@@ -1,4 +1,4 @@
-"""Positions are those of the announced encoding, whichever that is and whatever is on the line."""
+"""Positions in the announced encoding, for any characters on the line."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def units(text: str, encoding: str) -> int:
 
 
 def offset(text: str, position: dict[str, int], encoding: str) -> int:
-    """Place of a position in a text, as an editor finds it."""
+    """Return the offset of a position in a text, as an editor computes it."""
     starts = [0, *(match.end() for match in re.finditer("\r\n|\r|\n", text))]
     start = starts[position["line"]]
     return next(
@@ -43,7 +43,7 @@ def offset(text: str, position: dict[str, int], encoding: str) -> int:
 
 
 def edited(text: str, edits: list[dict[str, Any]], encoding: str) -> str:
-    """A text after changes, as an editor makes them."""
+    """Return a text after changes, as an editor applies them."""
     spans = [
         (*(offset(text, each["range"][end], encoding) for end in ("start", "end")), each["newText"])
         for each in edits
@@ -119,7 +119,7 @@ def _place(text: str, at: int, encoding: str) -> dict[str, int]:
 
 
 def _check_fixes(client: Client, path: Path, findings: Any, encoding: str) -> None:
-    """Every quick fix replaces a misspelled name, and nothing else."""
+    """Check that every quick fix replaces a misspelled name, and nothing else."""
     document = {"uri": path.as_uri()}
     whole = {"start": {"line": 0, "character": 0}, "end": {"line": 99, "character": 0}}
     params = {"textDocument": document, "range": whole, "context": {"diagnostics": []}}
@@ -134,7 +134,7 @@ def _check_fixes(client: Client, path: Path, findings: Any, encoding: str) -> No
 
 
 def _check_names(client: Client, path: Path, encoding: str) -> None:
-    """Behind wide characters a name is explained, found, completed and renamed."""
+    """Check that a name after wide characters is explained, found, completed and renamed."""
     at = PROGRAM.index("track ◁ search", PROGRAM.index("policy:")) + len("track ◁ ")
     place = {"textDocument": {"uri": path.as_uri()}, "position": _place(PROGRAM, at, encoding)}
     assert "search:" in client.ask("textDocument/hover", place)["contents"]["value"]
@@ -166,7 +166,7 @@ def _check_colors(client: Client, path: Path, encoding: str) -> None:
 def test_places_in_other_files_are_in_the_announced_encoding(
     client: Client, tmp_path: Path
 ) -> None:
-    """A robot's place that a finding of a program speaks of has a wide character before it."""
+    """Related places in another file count a preceding wide character in the announced encoding."""
     part = (
         "{cbdsl: 1, kind: program, description: ◁◁, name: part, robot: dexter, stage: absent, "
         "parameters: {goal: head.ahead}, controllers: {turn: {potential: spring, "
@@ -190,7 +190,7 @@ def test_places_in_other_files_are_in_the_announced_encoding(
 
 
 def test_a_definition_elsewhere_has_an_absolute_address(tmp_path: Path) -> None:
-    """Also if the server runs in the folder of the documents."""
+    """Addresses are absolute even if the server runs in the folder of the documents."""
     for folder, name, text in (
         ("programs/stages", "mine", "cbdsl: 1\nkind: stage\nname: mine\nrobot: dexter\n"),
         ("programs", "marks", PROGRAM.replace("absent", "mine")),

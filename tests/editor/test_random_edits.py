@@ -1,4 +1,4 @@
-"""Whatever is typed, cut and pasted, the editor's questions are answered."""
+"""Random edits: the server answers the editor's requests after each of them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ PIECES = [
 
 
 def edited(text: str, rng: random.Random) -> str:
-    """The text with something cut out, copied, or typed into it."""
+    """Return the text with a part cut out, copied, or typed into it."""
     start = rng.randrange(len(text) + 1)
     end = min(len(text), start + rng.choice((0, 0, 1, 1, 5, 80)))
     piece = rng.choice((rng.choice(PIECES), "", text[end : end + rng.randrange(60)]))

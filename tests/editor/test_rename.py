@@ -1,4 +1,4 @@
-"""Renaming: after it all documents are as sound as before, and the old name is gone."""
+"""Renaming: it adds no findings, and the old name is gone."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from cbdsl.editor.cursor import cursor
 from cbdsl.editor.rename import Renaming, renaming
 from tests.conftest import ROOT
 
-#: Learned policies and schemas say of which text they were learned, and that has changed.
+#: Learned policies and schemas record a digest of their program, which renaming changes.
 STALE = {"CB622", "CB634"}
 
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A checkout with all documents."""
+    """Change to a copy of all shipped documents."""
     for name in ("robots", "programs", "knowledge"):
         shutil.copytree(ROOT / name, tmp_path / name)
     monkeypatch.chdir(tmp_path)
@@ -29,7 +29,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def rename(here: Path, file: str, mark: str, new: str) -> Renaming | None:
-    """Rename the name that begins behind a mark, in the files."""
+    """Rename the name after a mark, in all files."""
     buffers, path = Buffers(here), here / file
     text = path.read_text("utf-8")
     place = text.index(mark) + len(mark)
@@ -48,7 +48,7 @@ def rename(here: Path, file: str, mark: str, new: str) -> Renaming | None:
 
 
 def findings(folder: str) -> dict[str, int]:
-    """How often each code is found in a folder's documents."""
+    """Return the number of findings by code in a folder's documents."""
     files = sorted(Path(folder).rglob("*.yaml"))
     codes = [each.code for each in cbdsl.check(*files)]
     return {code: codes.count(code) for code in codes}

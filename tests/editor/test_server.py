@@ -1,4 +1,4 @@
-"""The language server as an editor meets it: over its streams, with texts that are being typed."""
+"""The language server over its streams, with texts that are being typed."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def path(folder: Path, client: Client) -> Path:
 
 
 def place(text: str, mark: str) -> tuple[int, int]:
-    """Line and column behind a mark."""
+    """Return line and column after a mark."""
     before = text[: text.index(mark) + len(mark)]
     return before.count("\n"), len(before) - before.rfind("\n") - 1
 
@@ -130,7 +130,7 @@ def test_a_completion_replaces_all_of_a_name_with_dots(client: Client, path: Pat
 
 
 def test_columns_count_what_editors_count(client: Client, path: Path) -> None:
-    """UTF-16 code units, of which a character beyond the basic plane has two."""
+    """Columns count UTF-16 code units, two for a character beyond the basic plane."""
     text = TEXT.replace("effector: head", 'effector: "\U0001f600head"', 1)
     client.change(path, text)
     (finding,) = client.findings(path)

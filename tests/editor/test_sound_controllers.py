@@ -1,4 +1,4 @@
-"""What an editor's session keeps of controllers changes no finding, and saves looking again."""
+"""Cached controllers of an editor's session: the findings are the same, without repeated checks."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from cbdsl.editor.buffers import Buffers
 from tests.conftest import ROOT
 from tests.editor.test_random_edits import PROGRAMS, edited
 
-#: A change of a valid program, its undoing, and what is found in between.
+#: Replaced texts of valid programs, with their replacements.
 WORDS = {
     "spring": ("springs", "manipulability", "spring"),
     "right_arm": ("left_arm", "right_hand", "$arm"),
     "8 /s": ("8 m", "0 /s", "9 /s"),
     "robot: dexter": ("robot: panda", "robot: dextre", "robot: dexter "),
-    # What other sections of the program say of a controller's names.
+    # Names that other sections of the program use for a controller.
     "  hold: ": ("  holds: ", "  hold : "),
     "models: {": ("models: {other_", "modelled: {"),
     "searchtrack: {program": ("seeks: {program", "searchtrack: {programs"),
@@ -28,7 +28,7 @@ WORDS = {
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
 def test_findings_are_those_of_a_fresh_session(program: Path) -> None:
-    """After each of many changes, valid and not, and after each is taken back."""
+    """Findings agree after each of many changes, valid or not, and after each reversal."""
     path, text, kept = ROOT / "programs" / program.name, program.read_text("utf-8"), Buffers(ROOT)
     rng = random.Random(program.stem)
     changed = [text.replace(old, new) for old, news in WORDS.items() for new in news]

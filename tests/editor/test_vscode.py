@@ -20,7 +20,7 @@ EXTENSION = ROOT / "editors" / "vscode"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the extension with the packages that it is built with."""
+    """Copy the extension, and install the packages of its build."""
     if shutil.which("npm") is None:
         pytest.skip("npm is not installed")
     folder = tmp_path_factory.mktemp("vscode") / "extension"
