@@ -1,4 +1,4 @@
-"""A browser without a window, told what to do over a pipe (the DevTools protocol)."""
+"""Headless browser controlled over a pipe (the DevTools protocol)."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _PATIENCE = 20.0
 
 
 class Page:
-    """A page that is open, with everything that went wrong in it and all it asked for."""
+    """Open page, with all its errors and all URLs that it requested."""
 
     def __init__(self, write: int, read: int) -> None:
         self._write, self._read = write, read
         self._rest = b""
         self._number = 0
         self._session: str | None = None
-        #: A script that runs before the page's own.
+        #: Script that runs before the page's own.
         self.before = ""
         self.errors: list[str] = []
         self.requests: list[str] = []
@@ -47,11 +47,11 @@ class Page:
         height: int = 1500,
         ready: str = "document.getElementById('clock')?.textContent",
     ) -> None:
-        """Show a file, and wait until it has unpacked itself, which makes ``ready`` true."""
+        """Show a file, and wait until ``ready`` is true, which it is once the page is unpacked."""
         self.visit(f"{file.resolve().as_uri()}{hash_}", width, height, ready)
 
     def visit(self, url: str, width: int, height: int, ready: str) -> None:
-        """Show what is at an address, in a page of its own, and wait until ``ready`` is true."""
+        """Open an address in a new page, and wait until ``ready`` is true."""
         self._session = None
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         session = self.send("Target.attachToTarget", targetId=target, flatten=True)
@@ -64,26 +64,26 @@ class Page:
         self.wait(ready)
 
     def size(self, width: int, height: int) -> None:
-        """Make the page as large as this."""
+        """Set the size of the page, px."""
         self.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
                   deviceScaleFactor=1, mobile=False)  # fmt: skip
 
     def wait(self, condition: str) -> None:
-        """Until an expression is true."""
+        """Wait until an expression is true."""
         end = time.monotonic() + _PATIENCE
         while not self.value(condition):
             assert time.monotonic() < end, f"{condition}; {self.errors}"
             time.sleep(0.05)
 
     def value(self, expression: str) -> Any:
-        """What an expression comes to in the page."""
+        """Return the value of an expression in the page."""
         answer = self.send(
             "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
         )
         return answer["result"].get("value")
 
     def text(self, element: str) -> str:
-        """What an element says."""
+        """Return the text of an element."""
         return str(self.value(f"document.getElementById('{element}').textContent"))
 
     def press(self, key: str) -> None:
@@ -93,7 +93,7 @@ class Page:
         self.send("Input.dispatchKeyEvent", type="keyUp", key=key)
 
     def click(self, selector: str, across: float = 0.5) -> None:
-        """Click on the first such element, somewhere from its left to its right side."""
+        """Click on the first matching element, at a fraction of its width."""
         place = self.value(
             f"(() => {{ const e = document.querySelector('{selector}');"
             "e.scrollIntoView({block: 'center'}); const r = e.getBoundingClientRect();"
@@ -109,11 +109,11 @@ class Page:
         self.send("Emulation.setEmulatedMedia", features=[feature])
 
     def picture(self) -> bytes:
-        """What is to be seen, as PNG."""
+        """Return a screenshot as PNG."""
         return base64.b64decode(self.send("Page.captureScreenshot", format="png")["data"])
 
     def send(self, method: str, **parameters: Any) -> Any:
-        """Ask for something and wait for the answer; what else happens is noted."""
+        """Send a command and return its answer, noting other events meanwhile."""
         self._number += 1
         message = {"id": self._number, "method": method, "params": parameters}
         if self._session is not None:
@@ -149,7 +149,7 @@ class Page:
 
 @contextmanager
 def browser() -> Iterator[Page]:
-    """A browser that is gone afterwards."""
+    """Run a browser, and end it at exit."""
     assert CHROMIUM is not None
     (read_in, write_in), (read_out, write_out) = os.pipe(), os.pipe()
 

@@ -22,7 +22,7 @@ Record = Callable[..., Path]
 
 
 class Shown:
-    """The ball on the table, for recordings."""
+    """Scene of recordings: the ball on the table."""
 
     def names(self) -> tuple[str, ...]:
         return ("ball",)
@@ -49,7 +49,7 @@ def record(
     urdf: Path,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Record:
-    """Plays and records a program; the recording's JSON file."""
+    """Return a function that plays and records a program, and returns the recording's JSON file."""
 
     def run(name: str = "reachtouch", **more: object) -> Path:
         program = checked(name)
@@ -68,7 +68,7 @@ def record(
 
 @pytest.fixture(scope="session")
 def kept(record: Record) -> Path:
-    """A recorded reachtouch, which is rewarded."""
+    """Record a rewarded reachtouch."""
     return record()
 
 

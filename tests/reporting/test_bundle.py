@@ -1,4 +1,4 @@
-"""Bundles come apart into what was put in, by the rules that the page's script follows."""
+"""Bundles: unpacking by the rules of the page's script restores the packed content."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_everything_comes_back(arrays: list[np.ndarray], text: str) -> None:
     for array, where in zip(arrays, told["arrays"], strict=True):
         kind = np.dtype(KINDS[where["array"]])
         start = 4 + size + where["at"]
-        assert start % kind.itemsize == 0  # else JavaScript refuses
+        assert start % kind.itemsize == 0  # otherwise JavaScript refuses the offset
         found = np.frombuffer(plain, kind, array.size, start).reshape(where["shape"])
         assert found.tobytes() == np.ascontiguousarray(array).tobytes()
 

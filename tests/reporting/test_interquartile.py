@@ -57,7 +57,7 @@ def test_bands_lie_between_the_extremes_and_are_repeatable(values: np.ndarray, c
 
 def test_intervals_hold_the_true_mean_about_as_often_as_they_say() -> None:
     rng = np.random.default_rng(0)
-    # 200 means of 20 trials each: a bootstrap interval is a little short where trials are few.
+    # 200 means of 20 trials each: bootstrap intervals are slightly too narrow with few trials.
     found = band(rng.normal(5, 1, (20, 200)), mean)
     held = ((found.lower < 5) & (found.upper > 5)).mean()
     assert 0.88 < held <= 0.99

@@ -1,4 +1,4 @@
-"""Densities as functions: those that references are drawn from."""
+"""Densities as functions: the densities that references are drawn from."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def landscape(density: Gaussian | Kernel) -> Landscape:
 
 
 def mean_over(values: np.ndarray) -> np.ndarray:
-    """The mean along the last axis, by the trapezoidal rule."""
+    """Return the mean along the last axis, by the trapezoidal rule."""
     return (values[..., 1:] + values[..., :-1]).mean(axis=-1) / 2
 
 

@@ -1,4 +1,4 @@
-"""What was learned is read as it was written, or a sentence says why not."""
+"""Learned documents: read as written, or refused with a reason."""
 
 from __future__ import annotations
 

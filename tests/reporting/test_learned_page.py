@@ -1,4 +1,4 @@
-"""The page of what was learned: all of it, nothing outside of it, the same for the same files."""
+"""Page of learned policies: complete, self-contained and reproducible."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of what was learned in a real browser: it renders, obeys keys, and loads nothing.
+"""Page of learned policies in a real browser: it renders, obeys keys, and loads nothing.
 
 Needs Chromium, which is no dependency: without it these tests are skipped.
 """
@@ -28,7 +28,7 @@ DARK = "rgb(21, 24, 28)"
 
 @pytest.fixture(scope="module")
 def learned(tmp_path_factory: pytest.TempPathFactory) -> list[Learned]:
-    """Two trial_groups: three trials of one, one of the other."""
+    """Write two trial groups: three trials of one, one of the other."""
     folder = tmp_path_factory.mktemp("knowledge")
     files = [write_trial(folder, f"walked_{seed}", seed) for seed in range(3)]
     files.append(write_trial(folder, "other", alpha=0.5))
@@ -51,7 +51,7 @@ def shown(file: Path) -> Iterator[Page]:
 
 @pytest.fixture(autouse=True)
 def sound(shown: Page) -> Iterator[None]:
-    """Nothing has gone wrong, and nothing was asked for, after each test."""
+    """Check after each test that the page has no errors and requested nothing."""
     yield
     assert shown.errors == []
     assert shown.text("problem") == ""
@@ -59,7 +59,7 @@ def sound(shown: Page) -> Iterator[None]:
 
 
 def legend(shown: Page) -> dict[str, str]:
-    """What the first chart's legend says, of what it shows."""
+    """Return the visible legend of the first chart, by label."""
     rows = shown.value(
         "[...document.querySelector('.chart').querySelectorAll('.u-series')]"
         ".filter((row) => row.offsetParent)"
@@ -71,7 +71,7 @@ def legend(shown: Page) -> dict[str, str]:
 def test_curves_of_all_groups_are_drawn(shown: Page, learned: list[Learned]) -> None:
     shown.wait("document.querySelector('.u-value').textContent === '20'")
     assert list(legend(shown)) == ["episode", "walked", "other"]
-    # An interval where there are several trials, none where there is one.
+    # Several trials have an interval, a single one has none.
     assert "[" in legend(shown)["walked"] and "[" not in legend(shown)["other"]
     shown.value("scrollTo(0, 0)")
     picture = cv2.imdecode(np.frombuffer(shown.picture(), np.uint8), cv2.IMREAD_COLOR)
@@ -127,7 +127,7 @@ def test_episodes_are_listed_when_they_are_looked_at(shown: Page, learned: list[
 
 def test_text_can_be_read_in_light_and_in_dark(shown: Page) -> None:
     def contrast() -> float:
-        """The least of texts of diagram, densities and tables against the page."""
+        """Return the lowest contrast of texts in drawings and tables against the page."""
         colors = shown.value(
             "[...document.querySelectorAll('.policy text, .density text, td, th, figcaption')]"
             ".map((e) => getComputedStyle(e)[e.tagName === 'text' ? 'fill' : 'color'])"
@@ -142,7 +142,7 @@ def test_text_can_be_read_in_light_and_in_dark(shown: Page) -> None:
 
 
 def ratio(one: str, other: str) -> float:
-    """The contrast of two colours (WCAG 2)."""
+    """Return the contrast of two colours (WCAG 2)."""
 
     def luminance(color: str) -> float:
         parts = [int(part) / 255 for part in color.strip("rgb()").split(", ")]

@@ -30,7 +30,7 @@ SEED = 3_700_000
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
-    """An episode of a head and an arm, with images put in."""
+    """Record an episode of a head and an arm, and add images."""
     folder = tmp_path_factory.mktemp("tapes")
     with pytest.MonkeyPatch.context() as patch:
         words = ("run", "reachtouch", "--backend", "kinematic", "--seed", str(SEED))
@@ -51,7 +51,7 @@ def file(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def read(file: Path) -> Messages:
-    """Messages by topic; each is of its schema, and stamped in order."""
+    """Return messages by topic, checked against their schemas, with their time stamps."""
     by_topic: Messages = defaultdict(list)
     with file.open("rb") as stream:
         for schema, channel, message in make_reader(stream).iter_messages():
@@ -91,7 +91,7 @@ def test_images_are_those_that_were_recorded(file: Path, recorded: Recorded) -> 
 
 
 def test_frames_are_where_another_library_has_them(file: Path, recorded: Recorded) -> None:
-    """The chain of transforms of each link at the end, against Pinocchio's."""
+    """Transforms of each link at the end agree with Pinocchio's."""
     _, content = read(file)["/tf"][-1]
     above = {each["child_frame_id"]: each for each in content["transforms"]}
     model = pinocchio.buildModelFromUrdf(str(ROOT / "robots" / "dexter.urdf"))

@@ -1,4 +1,4 @@
-"""Meshes: found by every way of naming them, small, and still of the same shape."""
+"""Meshes: found by every kind of name, reduced in size, with the same shape."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cbdsl.robot.simplified_mesh import simplified
 
 
 def from_soup(triangles: np.ndarray) -> Mesh:
-    """A mesh of separate triangles, shape (triangles, 3, 3)."""
+    """Return a mesh of separate triangles, shape (triangles, 3, 3)."""
     return Mesh(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
 
 

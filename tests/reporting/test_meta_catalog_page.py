@@ -24,7 +24,7 @@ def page() -> str:
 
 
 def plans_of(page: str) -> list[dict[str, Any]]:
-    """What the page's script is given."""
+    """Return the data of the page's script."""
     text = re.search(r'id="data">([^<]*)<', page)
     assert text is not None
     plain = zlib.decompress(base64.b64decode(text[1]))
@@ -64,7 +64,7 @@ def test_without_pairs_there_is_nothing_to_plan() -> None:
 
 
 def test_a_thing_in_another_one_is_no_part_of_a_stack() -> None:
-    """Two things may have been brought together in two ways."""
+    """Pairs may have been brought together in two ways, on and in."""
     things = {"tray": {"feature": "blue"}, "box": {"feature": "red"}, "ball": {"feature": "green"}}
     known = {"program": "stand", "tried": 3, "rewarded": 3}
     pairs = {

@@ -1,4 +1,4 @@
-"""The page of a meta-catalog in a real browser: it plans stacks of what is there.
+"""Page of a meta-catalog in a real browser: it plans stacks of the available objects.
 
 Needs Chromium, which is no dependency: without it these tests are skipped.
 """

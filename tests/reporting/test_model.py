@@ -1,4 +1,4 @@
-"""Links are where the robot's kinematics have them, for every robot file; meshes are found."""
+"""Links: at the poses of the robot's kinematics, for every robot file; meshes are found."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ ROBOTS = [
 
 
 def told(robot: RobotDocument, urdf: Path) -> dict[str, object]:
-    """A robot as recordings have it."""
+    """Return a robot as recordings store it."""
     couplings = {name: [each.follows, each.ratio] for name, each in robot.couplings.items()}
     text = urdf.read_text("utf-8")
     return {"urdf": text, "folder": str(urdf.parent), "couplings": couplings}
 
 
 def placed(links: list[DrawnLink], angles: np.ndarray) -> dict[str, np.ndarray]:
-    """The links' frames in the world, shape (4, 4) each, as the page's script moves them."""
+    """Return the links' world frames, shape (4, 4) each, as the page's script moves them."""
     frames: list[np.ndarray] = []
     for link in links:
         frame = np.eye(4) if link.parent < 0 else frames[link.parent]
@@ -108,14 +108,14 @@ def test_a_model_that_shows_nothing_is_a_skeleton_from_joint_to_joint(robot: Rob
     for joint in joints:
         own = shapes[joint.parent]
         assert any(s.shape == "ball" and s.position == joint.origin.xyz for s in own)
-        if joint.length and joint.kind != "prismatic":  # whose rod is as long as it slides
+        if joint.length and joint.kind != "prismatic":  # whose rod is as long as its travel
             ends = [end for s in own if s.shape == "cylinder" for end in ends_of(s)]
             assert any(np.allclose(end, joint.origin.xyz) for end in ends)
             assert any(np.allclose(end, 0.0) for end in ends)
 
 
 def ends_of(rod: LinkShape) -> list[np.ndarray]:
-    """Both ends of a cylinder's axis, m."""
+    """Return both ends of a cylinder's axis, m."""
     x, y, z, w = rod.quaternion
     axis = np.array([2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)])
     return [np.array(rod.position) + sign * rod.size[1] / 2 * axis for sign in (-1, 1)]

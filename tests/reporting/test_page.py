@@ -1,4 +1,4 @@
-"""The page: everything in it, nothing outside of it, and the same for the same recording."""
+"""The page: complete, self-contained, and the same for the same recording."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ VENDOR = files("cbdsl.reporting") / "assets" / "vendor"
 
 
 class Loads(HTMLParser):
-    """Collects whatever an element would load."""
+    """Parser that collects all addresses that elements would load."""
 
     def __init__(self) -> None:
         super().__init__()

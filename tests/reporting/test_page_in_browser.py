@@ -1,4 +1,4 @@
-"""The page in a real browser: it renders, plays, obeys the keyboard, and loads nothing.
+"""Page in a real browser: it renders, plays, obeys the keyboard, and loads nothing.
 
 Needs Chromium, which is no dependency: without it these tests are skipped.
 """
@@ -40,7 +40,7 @@ def file(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def shown(file: Path) -> Iterator[Page]:
-    """The page of a rewarded reachtouch."""
+    """Open the page of a rewarded reachtouch."""
     with browser() as opened:
         opened.open(file, "#t=1")
         yield opened
@@ -48,7 +48,7 @@ def shown(file: Path) -> Iterator[Page]:
 
 @pytest.fixture(autouse=True)
 def sound(shown: Page) -> Iterator[None]:
-    """Nothing has gone wrong, and nothing was asked for, after each test."""
+    """Check after each test that the page has no errors and requested nothing."""
     go_to(shown, 1.0)
     yield
     assert shown.errors == []
@@ -65,7 +65,7 @@ def go_to(shown: Page, time: float) -> None:
 
 
 def pixels(shown: Page, element: str) -> np.ndarray:
-    """What is to be seen of an element."""
+    """Return the visible pixels of an element."""
     box = shown.value(
         f"(() => {{ scrollTo(0, 0); const r = document.querySelector('{element}')"
         ".getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]; })()"

@@ -1,4 +1,4 @@
-"""Why an episode stopped: each reason is told where it is one, and nowhere else."""
+"""Reasons for the end of an episode: each is reported only where it applies."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TICKS = 60
 
 
 def made(**changes: Any) -> Recorded:
-    """An episode of a second in which ``above`` and ``below`` achieve all they want."""
+    """Return an episode of a second in which ``above`` and ``below`` get their full velocity."""
     triple = {"feedback": "arm.position", "reference": "", "potential": "spring"}
     summary = {
         "controllers": ["above", "below"],
@@ -48,7 +48,7 @@ def made(**changes: Any) -> Recorded:
 
 
 def late(value: float, column: int = 1, usual: float = 1.0) -> np.ndarray:
-    """``usual`` for both levels, but ``value`` for one of them in the last 0.6 s."""
+    """Return ``usual`` for both levels, and ``value`` for one of them in the last 0.6 s."""
     array = np.full((TICKS, 2), usual)
     array[24:, column] = value
     return array

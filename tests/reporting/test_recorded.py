@@ -1,4 +1,4 @@
-"""What is no recording, an old one or half of one is told in one sentence."""
+"""Invalid, old and incomplete recordings, which are refused with one sentence."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from cbdsl.reporting.recorded import find_recordings, read_recording
 
 
 def rewrite(file: Path, change: Callable[[dict[str, Any]], object]) -> None:
-    """Change what the JSON file holds."""
+    """Change the content of the JSON file."""
     summary = json.loads(file.read_text("utf-8"))
     change(summary)
     file.write_text(json.dumps(summary), encoding="utf-8")
 
 
 def without(file: Path, *keys: str, ticks: int | None = None) -> None:
-    """Leave arrays out of the NPZ file, or ticks of all."""
+    """Remove arrays from the NPZ file, or the last ticks of all arrays."""
     with np.load(file) as loaded:
         arrays = {key: loaded[key][:ticks] for key in loaded if key not in keys}
     np.savez_compressed(file, **arrays)
@@ -38,14 +38,14 @@ def changed(file: Path, **changes: Callable[[Any], Any]) -> None:
 
 
 def spoil_bytes(file: Path) -> None:
-    """Change bytes in the middle of what is compressed."""
+    """Overwrite bytes in the middle of the compressed data."""
     data = bytearray(file.read_bytes())
     data[60:160] = bytes(100)
     file.write_bytes(data)
 
 
 def with_mesh(corners: list[Any], triangles: list[Any]) -> Callable[[dict[str, Any]], None]:
-    """Give the scene a thing of this mesh."""
+    """Return a function that adds an object with this mesh to the scene."""
 
     def add(summary: dict[str, Any]) -> None:
         mesh = {"corners": corners, "triangles": triangles}

@@ -1,4 +1,4 @@
-"""Files as ``cb learn`` leaves them, of trials that walked at random."""
+"""Files as ``cb learn`` writes them, of trials with random walks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LONGEST = 12
 def write_trial(
     folder: Path, name: str, seed: int = 0, episodes: int = 20, alpha: float = 0.1
 ) -> Path:
-    """A trial's policy, two models and its journal; the policy's file."""
+    """Write a trial's policy, two models and its journal, and return the policy's file."""
     rng = np.random.default_rng(seed)
     walks = [_walk(rng) for _ in range(episodes)]
     rows = [_row(walk, seed + place) for place, walk in enumerate(walks)]

@@ -1,4 +1,4 @@
-"""Policies of random walks, for tests of whatever draws them."""
+"""Policies of random walks, for tests of drawings."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Walk = list[tuple[str, str]]
 
 
 def learned(walks: list[Walk], start: str = "XX") -> PolicyDocument:
-    """The policy of a learner that went these ways: actions and what followed, by episode."""
+    """Return the policy learned from walks: actions and next states, by episode."""
     counts: dict[str, dict[str, Counter[str]]] = defaultdict(lambda: defaultdict(Counter))
     for walk in walks:
         state = start
@@ -46,7 +46,7 @@ def learned(walks: list[Walk], start: str = "XX") -> PolicyDocument:
     )
 
 
-# No episode comes back to where it began: all predicates are X only before anything acted.
+# No walk returns to its start state: all predicates are X only before the first action.
 _STATES = st.text("X01-", min_size=2, max_size=2).filter(lambda state: state != "XX")
 WALKS = st.lists(
     st.lists(st.tuples(st.sampled_from(ACTIONS), _STATES), min_size=1, max_size=12),

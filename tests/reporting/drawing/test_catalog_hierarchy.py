@@ -1,4 +1,4 @@
-"""Hierarchies of catalogs: what joins others stands above them."""
+"""Hierarchies of catalogs: each composite stands above its parts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NODES = {
 
 
 def heights() -> dict[str, float]:
-    """How far from the top each name stands, px."""
+    """Return the vertical position of each name, px from the top."""
     found: dict[str, float] = {}
     for group in ElementTree.fromstring(catalog_hierarchy(NODES)):
         moved = re.match(r"translate\(\S+ (\S+)\)", group.get("transform", ""))

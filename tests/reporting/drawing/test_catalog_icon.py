@@ -1,4 +1,4 @@
-"""Icons of catalogs: a layer for each affordance, the surest next to the object."""
+"""Icons of catalogs: one layer per affordance, the most certain next to the object."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Layouts: nodes in rows, apart; arcs from rim to rim, around what is between."""
+"""Layouts: separated nodes in rows, and arcs from rim to rim around nodes in between."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ TRANSITIONS = st.builds(
 
 
 def read(drawing: str) -> str:
-    """A drawing's labels as a reader sees them."""
+    """Return a drawing's labels as a reader sees them."""
     return unescape(re.sub(r"#(\d+);", lambda match: chr(int(match[1])), drawing))
 
 

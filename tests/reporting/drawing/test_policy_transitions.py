@@ -1,4 +1,4 @@
-"""Policies as graphs: what the counts say, and which arcs are drawn."""
+"""Policies as graphs: numbers derived from the counts, and the arcs that are drawn."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_where_episodes_began_and_ended_follows_from_the_counts(walks: list[Walk
         ends = sum(walk[-1][1] == state for walk in walks)
         goes_on = came.count(state) - ends
         assert each.met == came.count(state) + each.started
-        # What ended in a state and what went on from it is told apart by the difference alone.
+        # Ends and continuations are distinguished only by the difference of the counts.
         assert each.ended == ends and each.met - ends == goes_on + each.started
 
 

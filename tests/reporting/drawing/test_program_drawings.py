@@ -29,7 +29,7 @@ def within(program: CheckedProgram) -> list[CheckedProgram]:
 
 
 def read(drawing: str) -> str:
-    """A drawing's labels as a reader sees them."""
+    """Return a drawing's labels as a reader sees them."""
     codes = re.sub(r"#(\d+);", lambda match: chr(int(match[1])), drawing)
     codes = re.sub(r"</FONT></TD><TD[^>]*><FONT[^>]*>", " ", codes)
     return codes.replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&")
@@ -53,7 +53,7 @@ def test_the_end_is_drawn_where_states_have_no_action(notation: Callable[[Graph]
 
 
 def hostile() -> Graph:
-    """Names that no document can hold: they stay text."""
+    """Return a graph with names that no document can hold; they stay text."""
     label = (TextLine('a"<b>&\\'), TextLine("`*_-"))
     nodes = (
         Vertex("a", Outline.SELECTOR, (TextLine("<m>"),)),

@@ -29,7 +29,7 @@ TYPES = {"float32": pa.float32(), "int64": pa.int64(), "bool": pa.bool_(), "stri
 
 @pytest.fixture(scope="module")
 def folder(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A dataset of two episodes, the second one shorter."""
+    """Write a dataset of two episodes, the second one shorter."""
     target = tmp_path_factory.mktemp("kept") / "dataset"
     half = shortened(recorded, len(recorded.arrays["time"]) // 2)
     write_dataset([recorded, half], target, rate=RATE)
@@ -37,7 +37,7 @@ def folder(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 
 def shortened(recorded: Recorded, ticks: int) -> Recorded:
-    """The first ticks of an episode, which is not rewarded."""
+    """Return the first ticks of an episode, without reward."""
     end = recorded.arrays["time"][ticks - 1]
     shown = recorded.arrays["image_time"] <= end
     arrays = {
@@ -57,7 +57,7 @@ def info_of(folder: Path) -> Row:
 
 
 def table_of(folder: Path) -> pa.Table:
-    """All frames; the files are where ``data_path`` has them."""
+    """Return all frames, read from the file that ``data_path`` names."""
     path = info_of(folder)["data_path"].format(chunk_index=0, file_index=0)
     return pq.read_table(folder / path)
 

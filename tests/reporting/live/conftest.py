@@ -21,7 +21,7 @@ Watched = Callable[..., EpisodeResult]
 
 @pytest.fixture(scope="session")
 def watched(checked: Checked, dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> Watched:
-    """Plays a program while a view watches; ``each`` is told the ticks, too."""
+    """Return a function that plays a program for a view, and calls ``each`` every tick."""
 
     def run(
         view: LiveView,

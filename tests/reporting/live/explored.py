@@ -1,4 +1,4 @@
-"""Explorations whose outcomes are told, not acted."""
+"""Explorations with scripted outcomes."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ PLACE = (FeatureForm("place", "m", 3),)
 
 
 def exploration() -> CatalogExploration:
-    """An exploration of two actions before the first of them."""
+    """Return an exploration of two actions before its first action."""
     return CatalogExploration({"reach": PLACE, "lift": PLACE}, CatalogConstants())
 
 
 def reached(x: float) -> ActionOutcome:
-    """A rewarded reach at a place, which is seen there afterwards."""
+    """Return a rewarded reach at a place, where the object is seen afterwards."""
     place = {"place": (x, 0.2, -0.3)}
     return ActionOutcome("reach", rewarded=True, features=place, ahead={"reach": place})
 
 
 def missed(x: float) -> ActionOutcome:
-    """A reach at a place without reward, after which a thing is seen there."""
+    """Return an unrewarded reach at a place, where the object is seen afterwards."""
     place = {"place": (x, 0.2, -0.3)}
     return ActionOutcome("reach", features=place, ahead={"reach": place})
 
 
 def nothing() -> ActionOutcome:
-    """A pause, after which nothing is in sight."""
+    """Return a pause, after which no object is in sight."""
     return ActionOutcome(NOOP)

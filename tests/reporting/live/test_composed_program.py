@@ -1,4 +1,4 @@
-"""Programs composed by hand: documents that the checker accepts, and that say what was composed."""
+"""Programs composed by hand: valid documents that contain the composition."""
 
 from __future__ import annotations
 

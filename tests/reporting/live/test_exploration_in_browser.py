@@ -1,4 +1,4 @@
-"""The live page of an exploration in a real browser: its catalog grows as it is told.
+"""Live page of an exploration in a real browser: its catalog grows with each action.
 
 Needs Chromium, which is no dependency: without it these tests are skipped.
 """

@@ -1,4 +1,4 @@
-"""The live view of an exploration: what is known of the object, at every page, in every episode."""
+"""Live view of an exploration: each page gets the whole catalog, in every episode."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def view(feed: Feed) -> ExplorationView:
 
 
 def catalog(cursor: PageCursor) -> Any:
-    """The newest catalog that a page is told."""
+    """Return the newest catalog that a page receives."""
     return [content for kind, content in contents(cursor) if kind == "catalog"][-1]
 
 

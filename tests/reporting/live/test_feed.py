@@ -1,4 +1,4 @@
-"""The feed: what has to arrive does, in order; of the rest only the newest is sent."""
+"""The feed: required messages arrive in order; of the others only the newest is sent."""
 
 from __future__ import annotations
 

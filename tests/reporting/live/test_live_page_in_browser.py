@@ -1,4 +1,4 @@
-"""The live page in a real browser: it follows a run, pauses it, and asks nobody else.
+"""Live page in a real browser: it follows a run, pauses it, and contacts no other server.
 
 Needs Chromium, which is no dependency: without it these tests are skipped.
 """
@@ -41,7 +41,7 @@ READY = "document.body.dataset.time"
 
 
 class Run:
-    """A run in a thread of its own, which begins in a pause, and its server."""
+    """Run in a separate thread that starts paused, with its server."""
 
     def __init__(self, watched: Watched, robot: RobotDocument, urdf: Path) -> None:
         self.feed, self.transport = Feed(), Transport(math.inf)
@@ -64,7 +64,7 @@ class Run:
         self._thread.start()
 
     def step(self, ticks: int, shown: Page) -> None:
-        """Let ticks pass, and the page show the last of them: from then on nothing in it moves."""
+        """Advance by ticks, and wait until the page shows the last one and rests."""
         last = self.transport.ask(self._time) + ticks * self.period
         self.transport.step(ticks)
         shown.wait(f"{NOW} > {last - self.period / 2}")
@@ -164,7 +164,7 @@ def test_a_stack_is_composed_a_target_dragged_and_both_saved(run: Run, shown: Pa
         mouse(shown, "mouseMoved", left - 10 * step, top - 12 * step)
     mouse(shown, "mouseReleased", left - 50, top - 60)
     shown.wait("document.getElementById('held').textContent.includes('approach')")
-    # The last of what the mouse did may still be on its way.
+    # The last mouse events may still be on their way.
     before = None
     while before != (target := tuple(run.composer.targets["approach"])):
         before = target
@@ -180,7 +180,7 @@ def test_a_stack_is_composed_a_target_dragged_and_both_saved(run: Run, shown: Pa
 
 
 def button(name: str) -> str:
-    """The line of a controller in the composed stack, as an expression."""
+    """Return an expression for the line of a controller in the composed stack."""
     return (
         "[...document.querySelectorAll('#composed li')]"
         f".find(e => e.firstChild.textContent === '{name}')"

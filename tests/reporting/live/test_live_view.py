@@ -1,4 +1,4 @@
-"""The live view: tells what happens as it happens, and nothing while nobody looks."""
+"""The live view: it sends events immediately, and creates no messages without a page."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.reporting.live.conftest import Watched
 
 
 def contents(cursor: PageCursor) -> list[tuple[str, Any]]:
-    """New messages, as a page reads them."""
+    """Return new messages, as a page reads them."""
     events = [each.event.decode() for each in cursor.take(0.0)]
     return [(e.split("\n")[0][7:], json.loads(e.split("data: ", 1)[1])) for e in events]
 

@@ -1,4 +1,4 @@
-"""Requests that change a program while it runs: done between ticks, or refused in words."""
+"""Requests that change a running program: carried out between ticks, or refused with a reason."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def save(name: str, changes: Changes) -> ComposedProgram:
 
 
 class Paused:
-    """A run that waits in its first tick, in a thread of its own."""
+    """Run that waits in its first tick, in a separate thread."""
 
     def __init__(self, watched: Watched) -> None:
         self.transport, self.composer = Transport(math.inf), Composer()

@@ -1,4 +1,4 @@
-"""The server: for this machine and its own page alone; no client holds anybody up."""
+"""The server: it serves this machine and its own page alone, and no client blocks it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LONG = 20.0
 
 
 class Served:
-    """A server with all that belongs to it."""
+    """Server with its feed and transport."""
 
     def __init__(self) -> None:
         self.feed, self.transport = Feed(most=3), Transport()
@@ -61,7 +61,7 @@ def served() -> Iterator[Served]:
 
 
 def events(answer: HTTPResponse) -> Iterator[tuple[str, Any]]:
-    """Events of a stream as they come."""
+    """Yield events of a stream as they arrive."""
     kind = ""
     while line := answer.readline().decode().rstrip("\n"):
         if line.startswith("event: "):
@@ -200,7 +200,7 @@ def test_a_client_that_takes_nothing_holds_nobody_up(served: Served) -> None:
         if numbers and numbers[-1] == 299:
             break
     assert numbers == sorted(set(numbers))
-    assert slowest < 1.0  # a socket that is full would have held it for ten
+    assert slowest < 1.0  # a full socket would have blocked it for ten
     idle.close()
 
 
@@ -209,7 +209,7 @@ def test_closing_tells_pages_and_gives_the_port_back() -> None:
     served.feed.begin(message("episode", {}))
     stream = events(served.ask("GET", "/events"))
     next(stream)
-    idle = socket.create_connection(("127.0.0.1", served.port))  # asks for nothing, ever
+    idle = socket.create_connection(("127.0.0.1", served.port))  # never sends a request
     began = time.monotonic()
     served.server.close()
     assert time.monotonic() - began < 5.0

@@ -1,4 +1,4 @@
-"""The transport: real time, pauses, single ticks, and what is asked for between ticks."""
+"""The transport: real time, pauses, single ticks, and requests between ticks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LONG = 20.0
 
 
 class World:
-    """Ticks of 50 ms, each of which is held."""
+    """Loop of 50 ms ticks that the transport holds."""
 
     def __init__(self, transport: Transport) -> None:
         self.ticks = self.shown = 0

@@ -59,7 +59,7 @@ def messages(file: Path) -> Messages:
 
 
 def read(file: Path) -> Messages:
-    """Messages by topic, as rosbags reads them by the definitions in the file alone."""
+    """Return messages by topic, which rosbags reads by the definitions in the file alone."""
     by_topic: Messages = defaultdict(list)
     with AnyReader([file]) as reader:
         for connection, time, data in reader.messages():
@@ -69,7 +69,7 @@ def read(file: Path) -> Messages:
 
 
 def plain(message: Any) -> Any:
-    """Fields of a message of either library as lists, dictionaries and numbers."""
+    """Return fields of a message of either library as lists, dictionaries and numbers."""
     if dataclasses.is_dataclass(message):
         names = [f.name for f in dataclasses.fields(message) if not f.name.isupper()]
         return {name: plain(getattr(message, name)) for name in names if name != "__msgtype__"}
@@ -97,7 +97,7 @@ def test_foxglove_decodes_every_message_as_rosbags_does(messages: Messages, file
     assert decoded.keys() == messages.keys()
     for topic, stamped in messages.items():
         assert [time for time, _ in decoded[topic]] == [time for time, _ in stamped]
-        # Of the long topics the first, the last and one between.
+        # For long topics: the first message, the last and one between.
         for index in {0, len(stamped) // 2, len(stamped) - 1}:
             assert plain(decoded[topic][index][1]) == plain(stamped[index][1]), topic
 
@@ -136,7 +136,7 @@ def test_images_and_intrinsics_agree_with_the_camera(
 
 
 def poses(messages: Messages, index: int) -> dict[str, pinocchio.SE3]:
-    """Poses in the world of all frames at a tick."""
+    """Return the world poses of all frames at a tick."""
     (_, fixed), (_, moving) = messages["/tf_static"][0], messages["/tf"][index]
     above = {each.child_frame_id: each for each in [*fixed.transforms, *moving.transforms]}
 
@@ -237,7 +237,7 @@ def test_markers_hang_on_frames_of_objects(messages: Messages, recorded: Recorde
 def test_recording_without_cameras_cells_and_velocities_is_exported(
     recorded: Recorded, tmp_path: Path
 ) -> None:
-    """Recordings of earlier versions lack them."""
+    """Recordings of earlier versions lack cameras, load cells and velocities."""
     summary = json.loads(json.dumps(recorded.summary))
     del summary["robot"]["cameras"], summary["robot"]["cells"]
     arrays = {key: array for key, array in recorded.arrays.items() if key != "velocities"}
