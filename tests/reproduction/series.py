@@ -1,4 +1,4 @@
-"""Made-up experiences."""
+"""Synthetic experiences."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from cbdsl.program.transition import Transition
 
 
 def experience(*steps: tuple[str, str, str], reward: int = 0, context: str = "some") -> Experience:
-    """An episode by its arcs, rewarded at its end or not."""
+    """Return an episode with the given arcs, rewarded at its end or not."""
     transitions = tuple(
         Transition(
             program="some",

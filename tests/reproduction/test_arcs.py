@@ -1,4 +1,4 @@
-"""Which arcs a diagram has, and which of the source's are among them."""
+"""Arcs of diagrams, and the source's arcs that are among them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A background model has a sample for each search, and says which channels are empty."""
+"""Background models: one sample per search, and a report of empty channels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The nine barcodes are 10 cm wide, and get finer from class to class."""
+"""The nine barcodes: 10 cm wide, and finer from class to class."""
 
 from __future__ import annotations
 

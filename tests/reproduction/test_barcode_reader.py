@@ -1,4 +1,4 @@
-"""Barcodes are read back from synthetic images: turned, tilted, blurred and noisy."""
+"""Barcodes in synthetic images: read when turned, tilted, blurred and noisy."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _side(barcode: Barcode) -> np.ndarray:
 
 
 def _image(barcode: Barcode, corners: np.ndarray, blur: float, noise: float) -> np.ndarray:
-    """The side with its corners at these pixels of a 640 x 480 image, four times oversampled."""
+    """Return a 640 x 480 image of the side with these corners, px, oversampled four times."""
     side, times = _side(barcode), 4
     size = len(side)
     source = np.array([[0, 0], [size, 0], [size, size], [0, size]], dtype=np.float32)
@@ -44,7 +44,7 @@ def _image(barcode: Barcode, corners: np.ndarray, blur: float, noise: float) -> 
 
 
 def _corners(width: float, roll: float = 0.0, keystone: float = 0.0) -> np.ndarray:
-    """Of a square ``width`` px wide, turned by ``roll``, rad, and wider at its lower edge."""
+    """Return corners of a ``width`` px square, turned by ``roll``, rad, and wider at the bottom."""
     half = width / 2
     square = np.array([[-half, -half], [half, -half], [half, half], [-half, half]])
     square[2:, 0] *= 1 + keystone
@@ -111,7 +111,7 @@ def test_mismatch_is_zero_for_the_same_string_only() -> None:
     own = np.array(barcode.stripes) / SIZE
     assert mismatch(own, barcode) == pytest.approx(0, abs=1e-12)
     assert mismatch(own, other) > 1e-5
-    # A lost gap shifts everything behind it.
+    # A lost gap shifts everything after it.
     lost = np.concatenate([own[:5], [own[5:8].sum()], own[8:]])
     assert mismatch(lost, barcode) > 1e-5
     assert mismatch(np.empty(0), barcode) == pytest.approx(np.mean(own**2))

@@ -1,4 +1,4 @@
-"""Boxes are where they are asked to be, and look as the source's cameras would see them."""
+"""Camera rigs: boxes at the requested poses, rendered as the source's cameras would see them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Charts are well-formed pictures of their curves."""
+"""Charts: well-formed pictures of their curves."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from cbdsl.reproduction.chart import Chart, Line
 
 SVG = "{http://www.w3.org/2000/svg}"
-# What an experiment measures, not the smallest numbers there are.
+# Numbers in the range of measurements, without tiny ones.
 NUMBERS = st.floats(-1e6, 1e6).map(lambda number: round(number, 6))
 
 
 def drawn(*lines: Line) -> list[list[tuple[float, float]]]:
-    """The corners of each curve in the picture, in pixels."""
+    """Return the corners of each curve in the picture, px."""
     root = ET.fromstring(Chart("name", "a < b", "time, s", "phi", lines).svg())
     return [
         [

@@ -1,4 +1,4 @@
-"""Claims are regions: an interval lies in one, out of it, or neither."""
+"""Claims as regions: an interval lies inside, outside or across the boundary."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Code 39 as other people read it."""
+"""Code 39, checked against another library."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Transition diagrams show what followed what in the episodes of a greedy policy."""
+"""Transition diagrams, which show the observed transitions of a greedy policy."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from tests.conftest import Checked
 
 from .series import experience
 
-# Of a greedy policy: one action for each state.
+# Actions of a greedy policy: one for each state.
 CHOSEN = {"XX": "search", "X0": "search ◁ track", "X-": "track"}
 STATES = st.sampled_from(list(CHOSEN))
 
 
 def walked(states: list[str], rewarded: bool) -> Experience:
-    """An episode from XX through states to the last one, which ends it."""
+    """Return an episode from XX through the states to X1, which ends it."""
     passed = zip(["XX", *states], [*states, "X1"], strict=True)
     return experience(*((a, CHOSEN[a], b) for a, b in passed), reward=int(rewarded))
 
@@ -34,7 +34,7 @@ def test_arcs_have_their_shares_of_what_left_their_states(
     graph = graph_of("some", checked("searchtrack"), experiences)
     expected = diagram_of(experiences)
     drawn = {ActionArc(a.source, CHOSEN[a.source], a.target): a.share for a in graph.arcs}
-    # What cannot be reached by arcs that are drawn is left out of the picture.
+    # States that no drawn arc reaches are left out of the picture.
     assert drawn.keys() <= expected.keys()
     assert drawn == pytest.approx({arc: expected[arc] for arc in drawn})
     assert "XX" in {decision.state for decision in graph.decisions}

@@ -1,4 +1,4 @@
-"""Engines are compared with the first one, part by part."""
+"""Comparison of engines with the first one, part by part."""
 
 from __future__ import annotations
 

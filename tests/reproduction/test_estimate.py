@@ -1,4 +1,4 @@
-"""Statistics of samples, and how often chance passes their claims."""
+"""Statistics of samples, and the rate at which chance passes their claims."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_samples_that_are_all_the_same_pass_where_they_are_and_never_beside() ->
 
 
 def test_no_difference_has_to_be_shown() -> None:
-    """Few samples with a wide interval around zero are no evidence that nothing is there."""
+    """Few samples with a wide interval around zero do not demonstrate a zero effect."""
     rng = np.random.default_rng(2)
     few, many = rng.normal(size=5), rng.normal(scale=0.1, size=100)
     assert mean_of("", "", "", few.tolist(), near(0, 0.1)).verdict is not Verdict.REPRODUCED

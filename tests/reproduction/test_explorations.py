@@ -1,4 +1,4 @@
-"""Experiments of Chapter 6: what they run is kept, and what they report is of it."""
+"""Experiments of Chapter 6: their trials are kept, and their reports describe these trials."""
 
 from __future__ import annotations
 

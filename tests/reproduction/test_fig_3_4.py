@@ -1,4 +1,4 @@
-"""The potentials of reaches are compared place by place."""
+"""Potentials of reaches, compared place by place."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_reaches_that_fail_or_rise_are_told() -> None:
     assert arrived.note.startswith("5 of 6 in 2 trials;")
     assert arrived.verdict is Verdict.UNDECIDED
     assert [each.verdict for each in (c0, c1, c2)] == [Verdict.REPRODUCED] * 2 + [Verdict.MISSED]
-    # A reach that fails counts by what it changed until it was given up.
+    # A failed reach counts with its change of the potential until the end of the attempt.
     assert (change.ours, places.note) == (pytest.approx(-0.45), "1 of 2")
 
 

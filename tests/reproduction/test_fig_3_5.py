@@ -1,4 +1,4 @@
-"""A box is really taken in both hands and brought nearer."""
+"""Bimanual grasp: a box is taken in both hands and brought nearer."""
 
 from __future__ import annotations
 

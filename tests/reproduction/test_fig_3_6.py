@@ -1,4 +1,4 @@
-"""The barcode experiment runs through, with the box in the robot's own hands."""
+"""The barcode experiment in full, with the box in the robot's own hands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A probe is judged beside two ways of TOUCH; episodes that are kept are not run again."""
+"""Comparison of a probe with two versions of TOUCH; kept episodes are not run again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where motion is expected: of episodes that are there, and of some that are run."""
+"""Places of expected motion, from kept episodes and from new ones."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TRIALS = 20
 
 
 def outcome(folder: Path, *, spread: float, phantoms: bool) -> Result:
-    """What is shaken is tracked always, within a spread; what is not, never or always."""
+    """Return the result of trials that track each shaken object, and ``phantoms`` if requested."""
     path, rng = folder / "motion_kinematic_None.jsonl", np.random.default_rng(0)
     for context in (SHAKEN, NOTHING):
         kept = KeptTrials(path, motion_digest(context), MotionEpisode)

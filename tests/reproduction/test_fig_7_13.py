@@ -1,4 +1,4 @@
-"""Signs and impedances of pairs, of trials that are there."""
+"""Signs and impedances of pairs, from kept trials."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def keep(folder: Path, *, right: bool) -> RunSettings:
 
 
 def test_signs_of_a_profile_are_no_independent_trials(tmp_path: Path) -> None:
-    """Two profiles with all of their six signs right are two trials, not twelve."""
+    """Two profiles with six correct signs each are two trials, not twelve."""
     result = run(replace(keep(tmp_path, right=True), trials=2))
     judged = [each for each in result.quantities if each.expected is not None]
     assert all(each.note.endswith(" in 2 trials") for each in judged)

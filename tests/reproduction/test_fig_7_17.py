@@ -1,4 +1,4 @@
-"""What things afford alone and together: of trials that are there, and of one that is run."""
+"""Affordances of single and stacked objects, from kept trials and from a new one."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ PAIRS = ("purple_box_on_blue_box", "football_on_purple_box")
 
 
 def outcome(folder: Path, *, lifted: bool, stands: bool) -> Result:
-    """Of thirty trials each: the blue box is lifted or not, what is tracked stands or not."""
+    """Return the result of thirty trials each; ``lifted`` refers to the blue box."""
     name = "mujoco_ideal.jsonl"
     for thing, own in AFFORDED.items():
         for program in own:
@@ -77,7 +77,7 @@ def test_a_box_that_is_lifted_and_what_falls_are_missed(tmp_path: Path) -> None:
         "blue box: bimanualtouch rewarded",
         "share of truly standing stacks among those reported as standing",
     }
-    # No stack is shown as standing that does not.
+    # Stacks that fall are not shown as standing.
     assert [each.name for each in result.charts] == ["fig-7.17"]
 
 
@@ -96,7 +96,7 @@ def test_a_stack_of_three_is_tracked_once_it_stands() -> None:
     assert trial.tracked and trial.stands, trial.ending
     first, second, last = trial.views
     assert first.keys() == last.keys() == set(ORDER)
-    # In the image, a thing that is set on another one comes nearer to it.
+    # In the image, an object that is set on another one comes nearer to it.
     lower = [abs(v["purple_box"][0] - v["blue_box"][0]) for v in (first, second, last)]
     upper = [abs(v["football"][0] - v["purple_box"][0]) for v in (first, last)]
     assert max(lower[1:]) < lower[0] / 2 and upper[1] < upper[0] / 2

@@ -1,4 +1,4 @@
-"""Catalogs that PICKANDPLACE joins: they are gone on with, and judged by what it was worth."""
+"""Catalogs that PICKANDPLACE joins: they are extended, and judged by its reward."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_one_action_joins_after_a_hundred_in_the_same_world(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_no_color_of_what_is_placed_is_an_obstacle(name: str) -> None:
-    """A ball with a blue patch kept away from itself while what is blue was an obstacle."""
+    """Obstacles have no object color: a blue patch on a ball would repel the ball itself."""
     series, library = FIGURES[name].series, Library(shipped())
     robot, urdf = shipped_robot("dexter", library)
     task = series.task(library, robot, urdf, Path("any.yaml"))

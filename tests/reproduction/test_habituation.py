@@ -1,4 +1,4 @@
-"""What is counted and measured of explorations, on catalogs made for it."""
+"""Counts and measures of explorations, on synthetic catalogs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from cbdsl.reproduction.quantity import Verdict
 
 
 def catalog(actions: str, changes: list[float]) -> CatalogDocument:
-    """A catalog of what was done: T touch, rewarded; t touch in vain; a dot for nothing."""
+    """Return a catalog of actions: T rewarded touch, t unrewarded touch, S search, dot NOOP."""
     names = {"T": "reachtouch", "t": "reachtouch", ".": "noop", "S": "searchtrack"}
     tried = {
         name: AffordanceSection(

@@ -1,4 +1,4 @@
-"""A transfer counts where it is chosen first, and earns where that alone led to the reward."""
+"""Hand transfers: counted if chosen first, and earning if they alone led to the reward."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ SCHEMA = SchemaDocument.model_validate(
 
 
 def episode(context: str, *steps: tuple[str, int]) -> Experience:
-    """An episode of one transition for each allocation, with its reward."""
+    """Return an episode of one transition for each allocation, with its reward."""
     transitions = tuple(
         Transition("pick_and_place", 0, 1.0, "XXX", "reachtouch", "0XX", 60, reward, (), name)
         for name, reward in steps
@@ -68,7 +68,7 @@ def test_a_dip_that_ends_and_a_transfer_that_works_are_reproduced() -> None:
     [
         (episode("across", ("right_arm", 1)), 0.0, 0.0),
         (episode("across", ("left_arm_handover", 0)), 100.0, 0.0),
-        # What came only after another attempt was not chosen.
+        # An allocation after another attempt does not count as chosen.
         (episode("across", ("right_arm", 0), ("left_arm_handover", 1)), 0.0, 0.0),
         (episode("across", ("left_arm_handover", 0), ("right_arm", 1)), 100.0, 0.0),
     ],

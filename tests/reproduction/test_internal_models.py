@@ -1,4 +1,4 @@
-"""Densities of one joint, and what they say of where rewards are expected."""
+"""Densities of one joint, and the expected places of reward that they show."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_a_gaussian_has_its_deviation_apart_from_the_uniform_part() -> None:
 
 
 def peaks(row: NDArray[np.float64]) -> list[float]:
-    """Where a density over ANGLES has maxima of at least twice the uniform one, rad."""
+    """Return the maxima of a density over ANGLES that are at least twice the uniform one, rad."""
     before, here, after = row[:-2], row[1:-1], row[2:]
     uniform = 1 / (ANGLES[-1] - ANGLES[0])
     stands_out = (before < here) & (here >= after) & (here > 2 * uniform)
@@ -64,12 +64,12 @@ def peaks(row: NDArray[np.float64]) -> list[float]:
 
 
 def is_at(peak: float, places: tuple[float, float]) -> bool:
-    """Whether a peak is where something is seen between two angles, within a kernel's width."""
+    """Return whether a peak is between two angles, within a kernel's width."""
     return places[0] - 0.1 < peak < places[1] + 0.1
 
 
 def directions(stage: StageDocument) -> dict[str, tuple[float, float]]:
-    """Between which angles the head has to pan to what is presented, and to the window, rad."""
+    """Return least and greatest pan angles to the presented object and to the window, rad."""
     robot, urdf = shipped_dexter()
     kinematics = Kinematics(robot, urdf)
     eyes = [kinematics.frame(camera.link).position for camera in robot.cameras.values()]
@@ -90,7 +90,7 @@ def directions(stage: StageDocument) -> dict[str, tuple[float, float]]:
 
 @pytest.fixture(scope="module")
 def trials(tmp_path_factory: pytest.TempPathFactory) -> list[LearnedTrial]:
-    """Three trials of SEARCHTRACK in full."""
+    """Run three full trials of SEARCHTRACK."""
     settings = RunSettings(seed=5, trials=3, folder=tmp_path_factory.mktemp("trials"))
     with trial_runner(settings) as dexter:
         return dexter.learn(COARTICULATED)
@@ -111,7 +111,7 @@ def test_a_head_that_learned_expects_what_was_in_front_and_the_window_and_nothin
     for low, high in pairwise(sorted(places.values())):
         between = row[(low[1] < ANGLES) & (high[0] > ANGLES)]
         assert between.min() < 0.3 * np.interp(found, ANGLES, row).min()
-    # None of this holds of what it knew before, nor of what it knows without one of the contexts.
+    # Neither the uniform density nor samples without one of the contexts have these peaks.
     assert isinstance(density, Kernel)
     for name, (least, most) in places.items():
         others = [each for each in density.samples if not least - 0.3 < each[0] < most + 0.3]

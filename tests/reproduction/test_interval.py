@@ -1,4 +1,4 @@
-"""Intervals: bootstrapped for means and medians."""
+"""Bootstrapped intervals of means and medians."""
 
 from __future__ import annotations
 

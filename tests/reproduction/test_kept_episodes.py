@@ -1,4 +1,4 @@
-"""Episodes that are over are not run again, unless something else was run."""
+"""Kept episodes: not run again, unless the setup has changed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cbdsl.runtime.episode import EpisodeResult
 
 
 class Counted:
-    """Episodes, and how many of them were run."""
+    """Episode runner that counts its runs."""
 
     def __init__(self) -> None:
         self.count = 0

@@ -1,4 +1,4 @@
-"""Rows are kept one by one, each on a line of its own."""
+"""Kept rows: written one by one, each on a line of its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Trials are kept one by one, and not run again unless something has changed."""
+"""Kept trials: written one by one, and not run again unless the setup has changed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The printed law leads to singularities and lets the lower level in; ours does neither."""
+"""Printed law: it reaches singularities and admits the lower level; the project's does neither."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_the_planar_arm_by_finite_differences(seed: int) -> None:
 
 
 def tip(q: np.ndarray) -> np.ndarray:
-    """Of the planar arm, m, shape (2,)."""
+    """Return the position of the planar arm's tip, m, shape (2,)."""
     angles = np.cumsum(q)
     return law_as_printed._LINKS @ np.column_stack((np.cos(angles), np.sin(angles)))
 

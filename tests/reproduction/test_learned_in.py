@@ -1,4 +1,4 @@
-"""LearnedTrial is what succeeds three times in a row; what never does is counted."""
+"""Episodes until three successful checks in a row, and the share of trials that never learn."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ HELD_OUT = 20
 
 
 def checks(*rewarded: int) -> list[Check]:
-    """One check every five episodes, in which so many of twenty are rewarded."""
+    """Return one check every five episodes, with these numbers of rewards among HELD_OUT."""
     step = ("XX", "track", "X1")
     return [
         Check(

@@ -1,4 +1,4 @@
-"""Where learning curves settle."""
+"""Settling of learning curves."""
 
 from __future__ import annotations
 

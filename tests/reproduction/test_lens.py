@@ -1,4 +1,4 @@
-"""The lens blurs by the stated deviation, the sensor adds the stated noise."""
+"""Lens and sensor: blur of the stated deviation, and noise of the stated deviation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def _edge(times: int) -> np.ndarray:
 
 
 def _spread(image: np.ndarray) -> float:
-    """Standard deviation of an edge's derivative, px."""
+    """Return the standard deviation of an edge's derivative, px."""
     weights = np.diff(image[5:15].astype(float).mean(axis=(0, 2)))
     at = np.arange(len(weights))
     mean = (weights @ at) / weights.sum()

@@ -1,4 +1,4 @@
-"""Percentages, their exact intervals, and how often chance passes their claims."""
+"""Percentages, their exact intervals, and the rate at which chance passes their claims."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_outcomes_that_go_together_count_as_one_of_each_trial() -> None:
     assert whole.ours == 60
     assert whole.verdict is Verdict.REPRODUCED
     assert whole.note == "1200 of 2000 actions in 100 trials"
-    # As many independent ones leave no doubt.
+    # As many independent outcomes leave no doubt.
     assert percentage("", "", 1200, 2000, at_least(55)).verdict is Verdict.REPRODUCED
     surer = clustered_percentage("", "", hits, sizes, at_least(55))
     assert surer.verdict is Verdict.UNDECIDED

@@ -22,7 +22,7 @@ def test_postures_close_together_are_one_peak() -> None:
 
 def test_postures_far_apart_are_peaks_of_their_own() -> None:
     assert len(density((0.0, 0.4), (1.3, 0.2)).peaks()) == 2
-    # A tenth of the highest is needed.
+    # Peaks need at least a tenth of the highest one.
     assert len(density(*[(0.0, 0.4)] * 12, (1.3, 0.2)).peaks()) == 1
 
 

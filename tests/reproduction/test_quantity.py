@@ -1,4 +1,4 @@
-"""Verdicts follow from intervals, and from how often chance would pass."""
+"""Verdicts, which follow from intervals and from the rate at which chance would pass."""
 
 from __future__ import annotations
 

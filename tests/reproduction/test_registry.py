@@ -1,4 +1,4 @@
-"""Every module that measures is registered, and every experiment says where the source has it."""
+"""Registry: it has every module that measures, and every experiment cites the source."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sections of the page do not share their pictures."""
+"""Sections of the page, which do not share their pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Trees are judged by what they answer in contexts that they did not learn from."""
+"""Trees, judged by their answers in contexts outside of their training set."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_one_arm_for_all_and_no_end_of_reach_are_missed() -> None:
 
 
 def test_it_runs_and_goes_on_from_what_was_kept(tmp_path: Path) -> None:
-    # Of its ten episodes some are out of reach, so that there is a question to draw.
+    # Some of its ten episodes are out of reach, so that the tree has a question to draw.
     settings = RunSettings(seed=5330200, quick=True, folder=tmp_path)
     result = schema_trees.run(settings)
     assert len(result.quantities) >= 6

@@ -1,4 +1,4 @@
-"""Series name what is shipped, and can be taught by cb learn as well."""
+"""Series: they name shipped documents, and ``cb learn`` can run them as well."""
 
 from __future__ import annotations
 

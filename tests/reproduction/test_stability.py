@@ -1,4 +1,4 @@
-"""After which episode a policy stays as it is, and where that is looked for."""
+"""Stability: the episode after which a policy stays the same."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which stacks stand, by what an engine would tell."""
+"""Stacks that stand, judged by the state of an engine."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Pose:
 
 @dataclass
 class Truth:
-    """What an engine knows of two or three things."""
+    """State of two or three objects in an engine."""
 
     beside: Mapping[str, Collection[str]] = field(default_factory=lambda: STACKED)
     hands: Collection[str] = ()
@@ -45,7 +45,7 @@ class Truth:
 
 
 def built(after: Truth, seconds: float = 1.5, order: tuple[str, ...] = ORDER) -> StackTrial:
-    """A thing is lifted, set down and let go; then all is as a truth says."""
+    """Judge a stack whose top object is lifted and released, and then in the state ``after``."""
     truth = Truth(beside={**after.beside, order[-1]: set()}, hands={order[-1]})
     judge = StackJudge(truth, order)
     judge.note(TICK)

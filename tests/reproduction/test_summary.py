@@ -1,4 +1,4 @@
-"""The summary counts the verdicts of the page's rows, and gives each miss its cause."""
+"""The summary, which counts the verdicts of the page's rows and gives each miss its cause."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Periods in images are those of the pinhole camera; localizability falls with nearness."""
+"""Periods in images match the pinhole camera; localizability falls with nearness."""
 
 from __future__ import annotations
 

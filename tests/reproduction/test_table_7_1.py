@@ -1,4 +1,4 @@
-"""Shares of stacks that stand, of trials that are there."""
+"""Shares of stacks that stand, from kept trials."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FLAT = "purple_box_on_blue_box"
 
 
 def keep(folder: Path, flat: int, *, others: bool) -> RunSettings:
-    """Flat on flat stands in some of 80 trials, and all others always or never."""
+    """Keep trials: flat on flat stands in ``flat`` of 80, and all others always or never."""
     for name in STACKS:
         kept = KeptTrials(folder / "mujoco_ideal.jsonl", stack_digest(name), StackTrial)
         for seed in range(80 if name == FLAT else 40):

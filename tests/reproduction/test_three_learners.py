@@ -1,4 +1,4 @@
-"""Learners are compared by what they earned on the way, and go on from what was kept."""
+"""Comparison of learners by the reward during learning, continued from kept trials."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TRIALS, EPISODES, FIRST = 100, 200, 25
 
 
 def learned(series: HandednessSeries, chances: np.ndarray, seed: int) -> LearnerTrials:
-    """Trials whose episodes are rewarded by chance, in one transition each."""
+    """Return trials whose episodes are rewarded by chance, in one transition each."""
     rng = np.random.default_rng(seed)
     trials = tuple(
         tuple(experience(("XX", "a", "X1"), reward=int(rng.random() < p)) for p in chances)
@@ -109,5 +109,5 @@ def test_it_goes_on_from_what_was_kept(tmp_path: Path) -> None:
 
 
 def _timeless(lines: list[str]) -> list[str]:
-    """Lines of a journal without the wall time that each episode took."""
+    """Return lines of a journal without the wall time of each episode."""
     return [line.partition('"wall_seconds"')[0] for line in lines]

@@ -1,4 +1,4 @@
-"""A touch map has a sample for each rewarded episode, and judges where they lie."""
+"""Touch maps: one sample per rewarded episode, and a judgement of the samples' positions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MIDDLES = {"table": (0.6, 0.2, -0.42), "object": (0.6, -0.2, -0.36), "bimanual":
 
 
 def keep(folder: Path, higher: float = 0.0, vain: int = 0) -> RunSettings:
-    """Episodes that are there, the first few of each source without reward."""
+    """Keep episodes of each source, the first ``vain`` of them without reward."""
     rng, file = np.random.default_rng(0), folder / "touch_mujoco_ideal.jsonl"
     for name in SOURCES:
         kept = KeptTrials(file, touch_digest(name), TouchTrial)
@@ -79,7 +79,7 @@ def test_the_peak_is_where_most_samples_are() -> None:
 
 @pytest.mark.slow
 def test_fingers_feel_the_table_where_it_is(tmp_path: Path) -> None:
-    """With two episodes of each way to touch, by load cells and kinematics alone."""
+    """Run two episodes of each way to touch, by load cells and kinematics alone."""
     settings = RunSettings(
         seed=5605000, quick=True, folder=tmp_path, backend="mujoco", cameras="ideal"
     )

@@ -1,4 +1,4 @@
-"""Which episodes a picture of a policy shows, and which arcs count as the source's."""
+"""Pictures of policies: the episodes that they show, and the arcs that match the source's."""
 
 from __future__ import annotations
 

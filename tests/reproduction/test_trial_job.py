@@ -1,4 +1,4 @@
-"""Trial jobs of experiments: what is left to run after them, and what an outcome owes to them."""
+"""Trial jobs of experiments: they leave no trials to run, and do not change the outcome."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LEARNING = [
 
 
 def run(experiment: Experiment, settings: RunSettings) -> list[tuple[int, int]]:
-    """Carry out all jobs here, the last one first; how far each says that it is."""
+    """Carry out all jobs here, the last one first, and return the progress of each."""
     robot, urdf = shipped_dexter()
     body, kinematics = find_backend(settings.backend)(robot, urdf), Kinematics(robot, urdf)
     with trial_jobs(experiment, settings) as jobs:
@@ -53,7 +53,7 @@ def test_after_its_shares_an_experiment_has_nothing_to_run_and_the_same_outcome(
 
     monkeypatch.setattr(BackendEpisodeRunner, "run", none)
     outcome = experiment.load()(shared)
-    for part in ("quantities", "charts"):  # notes may tell how long it took
+    for part in ("quantities", "charts"):  # notes may contain run times
         assert data(experiment, shared, outcome)[part] == data(experiment, settings, alone)[part]
     kept = {file.relative_to(there) for file in there.rglob("*") if file.is_file()}
     assert kept == {file.relative_to(here) for file in here.rglob("*") if file.is_file()}

@@ -1,4 +1,4 @@
-"""Records are kept to the byte, read back, and refused where they are of another kind."""
+"""Records: kept to the byte, read back, and refused if they are of another kind."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cbdsl.reproduction.stack_trials import StackTrial
 from cbdsl.reproduction.touch_trials import TouchTrial
 from cbdsl.reproduction.trial_record import plain_data, read_record
 
-# As they stand in files that are kept.
+# Rows as they stand in kept files.
 ROWS: dict[type[Any], str] = {
     AffordanceTrial: '{"things": "place:football", "seed": 3, "rewarded": true, '
     '"ending": "At rest."}',

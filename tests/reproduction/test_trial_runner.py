@@ -1,4 +1,4 @@
-"""Experiments that learn: small ones on the kinematic backend, and going on where they stopped."""
+"""Experiments that learn: small ones on the kinematic backend, resumed where they stopped."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LEARNING = [
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the trials of all experiments are kept, which share them."""
+    """Return the folder that the trials of all experiments share."""
     return tmp_path_factory.mktemp("trials")
 
 

@@ -1,4 +1,4 @@
-"""What choices are worth by what was met, where it can be worked out by hand."""
+"""Worth of choices, estimated from transitions, in cases computed by hand."""
 
 from __future__ import annotations
 
