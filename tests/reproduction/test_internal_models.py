@@ -111,7 +111,7 @@ def test_a_head_that_learned_expects_what_was_in_front_and_the_window_and_nothin
     for low, high in pairwise(sorted(places.values())):
         between = row[(low[1] < ANGLES) & (high[0] > ANGLES)]
         assert between.min() < 0.3 * np.interp(found, ANGLES, row).min()
-    # Neither the uniform density nor samples without one of the contexts have these peaks.
+    # Samples without one of the contexts lack its peak, and a uniform density has no peak.
     assert isinstance(density, Kernel)
     for name, (least, most) in places.items():
         others = [each for each in density.samples if not least - 0.3 < each[0] < most + 0.3]
