@@ -135,6 +135,11 @@ def seconds(read: Read, folder: Path, count: int) -> float:
     return min(times)
 
 
+def grows_linearly(read: Read, folder: Path, count: int) -> bool:
+    """Return whether a reading of twice the size takes at most 2.5 times as long."""
+    return seconds(read, folder, 2 * count) <= 2.5 * seconds(read, folder, count) + 0.002
+
+
 @pytest.mark.parametrize("name", READERS)
 def test_reader_of_twice_the_size_takes_little_more_than_twice_the_time(
     name: str, tmp_path: Path
@@ -142,8 +147,8 @@ def test_reader_of_twice_the_size_takes_little_more_than_twice_the_time(
     count, read = READERS[name]
     with suppress(*ERRORS):
         read(tmp_path, count)  # imports and caches
-    once, twice = seconds(read, tmp_path, count), seconds(read, tmp_path, 2 * count)
-    assert twice <= 2.5 * once + 0.002
+    # A reader of quadratic time fails every try; caches that others fill, only some.
+    assert any(grows_linearly(read, tmp_path, count) for _ in range(5))
 
 
 @pytest.mark.parametrize(
