@@ -1,4 +1,4 @@
-"""What the tests of several packages start from: Dexter, and the shipped programs and stages."""
+"""Common fixtures of several packages: Dexter, and the shipped programs and stages."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ collect_ignore = [
 
 
 def pytest_report_header() -> str | None:
-    """Say what is left out."""
+    """Report the left-out tests."""
     left_out = f"without Bullet: {len(collect_ignore)} files and cases of it are left out"
     return None if _HAS_BULLET else left_out
 
@@ -50,7 +50,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 Checked = Callable[..., CheckedProgram]
 
-# How long an example takes says how busy the machine is, and what was compiled for the first time.
+# The duration of an example depends on the load of the machine and on first-time compilation.
 # The same examples in every run: whether a change passes is decided by the change. All of them are
 # tried by `make properties`.
 settings.register_profile("repeatable", deadline=None, derandomize=True)
@@ -100,7 +100,7 @@ def stage(library: Library) -> Callable[[str], StageDocument]:
 
 @pytest.fixture(scope="session")
 def bullet(dexter: RobotDocument, urdf: Path) -> Iterator[BulletBackend]:
-    """Dexter in PyBullet, with whatever renderer works here."""
+    """Yield Dexter in PyBullet, with any renderer that works here."""
     from cbdsl.backends.bullet.backend import BulletBackend
 
     backend = BulletBackend(dexter, urdf)

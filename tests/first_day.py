@@ -1,7 +1,7 @@
-"""A first day: a reader who knows nothing but pages of the docs, and types what their blocks show.
+"""First day: a reader who knows only pages of the docs, and types the commands in their blocks.
 
 The reader begins with a clone of the project, sets it up as the README says, and works in an empty
-folder, in a shell whose ``cb`` is that of the clone. Files are what blocks with a file's name hold.
+folder, in a shell whose ``cb`` is that of the clone. Files hold the blocks that name them.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Clone(NamedTuple):
 
 
 def clone(folder: Path) -> Path:
-    """A clone of this checkout as it is, whatever is not tracked left out."""
+    """Clone this checkout as it is, without untracked files."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         cwd=ROOT, capture_output=True, check=True, text=True,
@@ -44,7 +44,7 @@ def clone(folder: Path) -> Path:
 
 
 def first_command() -> list[str]:
-    """The README's first command to type: what sets up, and what is to be seen then."""
+    """Return the README's first command: the part that sets up, and the commands after it."""
     block = next(each for each in blocks(ROOT / "README.md") if each.language == "sh")
     return [part.strip() for part in block.text.split("&&")]
 
@@ -53,8 +53,8 @@ class Reader:
     """Reader of pages, in an empty folder.
 
     Args:
-        clone: that is set up.
-        folder: the empty one.
+        clone: Folder of the clone, set up.
+        folder: Empty folder.
     """
 
     def __init__(self, clone: Clone, folder: Path) -> None:
@@ -73,7 +73,7 @@ class Reader:
         return time.monotonic() - self._began
 
     def read(self, page: str) -> None:
-        """Do what a page shows, block by block."""
+        """Execute a page, block by block."""
         found = [block for block in blocks(ROOT / page) if block.runs]
         for block, follows in zip(found, [*found[1:], None], strict=True):
             if "file" in block.marks:
@@ -119,11 +119,11 @@ class Reader:
         return told
 
     def type(self, line: str, *, fails: bool = False) -> str:
-        """Type a line; what it prints.
+        """Type a line and return its output.
 
         Raises:
-            AssertionError: it ends otherwise than it should.
-            TimeoutExpired: the day is over.
+            AssertionError: The command fails or succeeds against the expectation.
+            TimeoutExpired: The time of the day has run out.
         """
         done = subprocess.run(
             ["bash", "-euc", line], cwd=self._folder, env=self._environment,
@@ -134,7 +134,7 @@ class Reader:
 
 
 def assert_shown(shown: str, printed: str) -> None:
-    """What a page shows is what is printed; a line ``...`` stands for lines left out."""
+    """Assert that a page shows the printed text; a line ``...`` stands for lines left out."""
     rest = "\n".join(line.rstrip() for line in printed.splitlines()) + "\n"
     for part in re.split(r"^\.\.\.\n", shown, flags=re.MULTILINE):
         before, found, rest = rest.partition(part)

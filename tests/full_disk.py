@@ -1,4 +1,4 @@
-"""A disk without room, as far as writers can tell."""
+"""Disk without room, simulated for writers."""
 
 from __future__ import annotations
 

@@ -72,12 +72,12 @@ OPERATORS = tuple(
 
 @dataclass(frozen=True, order=True)
 class Mutant:
-    """One change of one file.
+    """Change of one file.
 
     Attributes:
-        file: from the checkout's folder.
-        operator: of cosmic-ray.
-        occurrence: which of the places that the operator can change, from 0.
+        file: Path relative to the checkout's folder.
+        operator: Name of an operator of cosmic-ray.
+        occurrence: Index of the place that the operator changes, from 0.
     """
 
     file: str
@@ -100,7 +100,7 @@ class Mutant:
 
 
 def _is_another(source: str, mutated: str) -> bool:
-    """Whether a text is a program, and another one than a source but for annotations."""
+    """Return True if a text parses and differs from a source by more than annotations."""
     try:
         return _bare(source) != _bare(mutated)
     except SyntaxError:
@@ -116,14 +116,14 @@ def _bare(source: str) -> str:
                     setattr(node, name, ast.Constant(None))
         if isinstance(node, ast.arg):
             node.annotation = None
-        # What is imported for annotations alone.
+        # An import for annotations alone.
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
             node.test = ast.Constant(None)
     return ast.dump(tree)
 
 
 def mutants_of(file: Path) -> Iterator[Mutant]:
-    """All mutants of a file, place by place."""
+    """Yield all mutants of a file, place by place."""
     tree = get_ast(file.read_text())
     nodes = tuple(ast_nodes(tree))
     for name in OPERATORS:
@@ -134,7 +134,7 @@ def mutants_of(file: Path) -> Iterator[Mutant]:
 
 
 def sample_of(packages: Sequence[str], size: int, seed: int) -> list[Mutant]:
-    """Random mutants of some packages, without those that are the same program."""
+    """Return random mutants of some packages, without those that are the same program."""
     files = [file for name in packages for file in sorted((ROOT / "cbdsl" / name).rglob("*.py"))]
     every = [mutant for file in files for mutant in mutants_of(file)]
     random.Random(seed).shuffle(every)
@@ -143,10 +143,10 @@ def sample_of(packages: Sequence[str], size: int, seed: int) -> list[Mutant]:
 
 
 def suites_of(file: str, reach: str) -> list[list[str]]:
-    """Arguments of pytest, one list a process: what is compiled from a mutant is compiled once.
+    """Return arguments of pytest, one list a process, so that a mutant is compiled once.
 
     Tests that mirror a file come first, then those of its package that import it, then the rest of
-    its package, those elsewhere that import it, and the rest of what a reach takes in.
+    its package, those elsewhere that import it, and the remaining tests within a reach.
     """
     _, package, *folders, name = Path(file).parts
     module = ".".join(("cbdsl", package, *folders, Path(name).stem))
@@ -176,7 +176,7 @@ def _tests_of(package: str) -> list[str]:
 
 
 def copy_checkout(folder: Path) -> None:
-    """Copy what tests read. Machine code comes along: it is stamped with all its sources."""
+    """Copy the files that tests read, with machine code, which is stamped with all its sources."""
     ignored = shutil.ignore_patterns("*.pyc")
     for name in COPIED:
         shutil.copytree(ROOT / name, folder / name, ignore=ignored)
@@ -188,10 +188,10 @@ class Copy:
     """Copy of the checkout that mutants are put into, one at a time.
 
     Args:
-        folder: where it is.
+        folder: Folder of the copy.
 
     Attributes:
-        failing: tests that fail there without a mutant, too, and are left out from then on.
+        failing: Tests that also fail without a mutant, and are left out from then on.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -200,13 +200,13 @@ class Copy:
         self._sound: set[str] = set()
 
     def killer(self, mutant: Mutant, reach: str) -> str | None:
-        """The first test that a mutant fails, and that passes without it.
+        """Return the first test that a mutant fails and that passes without it.
 
         Returns:
-            Its name in pytest, or how the process ended without one; ``None`` for a survivor.
+            Its name in pytest, or the end of a process without a name; ``None`` for a survivor.
 
         Raises:
-            SystemExit: tests cannot even be read without it.
+            SystemExit: Tests cannot even be read without it.
         """
         while True:
             by = self._first_failure_with(mutant, reach)
@@ -237,11 +237,12 @@ class Copy:
             file.write_text(before)
 
     def first_failure(self, suite: Sequence[str], *, kernels: bool = False) -> str | None:
-        """The first of some tests that fails; a process that crashes or never ends is one, too.
+        """Return the first test that fails; a process that crashes or never ends counts as one.
 
         Args:
-            suite: arguments of pytest.
-            kernels: machine code is not the checkout's; it goes into a folder that is deleted.
+            suite: Arguments of pytest.
+            kernels: True if machine code differs from the checkout's; it then goes into a temporary
+            folder.
         """
         left_out = [f"--deselect={each}" for each in self.failing]
         command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
@@ -272,19 +273,19 @@ class Copy:
 
 
 def known_survivors() -> dict[tuple[str, str], str]:
-    """Why survivors live, by file and change."""
+    """Return the reasons why survivors live, by file and change."""
     survivors = tomllib.loads((ROOT / "tests" / "survivors.toml").read_text())["survivor"]
     return {(each["file"], each["change"].strip()): each["reason"] for each in survivors}
 
 
 @dataclass
 class Judgement:
-    """What became of mutants, kept line by line in a file to go on from.
+    """Outcomes of mutants, kept line by line in a file to resume from.
 
     Attributes:
-        reach: which tests run.
-        kept: the file; ``None`` keeps nothing.
-        rows: of each mutant its fields, ``change``, ``reach`` and ``by``, which killed it.
+        reach: Reach of the tests that run.
+        kept: Path of the file; ``None`` keeps nothing.
+        rows: Fields of each mutant, ``change``, ``reach`` and ``by``, the test that killed it.
     """
 
     reach: str
@@ -297,14 +298,14 @@ class Judgement:
             self.rows[Mutant(row["file"], row["operator"], row["occurrence"])] = row
 
     def is_judged(self, mutant: Mutant) -> bool:
-        """Whether the same change died, or survived all tests that would run."""
+        """Return True if the same change died, or survived all tests that would run."""
         row = self.rows.get(mutant)
         if row is None or row["change"] != mutant.change:
             return False
         return row["by"] is not None or REACHES.index(row["reach"]) >= REACHES.index(self.reach)
 
     def add(self, mutant: Mutant, by: str | None) -> None:
-        """Keep what killed a mutant, and say it."""
+        """Keep the killer of a mutant, and print it."""
         row = {**asdict(mutant), "change": mutant.change, "reach": self.reach, "by": by}
         self.rows[mutant] = row
         if self.kept:
@@ -316,7 +317,7 @@ class Judgement:
 
 
 def judge(sample: Sequence[Mutant], judgement: Judgement, seconds: float) -> tuple[int, int]:
-    """How many of how many mutants died; none is begun after some seconds."""
+    """Return the numbers of dead and of judged mutants; begin none after some seconds."""
     died = of = 0
     begun = time.monotonic()
     reasons = known_survivors()

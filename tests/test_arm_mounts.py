@@ -22,14 +22,14 @@ PLACE = (0.55, -0.2)
 
 @pytest.fixture
 def modules(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """The benchmark's modules by name."""
+    """Return the benchmark's modules by name."""
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
     return importlib.import_module
 
 
 @pytest.fixture
 def sideways(modules: Any) -> Any:
-    """A mount whose joints 1 point outward and a little down; the hands rest before the body."""
+    """Return a mount whose joints 1 point outward and a little down, with hands before the body."""
     return modules("arm_mount").ArmMount(
         0.13, 0.13, 0.21, 0.0, radians(-23), radians(-73), radians(98), 0.19, 0.45, -0.13
     )
@@ -96,7 +96,7 @@ def test_gradients_by_finite_differences(
 
 
 def _measure(arms: Any, jacobian: str) -> float:
-    """The logarithm of the manipulability, from its definition (Eq 3.5)."""
+    """Return the logarithm of the manipulability, from its definition (Eq 3.5)."""
     arms.kinematics.update(arms.posture)
     points = {side: arms.kinematics.point(*arms.tips[side]) for side in arms.own}
     rows = {side: point.jacobian[:, arms.own[side]] for side, point in points.items()}

@@ -156,7 +156,7 @@ _TAKEN = {
     "seed": 1, "rewarded": True, "untouched": 0, "lifted": True, "height": 0.1, "force": 10.0,
     "seconds": 1.0, "ending": "",
 }  # fmt: skip
-# What comes before the episodes, and how many of 100 are as many as may be amiss.
+# Options before the episodes, and the allowed number of failures in 100.
 _JUDGED = {
     "holding": (("ball",), (8.0,), _HELD),
     "placing": ((), (), _PLACED),

@@ -1,4 +1,4 @@
-"""What is built from this checkout, and what a bare environment has of it."""
+"""Distributions built from this checkout, and their use in a bare environment."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ SHIPPED = ("robots", "programs", "knowledge", "schemas")
 
 
 def made(folder: Path) -> Path:
-    """A bare environment; its ``bin``."""
+    """Create a bare environment and return its ``bin``."""
     venv.create(folder, with_pip=True)
     return folder / "bin"
 
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the wheel and the sdist, the wheel built from the sdist."""
+    """Return a folder with the wheel and the sdist, the wheel built from the sdist."""
     folder = tmp_path_factory.mktemp("built")
     tools = made(folder / "tools")
     pip = subprocess.run([tools / "pip", "install", "-q", "build"], capture_output=True, text=True)

@@ -1,16 +1,16 @@
-"""What the docs show is run: every block and every command, in the order of its page.
+"""Every block and every command of the docs is run, in the order of its page.
 
-A page is a session in a folder of its own. What a block is for follows from its language:
+A page is a session in a folder of its own. The language of a block defines its purpose:
 
 * ``yaml`` is a document: written to the session's folder, it has no findings.
 * ``python`` and ``toml`` with a file's name are files that later commands or tests use.
-* ``python`` without is run, in one session a page; ``text`` behind it is what it prints.
+* ``python`` without is run, in one session a page; ``text`` behind it is its output.
 * ``sh`` are ``cb`` commands, one a line.
-* ``text`` is what the ``sh`` block before it prints; a line ``...`` stands for lines left out.
+* ``text`` is the output of the ``sh`` block before it; a line ``...`` stands for omitted lines.
 
 Comments before a block say more: ``<!-- file: PATH -->`` where it is written, ``<!-- findings: CODE
 CODE -->`` which findings it has, ``<!-- not run: WHY -->`` that it is only to be read, and
-``<!-- not compared: WHY -->`` that the text is other each time. Whatever is not run says so.
+``<!-- not compared: WHY -->`` that the text is other each time. Every block not run is marked.
 
 Commands within sentences run, too. Those with a WORD in capitals are patterns; ``cb learn`` and
 ``cb reproduce``, which may take hours, are only held to their options.
@@ -57,7 +57,7 @@ FENCE = re.compile(
     r"(?P<marks>(?:^ *<!-- .*? -->\n)*)^ *```(?P<language>\w*)\n(?P<text>.*?)^ *```$",
     re.DOTALL | re.MULTILINE,
 )
-#: What tests/control/test_registry.py asks of every potential and type.
+#: Properties that tests/control/test_registry.py checks for every potential and type.
 GENERIC: list[Callable[..., None]] = [
     test_registry.test_gradient_equals_finite_differences,
     test_registry.test_small_steps_lower_phi_and_shapes_agree,
@@ -65,7 +65,7 @@ GENERIC: list[Callable[..., None]] = [
     test_registry.test_what_is_compiled_is_what_is_written,
     test_registry.test_its_rule_is_the_one_that_the_checker_knows,
 ]
-#: What is left to fill in, or to choose.
+#: Placeholders to fill in, or to choose from.
 PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")
 #: Commands that move a robot, or show how one moved.
 LONG = {"run", "replay", "learn", "reproduce", "explore"}
@@ -77,7 +77,7 @@ OFTEN = 50
 
 
 class Block(NamedTuple):
-    """A block of a page: its language, what the comments before it say, and its text."""
+    """Block of a page: its language, the marks of the comments before it, and its text."""
 
     language: str
     marks: dict[str, str]
@@ -100,14 +100,14 @@ def blocks(page: Path) -> list[Block]:
 
 
 def in_sentences(page: Path) -> list[list[str]]:
-    """The words of the commands that are quoted outside of blocks; in tables, bars are escaped."""
+    """Return the words of commands quoted outside of blocks; in tables, bars are escaped."""
     quoted = re.findall(r"`([^`]+)`", FENCE.sub("", page.read_text("utf-8")))
     commands = dict.fromkeys(" ".join(text.replace("\\|", "|").split()) for text in quoted)
     return [shlex.split(text)[1:] for text in commands if re.match(r"cb \w", text)]
 
 
 def is_concrete(words: list[str]) -> bool:
-    """Whether a command can be typed as it is: nothing is left to fill in, and nothing left out."""
+    """Return True if a command can be typed as it is, without placeholders and omissions."""
     command: Any = typer.main.get_command(build_app())
     rest = list(words)
     while rest and hasattr(command, "commands"):
@@ -139,7 +139,7 @@ class Session:
         monkeypatch.setenv("COLUMNS", "100")
 
     def read(self, slow: bool) -> None:
-        """Go through the page from top to bottom; all of it, or what takes no time."""
+        """Go through the page from top to bottom; all of it, or only its quick commands."""
         found = blocks(self._page)
         for place, block in enumerate(found):
             follows = found[place + 1] if place + 1 < len(found) else None
@@ -202,7 +202,7 @@ class Session:
 
 
 def measures(words: list[str]) -> bool:
-    """Whether a command does something so often that it takes minutes."""
+    """Return True if a command repeats something so often that it takes minutes."""
     return any(
         option in COUNTS and int(value) >= OFTEN for option, value in itertools.pairwise(words)
     )
@@ -227,11 +227,11 @@ def session(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> Iterator[Session]:
-    """The session of the page that a test is for."""
+    """Return the session of the page that a test is for."""
     page: Path = request.getfixturevalue("page")
     text = page.read_text("utf-8")
     if "<!-- file: " not in text:
-        for folder in ("robots", "programs"):  # what is said of a checkout is done in one
+        for folder in ("robots", "programs"):  # commands about a checkout run in one
             shutil.copytree(ROOT / folder, tmp_path / folder)
     if "kuka_iiwa" in text:
         data = Path(importlib.import_module("pybullet_data").getDataPath())
@@ -247,7 +247,7 @@ def test_what_a_page_shows_is_so(session: Session, page: Path) -> None:
 
 
 def is_long(page: Path) -> bool:
-    """Whether a page has commands that the test above leaves out."""
+    """Return True if a page has commands that the test above leaves out."""
     typed = [shlex.split(line)[1:] for b in blocks(page) if b.language == "sh" and b.runs
              for line in b.text.splitlines()]  # fmt: skip
     told = [words for words in in_sentences(page) if is_concrete(words) and not measures(words)]
@@ -265,7 +265,7 @@ def test_what_a_page_shows_is_so_on_the_simulator(session: Session, page: Path) 
 
 @pytest.mark.parametrize("page", WRITTEN, ids=WRITTEN_IDS)
 def test_no_block_escapes(page: Path) -> None:
-    """Each is run, or says why not; and every comment that looks like a mark is one."""
+    """Run each block unless it states a reason; every comment that looks like a mark is one."""
     text = page.read_text("utf-8")
     found = blocks(page)
     assert len(found) == len(re.findall(r"^ *```\w+$", text, re.MULTILINE))
@@ -315,7 +315,7 @@ def test_commands_in_sentences_exist_with_their_options(page: Path) -> None:
 
 
 def test_the_new_potential_gets_its_tests(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The page's functions and entry do what the page says when they are put in place."""
+    """Install the page's functions and entry, and check that they do as the page says."""
     found = blocks(DOCS / "how_to" / "new_potential.md")
     files = {block.marks["file"]: block.text for block in found if "file" in block.marks}
     rng = np.random.default_rng(7)
@@ -353,7 +353,7 @@ def test_the_new_potential_gets_its_tests(tmp_path: Path, monkeypatch: pytest.Mo
     ],
 )
 def test_a_page_shows_the_plugin_that_tests_run(page: str, module: str) -> None:
-    """The same code but for its package: a page's modules stand alone."""
+    """Compare the code except for its package: a page's modules stand alone."""
     found = blocks(DOCS / "how_to" / f"{page}.md")
     (shown,) = [each.text for each in found if each.marks.get("file") == f"{module}.py"]
     tested = ROOT / "tests" / "plugins" / "package" / "demo" / f"{module}.py"

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.first_day
 
 @pytest.fixture(scope="module")
 def here(tmp_path_factory: pytest.TempPathFactory) -> Clone:
-    """A clone that is set up as the README says; its time counts in each of the days."""
+    """Return a clone set up as the README says; its time counts in each of the days."""
     folder = clone(tmp_path_factory.mktemp("clone"))
     setup, _ = first_command()
     began = time.monotonic()

@@ -1,4 +1,4 @@
-"""Controllers read an observation and nothing else: no field and no method tells the truth."""
+"""Controllers read an observation and nothing else: no field and no method holds the truth."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SENSORS = {"time", "positions", "velocities", "loads", "images", "regions", "eff
 
 
 class Only:
-    """What the protocol names of a backend, whatever else that has."""
+    """Members of a backend in the protocol, without all others."""
 
     def __init__(self, backend: Backend) -> None:
         self.renderer = backend.renderer
@@ -47,7 +47,7 @@ def test_an_observation_has_sensors_only() -> None:
 def test_what_bullet_observes_is_exactly_that(
     bullet: BulletBackend, dexter: RobotDocument, stage: Callable[[str], StageDocument]
 ) -> None:
-    """No subclass, and no attribute that was smuggled in."""
+    """Return no subclass, and no additional attribute."""
     bullet.reset(stage("table_right"), "in_view", np.random.default_rng(0))
     observation = bullet.observe()
     assert type(observation) is Observation
@@ -62,7 +62,7 @@ def test_what_bullet_observes_is_exactly_that(
 def test_what_the_kinematic_backend_observes_is_exactly_that(
     dexter: RobotDocument, urdf: Path, stage: Callable[[str], StageDocument]
 ) -> None:
-    """And of what its cameras see, nothing but what a channel's pixels would tell."""
+    """Return of its cameras' view only information that a channel's pixels contain."""
     backend = KinematicBackend(dexter, urdf)
     backend.reset(stage("table_right"), "in_view", np.random.default_rng(0))
     observation = backend.observe()

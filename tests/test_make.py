@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="needs make
 
 
 def planned_tests(*arguments: str) -> str:
-    """The pytest command that ``make`` would run."""
+    """Return the pytest command that ``make`` would run."""
     planned = subprocess.run(
         ["make", "--dry-run", *arguments], cwd=ROOT, capture_output=True, text=True, check=True
     )

@@ -1,4 +1,4 @@
-"""Mutants: what is changed, what is left out, and that one of the tick dies."""
+"""Mutants: their changes, the left-out ones, and one of the tick that dies."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def test_results_are_kept_and_survivors_judged_again_by_more_tests(
 
 @pytest.mark.slow
 def test_a_priority_that_is_turned_round_dies(tmp_path: Path) -> None:
-    """It is in compiled code, which must not be the checkout's."""
+    """Compile its code apart from the checkout's."""
     mutants.copy_checkout(tmp_path)
     turned = next(mutant for mutant in mutants_of(LAW) if "along / basis" in mutant.change)
     copy = Copy(tmp_path)
@@ -162,7 +162,7 @@ def test_of_a_sample_some_die() -> None:
 
 
 def harmless() -> Mutant:
-    """A change of a sweep's bound, which one sweep more or less does not reach."""
+    """Return a change of a sweep's bound, which has no effect on the results."""
     return next(mutant for mutant in mutants_of(LAW) if "_SWEEPS = 21" in mutant.change)
 
 
@@ -172,7 +172,7 @@ TEXT = "HALF = 1 / 2\nOTHER = 1 / 1\n\n\ndef one(a):\n    return a + 1\n"
 
 @pytest.fixture
 def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A package of one file."""
+    """Return a package of one file."""
     monkeypatch.setattr(mutants, "ROOT", tmp_path)
     (tmp_path / ONE).parent.mkdir(parents=True)
     for folder in ("cbdsl", "cbdsl/control"):
@@ -189,6 +189,6 @@ def write_test(checkout: Path, body: str) -> None:
 
 
 def one_of(checkout: Path, added: str) -> Mutant:
-    """The mutant of a package of one file that adds some text."""
+    """Return the mutant of a package of one file that adds some text."""
     every = mutants_of(checkout / ONE)
     return next(mutant for mutant in every if added in mutant.change)

@@ -1,4 +1,4 @@
-"""Notebooks of the docs run from top to bottom, with what they claim, and hold no outputs."""
+"""Notebooks of the docs run from top to bottom, meet their claims, and hold no outputs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Readers of files that anybody may have written: time in proportion to size, and bounds."""
+"""Readers of files from arbitrary sources: time in proportion to size, and bounds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What README and CONTRIBUTING tell people to type is accepted."""
+"""Commands in README and CONTRIBUTING are accepted."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_every_command_exists_with_its_options(command: str) -> None:
 
 
 def leaves(command: Any, words: list[str]) -> Iterator[Any]:
-    """The commands that the first words name, where ``a|b`` names two."""
+    """Yield the commands that the first words name, where ``a|b`` names two."""
     if not hasattr(command, "commands"):
         yield command
         return
@@ -91,7 +91,7 @@ def test_pages_and_files_that_are_linked_exist() -> None:
 
 @pytest.fixture
 def program(tmp_path: Path) -> Path:
-    """The program that the README has people write."""
+    """Write the example program of the README."""
     (text,) = blocks(ROOT / "README.md", "yaml")
     path = tmp_path / "watch.yaml"
     path.write_text(text, encoding="utf-8")

@@ -29,13 +29,13 @@ class Finding(NamedTuple):
 
 
 def findings(source: str) -> list[Finding]:
-    """The faults of a module, except for those that take several modules."""
+    """Return the faults of a module, except for those that take several modules."""
     tree = ast.parse(source)
     return sorted({*identifiers(tree), *prose(tree, source), *openings(tree), *signatures(tree)})
 
 
 def identifiers(tree: ast.AST) -> Iterator[Finding]:
-    """Names that are bound here and are banned; names that others bind are theirs."""
+    """Yield banned names that are bound here; names that others bind are theirs."""
     for node in ast.walk(tree):
         for name in bound(node):
             plain = name.strip("_")
@@ -45,7 +45,7 @@ def identifiers(tree: ast.AST) -> Iterator[Finding]:
 
 
 def bound(node: ast.AST) -> Iterable[str]:
-    """The names that a node binds."""
+    """Return the names that a node binds."""
     if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
         return [node.name]
     if isinstance(node, ast.arg):
@@ -107,7 +107,7 @@ def is_compiled(function: ast.FunctionDef) -> bool:
 
 
 def shared_names(sources: Mapping[str, str]) -> dict[str, list[str]]:
-    """Names of classes that several modules define, each with these modules."""
+    """Return names of classes that several modules define, each with these modules."""
     owners: dict[str, list[str]] = defaultdict(list)
     for file, source in sources.items():
         for node in ast.walk(ast.parse(source)):

@@ -55,7 +55,7 @@ def test_what_cannot_be_done_fails() -> None:
 
 
 def test_programs_share_a_robot_one_after_another(robot: cbdsl.OpenRobot) -> None:
-    """The arm moves where the first program left the head, which stays there."""
+    """Move the arm by the second program while the head stays where the first one left it."""
     posture = robot.with_program(cbdsl.load("posture", stage="table_right"))
     look, move = ProgramBehaviour(robot, seed=11), ProgramBehaviour(posture, seed=11)
     tree = py_trees.composites.Sequence("both", memory=True, children=[look, move])
@@ -94,7 +94,7 @@ def test_two_behaviours_of_one_robot_in_a_parallel_are_an_error(backend: str) ->
 
 
 def test_a_selector_takes_the_robot_from_a_lower_priority(robot: cbdsl.OpenRobot) -> None:
-    """The higher one begins before the lower one is told that it is interrupted."""
+    """Start the higher-priority behaviour before the lower one is interrupted."""
     posture = robot.with_program(cbdsl.load("posture", stage="table_right"))
     is_urgent = [False]
 

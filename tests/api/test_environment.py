@@ -28,7 +28,7 @@ def test_gymnasium_finds_nothing_wrong(environment: ProgramEnvironment) -> None:
 
 
 def test_a_step_runs_an_action_until_the_state_changes(environment: ProgramEnvironment) -> None:
-    """The same actions as the program's own policy lead to the reward."""
+    """Reach the reward with the same actions as the program's own policy."""
     request = cbdsl.load("searchtrack")
     states, info = environment.reset(seed=4)
     assert info["state"] == "XX" and list(states) == [0, 0] and info["time"] == 0.0

@@ -1,4 +1,4 @@
-"""What a command is to run, and what it says where that is unclear."""
+"""Requests of runs: the program that a command runs, and messages about unclear requests."""
 
 from __future__ import annotations
 

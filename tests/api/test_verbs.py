@@ -1,4 +1,4 @@
-"""Verbs of Python: what they return, what they raise, and that importing them costs nothing."""
+"""Python verbs: their results, their exceptions, and imports without start-up cost."""
 
 from __future__ import annotations
 

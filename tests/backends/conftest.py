@@ -46,7 +46,7 @@ def robot_named(name: str) -> RobotDocument:
 
 
 def made_stage(context: dict[str, Any], **parts: Any) -> StageDocument:
-    """A stage with one context, ``only``."""
+    """Return a stage with one context, ``only``."""
     head = {"cbdsl": 1, "kind": "stage", "name": "made", "robot": "dexter"}
     return StageDocument.model_validate({**head, "contexts": {"only": context}, **parts})
 
@@ -56,7 +56,7 @@ def with_vision(robot: RobotDocument, **changes: Any) -> RobotDocument:
 
 
 def exact(robot: RobotDocument) -> RobotDocument:
-    """A robot whose sensors have neither steps nor noise, bias, drift and latency."""
+    """Return a robot whose sensors have no steps, noise, bias, drift or latency."""
     contact = robot.contact.model_copy(update={"noise": 0.0, "bias": 0.0, "drift": 0.0})
     effectors = {
         name: effector.model_copy(update={"resolution": 0.0})
@@ -67,12 +67,12 @@ def exact(robot: RobotDocument) -> RobotDocument:
 
 
 def sightless(robot: RobotDocument) -> RobotDocument:
-    """A robot with exact sensors for which no time is spent on images."""
+    """Return a robot with exact sensors and no images."""
     return with_vision(exact(robot).model_copy(update={"cameras": {}}), renderer="tiny")
 
 
 def contact_loads(backend: Simulated) -> Loads:
-    """What load cells would measure without the weight of the tips, and without bias."""
+    """Return the loads that load cells would measure without tip weight and bias."""
     return backend._cells.read()
 
 
@@ -83,13 +83,13 @@ def run(backend: Simulated, seconds: float) -> None:
 
 @pytest.fixture(scope="session", params=list(BACKENDS))
 def make(request: pytest.FixtureRequest) -> type[Simulated]:
-    """Every backend's class."""
+    """Return the class of each backend."""
     return BACKENDS[request.param]
 
 
 @pytest.fixture(scope="session")
 def simulated(make: type[Simulated], dexter: RobotDocument) -> Iterator[Simulated]:
-    """Every backend; with whatever renderer works here."""
+    """Yield each backend, with any renderer that works here."""
     backend = make(dexter, URDF)
     yield backend
     backend.close()
@@ -97,7 +97,7 @@ def simulated(make: type[Simulated], dexter: RobotDocument) -> Iterator[Simulate
 
 @pytest.fixture(scope="session")
 def unseeing(make: type[Simulated], dexter: RobotDocument) -> Iterator[Simulated]:
-    """Every backend without cameras, and without noise of its load cells."""
+    """Yield each backend without cameras and without load cell noise."""
     backend = make(sightless(dexter), URDF)
     yield backend
     backend.close()
@@ -105,7 +105,7 @@ def unseeing(make: type[Simulated], dexter: RobotDocument) -> Iterator[Simulated
 
 @pytest.fixture(scope="module", params=["opengl", "tiny", "mujoco"])
 def rendered(dexter: RobotDocument, request: pytest.FixtureRequest) -> Iterator[Simulated]:
-    """A backend with each renderer that works here."""
+    """Yield a backend with each renderer that works here."""
     name = "mujoco" if request.param == "mujoco" else "bullet"
     if name not in BACKENDS:
         pytest.skip(f"{name} is not installed")

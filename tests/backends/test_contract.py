@@ -33,7 +33,7 @@ def backend(name: str, dexter: RobotDocument, urdf: Path) -> Iterator[Backend]:
 
 
 def episode(backend: Backend, seed: int, steps: int = 24) -> list[bytes]:
-    """All that is observed of an episode in which the arms move towards the table."""
+    """Return all observations of an episode in which the arms move towards the table."""
     backend.reset(stage_named("noisy_right"), None, np.random.default_rng(seed))
     observed = []
     reference = backend.observe().positions

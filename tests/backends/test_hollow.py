@@ -1,4 +1,4 @@
-"""Tubes and boxes without a lid: what is in them, what is seen of them, and what touches them."""
+"""Tubes and boxes without a lid: their contents, their visible parts and their contacts."""
 
 from __future__ import annotations
 

@@ -19,8 +19,8 @@ from tests.conftest import ROOT
 NAMES = sorted(SELF_CONTAINED)
 ROBOTS = Library(ROOT).names(RobotDocument)
 EMPTY = {"cbdsl": 1, "kind": "stage", "name": "empty", "contexts": {"only": {}}}
-# Fingers that push one another are faster than their servos by what the solver leaves over in its
-# 20 iterations: 6 percent. Torques are rounded.
+# Fingers that push one another exceed the speed of their servos by 6 percent: the error that the
+# solver leaves after its 20 iterations. Torques are rounded.
 FASTER, STRONGER = 1.1, 1.0 + 1e-6
 
 

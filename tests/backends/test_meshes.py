@@ -1,4 +1,4 @@
-"""Meshes of stages: what is touched of them, and what is seen."""
+"""Meshes of stages: contacts with them, and their images."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MESHES = {"gutter": _GUTTER, "wedge": _WEDGE, "box": _BOX}
 
 
 def write_mesh(folder: Path, name: str) -> None:
-    """An OBJ, mm, of a cross-section that goes 10 cm along y."""
+    """Write an OBJ, mm, with a cross-section that extends 10 cm along y."""
     corners, parts = MESHES[name]
     count = len(corners)
     lines = [f"v {10 * x} {y} {10 * z}" for y in (-50, 50) for x, z in corners]
@@ -51,7 +51,7 @@ def write_mesh(folder: Path, name: str) -> None:
 
 
 def stage_with(folder: Path, mesh: str, solid: str, ball: Sequence[float] = ()) -> StageDocument:
-    """A mesh on a table, and a ball that is let go of over it."""
+    """Return a stage with a mesh on a table, and a ball that is released above it."""
     write_mesh(folder, mesh)
     x, y, z = ball or (0.0, 0.0, 0.0)
     place = f"\n      ball: {{things: [ball], place: {{x: {x}, y: {y}, z: {z}}}}}" if ball else ""
@@ -117,7 +117,7 @@ def test_a_ball_rolls_down_a_hull(unseeing: Simulated, tmp_path: Path) -> None:
 def test_a_mesh_is_seen_as_it_is(
     rendered: BulletBackend, dexter: RobotDocument, tmp_path: Path
 ) -> None:
-    """That of a box as a box, whatever is touched of it, and that of a wedge as less."""
+    """Show a box mesh as a box for every kind of solid, and a wedge mesh as less."""
     if rendered.renderer.startswith("mujoco"):
         with pytest.raises(BackendError, match="draws no mesh"):
             rendered.reset(stage_with(tmp_path, "box", "hull"), None, np.random.default_rng(0))

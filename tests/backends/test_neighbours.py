@@ -1,4 +1,4 @@
-"""Neighbours of a thing in the world: what it presses on, on every engine with contact forces."""
+"""Neighbours of an object in the world: its contacts, on every engine with contact forces."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Both backends embody the same robot in the same world, as far as controllers can tell.
 
-The slow tests run shipped programs on both and compare the states that the programs passed, and
-what came of them. What differs without physics is stated where it is left out.
+The slow tests run shipped programs on both and compare the passed states and the outcomes.
+Differences that need physics are stated where a test leaves them out.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def test_ideal_cameras_see_what_is_in_rendered_images(
     stage: StageNamed,
     name: str,
 ) -> None:
-    """All but intensity, which shading changes, and motion, which needs two images."""
+    """Compare all but intensity, which shading changes, and motion, which needs two images."""
     channels = dexter.vision.channels
     wanted = [each for each in channel_names(channels) if each[:3] in ("hue", "sat")]
     least = dexter.vision.regions.least_area
@@ -204,7 +204,7 @@ def test_probing_fingers_are_rewarded_on_both(play: Play, seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", (70002, 70003, 70004))
 def test_spots_are_found_on_both(play: Play, seed: int) -> None:
-    """In other states now and then: fingers hide part of what they lift from the table, and more
+    """Allow different states: fingers hide part of objects that they lift from the table, and more
     of it in images than by ideal silhouettes.
     """
     both = play("visualinspect", "spotted_right", seed)
@@ -215,7 +215,7 @@ def test_spots_are_found_on_both(play: Play, seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", (70001, 70002, 70003))
 def test_both_hands_are_rewarded_on_both(play: Play, seed: int) -> None:
-    """In other states now and then: without physics nobody pushes what the other hand holds, so
+    """Allow different states: without physics no hand pushes the object that the other holds, so
     that the hold comes to rest earlier.
     """
     both = play("bimanualtouch", "table_right", seed)

@@ -30,7 +30,7 @@ AWAY = {"speed": 2.0, "direction": 0.0, "thrown": True}
 
 
 def going_on(put_back: str, **moving: Any) -> StageDocument:
-    """A stage with one box that stays on its table, and one that does not."""
+    """Return a stage with one box that stays on its table, and one that does not."""
     placed = {
         "still": {"things": ["box"], "place": {"on": "table", "x": 1.2, "y": 0.5}},
         "moving": {"things": ["box"], **moving},
@@ -113,7 +113,7 @@ def holding(request: pytest.FixtureRequest, dexter: RobotDocument) -> Iterator[S
 def test_what_is_in_the_hand_is_held_and_felt_in_the_next_episode(
     holding: Simulated, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
 ) -> None:
-    """The fingers close on a ball, and go on to press on it, tared without it."""
+    """Close the fingers on a ball; they still press on it after the tare in the next episode."""
     palm = {"hand": "right_arm", "gap": 0.02, "held": True}
     stage = made_stage(
         {"things": ["ball"], "place": palm},

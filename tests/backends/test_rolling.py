@@ -1,4 +1,4 @@
-"""Rolling and spinning friction: what rolls comes to rest, what spins slows down."""
+"""Rolling and spinning friction: rolling bodies come to rest, spinning bodies slow down."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.backends.conftest import URDF, Simulated, made_stage, run, sightless
 
 
 def with_ball(motion: dict[str, Any] | None = None, **friction: float) -> StageDocument:
-    """A ball on a table."""
+    """Return a stage with a ball on a table."""
     table = {"form": {"shape": "box", "size": [1.0, 1.2, 0.04]}, "position": [0.8, 0, -0.44]}
     place = {"on": "table", "x": 0.4, "y": 0.0}
     ball = {"form": {"shape": "ball", "radius": 0.05}, "mass": 0.2, **friction}

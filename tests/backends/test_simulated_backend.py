@@ -61,7 +61,7 @@ def test_cameras_look_at_their_rate(
 def test_images_come_as_late_as_the_robot_says(
     make: type[Simulated], dexter: RobotDocument, latency: float
 ) -> None:
-    """The first one was taken before, while nothing moved; late ones come one after the other."""
+    """Take the first image before any motion; later ones arrive one after the other."""
     backend = make(with_vision(dexter, latency=latency), URDF, cameras="ideal")
     backend.reset(stage_named("table_right"), "in_view", np.random.default_rng(0))
     late = []
@@ -93,7 +93,7 @@ def test_every_context_of_every_shipped_stage_can_begin(make: type[Simulated], n
         assert shown <= {*content.things, *content.placed}
         assert all(backend.truth.parts(thing) for thing in backend.truth.names())
         backend.step()
-        # What is held out to a hand may touch it.
+        # Objects that are held out to a hand may touch it.
         if content.place is None or content.place.hand is None:
             assert not any(backend.truth.touched(thing) for thing in shown)
     backend.close()

@@ -37,7 +37,7 @@ def draw_corrections(
 
 
 def frame_of(frame: Frame, correction: Correction) -> Frame:
-    """Where a camera is that is displaced."""
+    """Return the frame of a displaced camera."""
     position = frame.position + frame.rotation @ np.array(correction.position)
     return Frame(position, frame.rotation @ rotation_of(np.array(correction.rotation)))
 
@@ -46,12 +46,12 @@ class ShownBall:
     """Shows a ball in sampled postures.
 
     Args:
-        robot: Dexter.
-        kinematics: of it.
-        model: draws the arm's postures.
-        rng: source of all chance.
-        spread: share of the differences between the postures.
-        in_hand: where the ball's centre is in the frame of the palm, m, shape (3,).
+        robot: Robot document of Dexter.
+        kinematics: Kinematics of the robot.
+        model: Sampler of the arm's postures.
+        rng: Random generator for all samples.
+        spread: Share of the differences between the postures.
+        in_hand: Centre of the ball in the frame of the palm, m, shape (3,).
     """
 
     def __init__(
@@ -72,13 +72,13 @@ class ShownBall:
     def views(
         self, true: Mapping[str, Correction], count: int, noise: float, lasting: float = 0.0
     ) -> list[HandView]:
-        """Views by all cameras in ``count`` postures.
+        """Return views by all cameras in ``count`` postures.
 
         Args:
-            true: displacements of the cameras.
-            count: how many postures.
-            noise: standard deviation of image points, px.
-            lasting: that of errors which a tenth of all postures, in a row, have in common, px.
+            true: Displacements of the cameras.
+            count: Number of postures.
+            noise: Standard deviation of image points, px.
+            lasting: Standard deviation of errors that each tenth of the postures shares, px.
         """
         views: list[HandView] = []
         for number in range(count):

@@ -1,4 +1,4 @@
-"""Estimated displacements of cameras against those that made the views."""
+"""Estimated displacements of cameras against the true ones of synthetic views."""
 
 from __future__ import annotations
 

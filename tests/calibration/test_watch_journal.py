@@ -1,4 +1,4 @@
-"""Journals of calibrations: what was watched survives, and nothing else is taken for it."""
+"""Journals of calibrations: measured views survive, and other files are rejected."""
 
 from __future__ import annotations
 

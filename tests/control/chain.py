@@ -62,7 +62,7 @@ class Chain:
         return np.concatenate((moved, turned + turned.swapaxes(0, 1)), axis=2).transpose(2, 0, 1)
 
     def signal(self, kind: str, q: Floats) -> Signal:
-        """The chain's tip, or its joints, as a signal of a type."""
+        """Return the chain's tip, or its joints, as a signal of a type."""
         position, rotation, jacobian = self.pose(q)
         if kind == "position":
             return Signal(position, jacobian[:3])

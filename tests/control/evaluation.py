@@ -1,4 +1,4 @@
-"""Potentials by the joints: what a test measures, and what a potential makes of it."""
+"""Potentials by the joints: the signals of a test, and the evaluations by a potential."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def evaluate(
     *,
     in_python: bool = False,
 ) -> Evaluation:
-    """A potential by its function alone, compiled or, with bounds checked, interpreted."""
+    """Evaluate a potential's function, compiled or, with bounds checked, interpreted."""
     goal = np.zeros(0) if reference is None else flat(reference)
     function = interpreted(potential.function) if in_python else potential.function
     residual, slope = np.zeros(potential.size), np.zeros((potential.size, len(signal.jacobian)))
@@ -51,7 +51,7 @@ def evaluate(
 
 
 def gradient(potential: str, evaluation: Evaluation) -> Floats:
-    """Of phi by the joints."""
+    """Return the gradient of phi by the joints."""
     if POTENTIALS[potential].residual:
         slope: Floats = -evaluation.jacobian.T @ evaluation.residual
         return slope
@@ -60,5 +60,5 @@ def gradient(potential: str, evaluation: Evaluation) -> Floats:
 
 
 def flat(value: Floats) -> Floats:
-    """A value as a row of the signal table has it."""
+    """Return a value as a row of the signal table."""
     return flattened(value, "pose" if value.shape == (4, 4) else "").astype(np.float64)

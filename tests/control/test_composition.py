@@ -1,4 +1,4 @@
-"""The law's arithmetic: exact, whatever the rank and condition of the rows."""
+"""The law's arithmetic: exact for every rank and condition of the rows."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ def test_nearly_dependent_rows_neither_leak_nor_spoil_what_is_below(
         wanted = rng.normal(size=9)
         blocks = [first, second, np.eye(9)]
         step, values = composed(blocks, [np.zeros(3), np.zeros(3), wanted])
-        # What counts as rounding, 1e-13 of the rows, is left to the step.
+        # Singular values up to the rounding threshold, 1e-13 of the rows, are left to the step.
         assert np.abs(np.vstack((first, second)) @ step).max() < 1e-11
         rank = np.count_nonzero(values[:6])
         np.testing.assert_allclose(sorted(values[6:]), [0.0] * rank + [1.0] * (9 - rank), atol=1e-9)
-        # The shortest way: a projection of what is wanted.
+        # The shortest way: a projection of the desired displacement.
         assert step @ step == pytest.approx(step @ wanted)
 
 
@@ -68,7 +68,7 @@ def test_levels_move_as_pseudoinverses_of_what_is_left(
 def test_nearly_dependent_rows_have_the_singular_values_they_should(
     count: int, exponent: int, rng: np.random.Generator
 ) -> None:
-    """In a bounded number of sweeps, whatever rounding does to nearly parallel rows."""
+    """Compute them in a bounded number of sweeps in spite of rounding in nearly parallel rows."""
     for _ in range(50):
         rows = np.outer(rng.normal(size=count), rng.normal(size=14))
         rows += 10.0**-exponent * rng.normal(size=rows.shape)

@@ -1,4 +1,4 @@
-"""Harmonic fields: what the theory promises of them, over scenes in one to three dimensions."""
+"""Harmonic fields: their properties in theory, over scenes in one to three dimensions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FIELDS = {name: scene.field() for name, scene in SCENES.items()}
 
 
 def follow(field: HarmonicField, start: Floats, goal: Floats) -> list[Floats]:
-    """The way down by steps of 0.4 cells, no longer than what is left."""
+    """Return the descent by steps of 0.4 cells, or of the remaining distance if it is less."""
     path = [start]
     for _ in range(40 * max(field.grid.shape)):
         left = float(np.linalg.norm(goal - path[-1]))

@@ -1,4 +1,4 @@
-"""Grids: cells, what blocks them, and what is connected."""
+"""Grids: cells, blocked cells, and connected cells."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def prepared(
 
 @pytest.fixture
 def solved(monkeypatch: pytest.MonkeyPatch) -> list[HarmonicField]:
-    """The fields that were solved for."""
+    """Return a list that collects the fields that are solved."""
     fields: list[HarmonicField] = []
 
     class Counted(HarmonicField):
@@ -251,7 +251,7 @@ def test_a_harmonic_potential_needs_a_field() -> None:
 
 
 def built(field: Field | None, lower: Floats, upper: Floats) -> Potential:
-    """The potential of two joints with limits, rad."""
+    """Return the potential of two joints with limits, rad."""
     arm = Resource("arm", configuration(2), Origin.PROPRIOCEPTION, EffectorConfiguration("arm"))
     own = Controller(
         "go", "harmonic", arm, None, arm, (), (), False, 2.0, None, None, Quiescence(1e-3, 0.3),

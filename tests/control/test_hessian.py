@@ -101,7 +101,7 @@ class Spring:
 
 
 def displaced(value: Floats, kind: str, rng: np.random.Generator) -> Floats:
-    """A value a little apart."""
+    """Return a slightly displaced value."""
     if kind == "orientation":
         return (exp(APART * rng.normal(size=3)) @ value.reshape(3, 3)).ravel()
     if kind == "pose":
@@ -111,7 +111,7 @@ def displaced(value: Floats, kind: str, rng: np.random.Generator) -> Floats:
 
 
 def check(it: Spring, rng: np.random.Generator) -> None:
-    """The second derivative of phi along a line is |J d|^2 - e . H[d, d]."""
+    """Check that the second derivative of phi along a line is |J d|^2 - e . H[d, d]."""
     for _ in range(5):
         q = rng.uniform(-1.0, 1.0, it.joints)
         value, _ = it.place(q)

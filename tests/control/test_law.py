@@ -24,7 +24,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 @pytest.fixture(scope="module", autouse=True)
 def compiled() -> None:
-    """What is compiled at first is not for the first example to wait for."""
+    """Compile the law before the first example."""
     law_of(3).solve([], np.zeros(3))
 
 
@@ -51,7 +51,7 @@ def random_stack(rng: np.random.Generator, joints: int) -> list[Level]:
                 rows = above[: len(rows)]
             case "mixed":
                 rows = rng.normal(size=(len(rows), len(above))) @ above / len(above)
-            case "nearly mixed":  # what is left of them has lost all but a few of its digits
+            case "nearly mixed":  #  all but a few of the digits of their remainder are lost
                 mixed = rng.normal(size=(len(rows), len(above))) @ above / len(above)
                 rows = mixed + 10.0 ** rng.uniform(-12, -6) * rows
         levels.append(Level(f"level {i}", rows, rng.normal(size=len(rows))))
@@ -63,7 +63,7 @@ def law_of(joints: int, settings: LawSettings = WIDE, limit: float = np.inf) -> 
 
 
 def prefixes(law: Law, levels: list[Level], q: Floats) -> list[Step]:
-    """The results for the highest 1, 2, ... levels."""
+    """Return the results for the highest 1, 2, ... levels."""
     return [law.solve(levels[: i + 1], q) for i in range(len(levels))]
 
 
@@ -156,7 +156,7 @@ def test_reports_explain_what_was_left() -> None:
 
 @pytest.mark.parametrize("joints", [3, 7])
 def test_steps_are_bounded_and_continuous_through_a_singularity(joints: int) -> None:
-    """A planar arm is straightened and bent again while it is pulled at along itself."""
+    """Straighten and bend a planar arm while it is pulled along its own axis."""
     chain, settings = Chain.planar(joints), LawSettings(joint_step=1e3)
     law = law_of(joints, settings)
     velocity = np.array([0.003, 0.001])
@@ -216,7 +216,7 @@ def test_hand_stays_at_its_goal_against_a_level_that_never_rests() -> None:
     for tick in range(3000):
         rows, error = reach(chain, q, goal)
         wanted = start + 0.3 * np.sin(2.0 * tick * TICK + np.arange(7))
-        # A Newton step a tick (kappa = 1), and a hundredth of the way below it. What is left is
+        # A Newton step a tick (kappa = 1), and a hundredth of the way below it. The remainder is
         # of second order: the square of the lower level's displacement in one tick.
         levels = [
             Level("reach", rows, error / 2),
@@ -225,11 +225,11 @@ def test_hand_stays_at_its_goal_against_a_level_that_never_rests() -> None:
         step = law.solve(levels, q).displacement
         q, travelled = q + step, travelled + float(np.linalg.norm(step))
         assert np.linalg.norm(chain.pose(q)[0] - goal) < 1e-5
-    assert travelled > 1.0  # rad: the lower level did move what it may
+    assert travelled > 1.0  # rad: the lower level did move its free joints
 
 
 def drift(error: Floats) -> Level:
-    """A lower level that moves every joint, none faster than 0.8 rad/s."""
+    """Return a lower level that moves every joint, none faster than 0.8 rad/s."""
     rate = error * min(1.0, 0.8 / float(np.abs(error).max()))
     return Level("drift", np.eye(len(error)), rate * TICK)
 
@@ -306,7 +306,7 @@ def test_recovery_at_full_speed_leaves_the_other_joints_their_task(
 
 
 def test_a_joint_at_full_speed_does_not_stop_the_levels_below() -> None:
-    """The lower level's share in that joint is nothing but rounding."""
+    """Give the lower level a share in that joint that is only rounding."""
     high = Level("high", np.array([[0.3, 0.1, 0.0, 0.0], [0.1, -0.2, 0.0, 0.0]]), np.ones(2))
     low = Level("low", np.array([[0.7, 0.9, 0.6, 0.8]]), np.array([0.001]))
     first, both = prefixes(law_of(4, DEXTER), [high, low], np.zeros(4))
@@ -316,7 +316,7 @@ def test_a_joint_at_full_speed_does_not_stop_the_levels_below() -> None:
 
 @given(seed=seeds)
 def test_a_joint_at_full_speed_does_not_shorten_what_the_other_joints_do(seed: int) -> None:
-    """The lower level brings another joint to full speed: rounding in the first takes no part."""
+    """Bring another joint to full speed by the lower level; rounding in the first has no effect."""
     rng = np.random.default_rng(seed)
     rows = np.zeros((2, 4))
     rows[:, :2] = np.eye(2) + rng.uniform(-0.3, 0.3, (2, 2))

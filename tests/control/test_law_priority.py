@@ -1,4 +1,4 @@
-"""Priority on real arms: what lower levels add moves nothing above them."""
+"""Priority on real arms: displacements by lower levels move no level above them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Arms:
         return np.clip(q * rng.choice([0.0, 1e-6, 1.0], p=[0.05, 0.05, 0.9]), lower, upper)
 
     def rows(self, rng: np.random.Generator) -> Floats:
-        """Of a tip's position, heading, orientation or pose, of a configuration, or any."""
+        """Return rows of a tip's position, heading, orientation, pose, a configuration, or any."""
         tip = self.kinematics.jacobian(self._tips[rng.integers(len(self._tips))])
         own = self._configurations[rng.integers(len(self._configurations))]
         match rng.integers(6):

@@ -1,4 +1,4 @@
-"""Guards of loads: what is left of a motion towards a force, and of the references that press."""
+"""Load guards: the remaining motion towards a force, and the remaining pressing references."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ BOUND, PACE = 10.0, 2e-4  # N, m per tick
 
 
 class Pressing:
-    """A tip of three coordinates and five joints that is moved along what its cells press with.
+    """Tip of three coordinates and five joints that moves along the force of its cells.
 
     Args:
-        forces: of its load cells, N, shape (cells, 3).
-        lead: of the references before the positions along the motion, rad.
-        towards: which way it is moved along the sum of the forces.
+        forces: Forces of its load cells, N, shape (cells, 3).
+        lead: Lead of the references over the positions along the motion, rad.
+        towards: Direction of the motion along the sum of the forces.
     """
 
     def __init__(self, forces: np.ndarray, *, lead: float = 0.0, towards: float = 1.0) -> None:
@@ -50,7 +50,7 @@ class Pressing:
         self.bench.load_guards["bound"], self.bench.load_guards["pace"] = BOUND, PACE
 
     def motion(self) -> np.ndarray:
-        """Of the tip along the force and across it, m, in a tick."""
+        """Return the motion of the tip along the force and across it, m, in a tick."""
         assert self.bench.tick() == MOVED
         moved = self.rows @ self.bench.step.displacement
         return np.array([moved @ self.way, moved @ self.sideways])
@@ -69,7 +69,7 @@ def alone(size: float) -> np.ndarray:
 
 @pytest.fixture
 def free() -> np.ndarray:
-    """The motion without a force."""
+    """Return the motion without a force."""
     return Pressing(alone(1e-9)).motion()
 
 
@@ -110,13 +110,13 @@ def test_the_forces_of_a_hand_add_up(free: np.ndarray) -> None:
 def test_references_that_press_from_afar_come_back_beyond_the_bound(
     share: float, kept: float
 ) -> None:
-    """By their part along the force alone, as the joints feel it; those that lag stay."""
+    """Move references back along the force, as the joints feel it; lagging ones stay."""
     assert Pressing(alone(share * BOUND), lead=0.02).kept() == pytest.approx(kept)
     assert Pressing(alone(share * BOUND), lead=-0.02).kept() == pytest.approx(1.0)
 
 
 def test_two_guards_hold_at_once() -> None:
-    """Of one tip along two forces at right angles."""
+    """Bound the motion of one tip along two forces at right angles."""
     forces = np.array([[8.0, 0.0, 0.0], [0.0, 9.0, 0.0]])
     it = Pressing(forces)
     it.bench.load_guards = np.repeat(it.bench.load_guards, 2)
@@ -129,7 +129,7 @@ def test_two_guards_hold_at_once() -> None:
 
 
 def test_joints_give_way_along_what_they_feel() -> None:
-    """By as many rows as the guard has joints, in place of a tip and its cells."""
+    """Use as many rows as the guard has joints, in place of a tip and its cells."""
     by_cells, by_joints = (Pressing(alone(0.9 * BOUND), lead=0.1) for _ in range(2))
     guards = by_joints.bench.load_guards
     guards["first"] = guards["last"] = 0

@@ -13,7 +13,7 @@ from tests.control.test_registry import curved, manipulator
 
 
 def planar(chain: Chain, q: Floats) -> Evaluation:
-    """Of the tip's position in the plane that the chain moves in."""
+    """Evaluate the tip's position in the plane in which the chain moves."""
     jacobian, curvature = curved(chain, q)
     return of(jacobian[:2], curvature[:2])
 

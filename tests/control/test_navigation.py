@@ -34,10 +34,11 @@ class Function(NamedTuple):
     """A potential as a function of its feedback, on the domain of its claims.
 
     Attributes:
-        at: phi and its gradient by ``move``'s displacements, or ``SignalError`` outside.
-        draw: a point of the domain.
-        bound: of the gradient's norm.
-        move: a point displaced by a vector.
+        at: Function that returns phi and its gradient by ``move``'s displacements, or raises
+        ``SignalError`` outside.
+        draw: Function that samples a point of the domain.
+        bound: Bound of the gradient's norm.
+        move: Function that displaces a point by a vector.
     """
 
     at: Callable[[Floats], tuple[float, Floats]]
@@ -134,14 +135,14 @@ def sights(rng: np.random.Generator) -> Iterator[Function]:
 
 
 def moved(pose: Floats, by: Floats) -> Floats:
-    """A pose (4, 4) displaced, and turned about itself."""
+    """Return a pose (4, 4) displaced, and turned about itself."""
     shifted = pose.copy()
     shifted[:3, :3], shifted[:3, 3] = exp(by[3:]) @ pose[:3, :3], pose[:3, 3] + by[:3]
     return shifted
 
 
 def view(pose: Floats, point: Floats) -> tuple[float, Floats]:
-    """The look of a tip's z axis at a point."""
+    """Evaluate ``look_at`` for a tip's z axis and a point."""
     evaluation = evaluate(look_at("z"), Signal(pose, np.eye(6)), point)
     if math.isnan(evaluation.phi):
         raise SignalError("the point is where the tip is")
@@ -173,7 +174,7 @@ FUNCTIONS: dict[str, Callable[[np.random.Generator], Iterator[Function]]] = {
 
 
 def curvature(function: Function, point: Floats, direction: Floats, small: float) -> float:
-    """The gradient's slope along a direction, by differences."""
+    """Return the gradient's slope along a direction, by differences."""
     ahead, behind = (
         function.at(function.move(point, way * direction))[1] for way in (small, -small)
     )
@@ -210,7 +211,7 @@ def descend(function: Function, point: Floats) -> Floats:
 
 
 def critical(function: Function, point: Floats) -> Floats | None:
-    """Where Newton's search for a vanishing gradient ends, if that is in the domain."""
+    """Search for a vanishing gradient by Newton's method; return its end if it is in the domain."""
     try:
         for _ in range(30):
             slope = function.at(point)[1]
@@ -240,13 +241,13 @@ def is_analytic(function: Function, rng: np.random.Generator) -> bool:
 
 
 def converges(function: Function, point: Floats, direction: Floats) -> bool:
-    """Whether halved differences of the gradient halve their error, or better."""
+    """Return True if halved differences of the gradient halve their error, or better."""
     a, b, c = (curvature(function, point, direction, h) for h in (4e-3, 2e-3, 1e-3))
     return abs(b - c) <= 0.5 * abs(a - b) + 1e-6 * (1 + abs(c))
 
 
 def is_polar(function: Function, rng: np.random.Generator) -> bool:
-    """All descents end in one point, and no search for another critical point finds any."""
+    """Return True if all descents and all searches for a critical point end in one point."""
     ends = [descend(function, function.draw()) for _ in range(8)]
     found = [critical(function, function.draw()) for _ in range(8)]
     points = ends + [point for point in found if point is not None]
@@ -254,13 +255,13 @@ def is_polar(function: Function, rng: np.random.Generator) -> bool:
 
 
 def is_admissible(function: Function, rng: np.random.Generator) -> bool:
-    """No gradient is longer than a bound that is known beforehand."""
+    """Return True if no gradient is longer than the bound."""
     largest = max(np.linalg.norm(function.at(function.draw())[1]) for _ in range(100))
     return bool(largest <= function.bound < np.inf)
 
 
 def is_morse(function: Function, rng: np.random.Generator) -> bool:
-    """The Hessian is regular where descents end."""
+    """Return True if the Hessian is regular at the ends of descents."""
     for _ in range(3):
         values = np.abs(np.linalg.eigvalsh(hessian(function, descend(function, function.draw()))))
         if values.min() < 1e-3 * values.max():
@@ -311,7 +312,7 @@ def flat(chain: Chain, coupling: Floats) -> Callable[[Floats], tuple[float, Floa
 
 
 def two_links(elbow: tuple[float, float], rng: np.random.Generator) -> Function:
-    """As a function of the elbow alone; the shoulder makes no difference."""
+    """Return a function of the elbow alone; the shoulder makes no difference."""
     at = flat(Chain.planar(2), np.eye(2))
 
     def of_elbow(angle: Floats) -> tuple[float, Floats]:
@@ -322,13 +323,13 @@ def two_links(elbow: tuple[float, float], rng: np.random.Generator) -> Function:
 
 
 def manipulability_polar(rng: np.random.Generator) -> None:
-    """An elbow that bends one way has one optimum, one that bends both ways has two."""
+    """Find one optimum for an elbow that bends one way, and two for one that bends both ways."""
     assert is_polar(two_links((0.1, 3.0), rng), rng)
     assert not is_polar(two_links((-3.0, 3.0), rng), rng)
 
 
 def manipulability_morse(rng: np.random.Generator) -> None:
-    """A joint that carries the whole chain makes no difference, unless others follow it."""
+    """Ignore a joint that carries the whole chain, unless others follow it."""
     free = Function(flat(Chain.planar(3), np.eye(3)), lambda: rng.uniform(0.4, 1.4, 3), np.inf)
     assert not is_morse(free, rng)
     coupling = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 0.0]])
@@ -355,7 +356,7 @@ SADDLE = np.array([0.35 / np.sqrt(12), 0.0, 0.0])
 
 
 def localizability_polar(rng: np.random.Generator) -> None:
-    """It falls to 0 towards either camera; between, there is a saddle."""
+    """Fall to 0 towards either camera, with a saddle between them."""
     np.testing.assert_allclose(at_point(SADDLE)[1], 0.0, atol=1e-8)
     for camera in CAMERAS:
         way = np.linspace(SADDLE, camera.position + np.array([1e-4, 0.0, 0.0]), 30)
@@ -365,21 +366,21 @@ def localizability_polar(rng: np.random.Generator) -> None:
 
 
 def localizability_admissible(rng: np.random.Generator) -> None:
-    """Its gradient grows with the distance without end."""
+    """Show a gradient that grows with the distance without bound."""
     slopes = [np.linalg.norm(at_point(np.array([depth, 0.0, 0.0]))[1]) for depth in (1, 10, 100)]
     assert slopes[1] > 50 * slopes[0]
     assert slopes[2] > 50 * slopes[1]
 
 
 def localizability_morse(rng: np.random.Generator) -> None:
-    """The saddle is a circle around the baseline."""
+    """Show a saddle that is a circle around the baseline."""
     for angle in rng.uniform(-1, 1, 5):
         turned = SADDLE[0] * np.array([np.cos(angle), 0.0, np.sin(angle)])
         np.testing.assert_allclose(at_point(turned)[1], 0.0, atol=1e-7)
 
 
 def looking_along(line: Floats) -> Floats:
-    """A pose at the origin whose z axis points along a vector."""
+    """Return a pose at the origin whose z axis points along a vector."""
     pose, z = np.eye(4), line / np.linalg.norm(line)
     x = np.cross([0.0, 1.0, 0.0], z)
     x /= np.linalg.norm(x)
@@ -399,7 +400,7 @@ def look_at_polar(rng: np.random.Generator) -> None:
 
 
 def look_at_admissible(rng: np.random.Generator) -> None:
-    """Its gradient grows without end as the point comes near."""
+    """Show a gradient that grows without bound as the point comes near."""
     line = np.array([1.0, 0.0, 1.0])
     slopes = [np.linalg.norm(view(np.eye(4), line * size)[1]) for size in (1, 0.1, 0.01)]
     assert slopes[1] > 5 * slopes[0]

@@ -1,6 +1,6 @@
 """The harmonic potential meets the conditions of a navigation function that it claims, no others.
 
-It is solved for on a grid, so that only what a grid can show is checked here.
+It is solved on a grid, so that the tests check only properties that a grid can show.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def field(spacing: float, *obstacles: Obstacle) -> HarmonicField:
 
 
 def free(rng: np.random.Generator, distance: float) -> Floats:
-    """A point that is this far from everything."""
+    """Return a random point at more than a distance from all obstacles and the goal."""
     while True:
         point = rng.uniform(LOWER + distance, UPPER - distance)
         clear = all(obstacle.distance(point) > distance for obstacle in OBSTACLES)
@@ -40,7 +40,7 @@ def free(rng: np.random.Generator, distance: float) -> Floats:
 
 
 def analytic(rng: np.random.Generator) -> None:
-    """Its value is the mean over any circle around, as for harmonic functions alone."""
+    """Check that its value is the mean over any circle around, as for harmonic functions alone."""
     solved = field(0.02, *OBSTACLES)
     angles = np.linspace(0, 2 * np.pi, 48, endpoint=False)
     circle = 0.12 * np.column_stack((np.cos(angles), np.sin(angles)))
@@ -51,7 +51,7 @@ def analytic(rng: np.random.Generator) -> None:
 
 
 def polar(rng: np.random.Generator) -> None:
-    """Every way down ends at the goal."""
+    """Check that every descent ends at the goal."""
     potential = Harmonic(LOWER, UPPER, spacing=0.05, scale=0.05).potential
     for _ in range(8):
         point = free(rng, 0.1)
@@ -111,7 +111,7 @@ def test_claims_are_those_that_hold(condition: str, rng: np.random.Generator) ->
 
 
 def test_displacements_are_bounded_where_the_gradient_is_not(rng: np.random.Generator) -> None:
-    """Which is why the gradient gives only their direction (Eq 7.1)."""
+    """Bound displacements, because the gradient gives only their direction (Eq 7.1)."""
     potential = Harmonic(LOWER, UPPER, spacing=0.05, scale=0.05).potential
     for _ in range(50):
         found = prepared(potential, free(rng, 0.02), GOAL, OBSTACLES)

@@ -1,4 +1,4 @@
-"""Obstacles: distances, and what counts as having moved."""
+"""Obstacles: distances, and the displacements that count as motion."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_differs_by_more_than_the_tolerance_in_any_part() -> None:
 
 
 def test_a_shaft_is_all_that_is_missing_of_a_box(rng: np.random.Generator) -> None:
-    """Wherever the goal is, and also where the shaft is partly or wholly beside the box."""
+    """Remove the shaft at every goal, also if it is partly or wholly beside the box."""
     box = Obstacle("table", np.array([-1.0, -2.0, -0.5]), np.array([1.0, 2.0, 0.0]))
     for _ in range(30):
         goal = rng.uniform([-2, -3, -0.5], [2, 3, 0.5])

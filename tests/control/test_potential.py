@@ -32,7 +32,7 @@ SMALL = 1e-6
 
 
 class Case(NamedTuple):
-    """What is measured: a part of an effector or a group, or what is seen."""
+    """Measured signal: a part of an effector or a group, or a sighting."""
 
     robot: str
     potential: str
@@ -102,7 +102,7 @@ def measure(case: Case, q: Floats, anchor: Floats) -> Signal:
 
 
 def carried(case: Case) -> Signal:
-    """Where what an effector or a group holds would move with it."""
+    """Return the signal of an object that an effector or a group would carry."""
     tips, share = signals(case.robot).tips, float(case.part == "held")
     points = [tips.point(arm) for arm in ROBOTS[case.robot].members(case.effector)]
     return Signal(
@@ -117,7 +117,7 @@ def cameras(case: Case) -> list[Frame]:
 
 
 def sighting(case: Case, anchor: Floats) -> Signal:
-    """The headings to a point which is ``anchor`` away from what carries it."""
+    """Return the headings to a point at ``anchor`` from its carrier."""
     carrier, values, rows = carried(case), [], []
     for frame, camera in zip(cameras(case), ROBOTS[case.robot].cameras.values(), strict=True):
         moves = kinematics(case.robot).jacobian(camera.link)
@@ -129,7 +129,7 @@ def sighting(case: Case, anchor: Floats) -> Signal:
 
 
 def ahead(case: Case, q: Floats, rng: np.random.Generator) -> Floats:
-    """The anchor of a point that is before the cameras in a posture."""
+    """Return the anchor of a point in front of the cameras in a posture."""
     kinematics(case.robot).update(q)
     if case.potential != "localizability":
         return np.zeros(3)
@@ -184,7 +184,7 @@ def test_gradient_equals_finite_differences(case: Case, rng: np.random.Generator
 
 
 def test_every_potential_and_both_arms_are_tried() -> None:
-    """All but those solved for on a grid, which have tests of their own."""
+    """Try all potentials but those solved on a grid, which have tests of their own."""
     tried = {case.potential for case in CASES}
     assert tried == {name for name, potential in POTENTIALS.items() if not potential.field}
     of_dexter = {case.effector for case in CASES if case.robot == "dexter"}

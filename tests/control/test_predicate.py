@@ -29,7 +29,7 @@ IMAGE = 8  # ticks per image at 15 Hz
 
 
 class Monitor:
-    """What a slot of the plan keeps of one potential."""
+    """Entries of one potential in a slot of the plan."""
 
     def __init__(self, rate: float, window: float, period: float) -> None:
         self.settings = settings_of(rate, window, period)
@@ -110,7 +110,7 @@ def test_a_disturbance_ends_the_rest() -> None:
 
 
 def test_a_potential_repeated_between_images_is_not_at_rest() -> None:
-    """The potential falls with every image; between images it only looks constant."""
+    """Lower the potential with every image; between images it only looks constant."""
     window = 0.05  # shorter than the 66.7 ms between two images
     falling = [1.0 / (1 + tick // IMAGE) for tick in range(IMAGE * 12)]
     assert "1" in watch(Monitor(1e-3, window, TICK), falling, every_tick)

@@ -25,7 +25,7 @@ GEOMETRIC = ("configuration", "position", "orientation", "pose")
 CASES = [
     (potential.name, kind, axis)
     for potential in POTENTIALS.values()
-    if not potential.field  # what is solved for on a grid has tests of its own
+    if not potential.field  # potentials solved on a grid have tests of their own
     for kind in sorted(potential.accepts)
     for axis in ((None, "x", "y", "z") if kind in ("orientation", "pose") else (None,))
 ]
@@ -50,7 +50,7 @@ def controller(potential: str, kind: ResourceType) -> Controller:
 def made(
     potential: str, kind: ResourceType, joints: int, axis: str | None, rng: np.random.Generator
 ) -> Potential:
-    """As the registry builds it for the tip of a chain, or as a free axis makes it."""
+    """Return the registered potential for the tip of a chain, or a spring with a free axis."""
     rows = 3 * joints if potential == "manipulability" else kind.size
     components = {"orientation": 9, "pose": 12}.get(kind.name, rows)
     limits = -rng.uniform(2, 3, joints), rng.uniform(2, 3, joints)
@@ -60,7 +60,7 @@ def made(
 
 
 def measure(potential: str, kind: ResourceType, chain: Chain, q: Floats, mix: Floats) -> Signal:
-    """The signal of a type; those without geometry are smooth functions of the joints."""
+    """Return the signal of a type; types without geometry are smooth functions of the joints."""
     if potential == "manipulability":
         return bent(chain, q)
     if potential == "localizability":
@@ -72,20 +72,20 @@ def measure(potential: str, kind: ResourceType, chain: Chain, q: Floats, mix: Fl
 
 
 def bent(chain: Chain, q: Floats) -> Signal:
-    """The Jacobian of the chain's tip, row by row, and its derivative."""
+    """Return the Jacobian of the chain's tip, row by row, and its derivative."""
     jacobian, curvature = curved(chain, q)
     return manipulator(jacobian, curvature)
 
 
 def manipulator(jacobian: Floats, curvature: Floats) -> Signal:
-    """A Jacobian (m, n) as a signal, and its curvature (m, n, n) as the Jacobian of that."""
+    """Return a Jacobian (m, n) as a signal, with its curvature (m, n, n) as Jacobian."""
     return Signal(jacobian.ravel(), curvature.reshape(jacobian.size, -1))
 
 
 def curved(chain: Chain, q: Floats) -> tuple[Floats, Floats]:
-    """The Jacobian of a tip's position (3, n), and its derivative by the joints (3, n, n).
+    """Return the Jacobian of a tip's position (3, n), and its derivative by the joints (3, n, n).
 
-    Of two joints, that nearer to the base turns the tip's velocity by the other.
+    For two joints, the joint nearer to the base turns the tip's velocity by the other.
     """
     linear, angular = np.split(chain.pose(q)[2], 2)
     turned = np.cross(angular.T[:, None], linear.T[None]).transpose(2, 0, 1)
@@ -95,7 +95,7 @@ def curved(chain: Chain, q: Floats) -> tuple[Floats, Floats]:
 
 
 def sighting(tip: Signal) -> Signal:
-    """The headings to a tip in both cameras."""
+    """Return the headings to a tip in both cameras."""
     seen = [camera.rotation.T @ (tip.value - camera.position) for camera in CAMERAS]
     return Signal(
         np.concatenate([heading(point) for point in seen]),

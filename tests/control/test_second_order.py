@@ -35,7 +35,7 @@ class Stretched(NamedTuple):
 
 
 def stretched(seed: int) -> Stretched:
-    """A planar or spatial arm of 3 to 9 joints; half of the targets are out of reach."""
+    """Sample a planar or spatial arm of 3 to 9 joints; half of the targets are out of reach."""
     rng = np.random.default_rng(seed)
     joints = int(rng.integers(3, 10))
     length = rng.uniform(0.6, 1.3)

@@ -1,4 +1,4 @@
-"""Levels, tick by tick: who acts, for how long, and what the law sees of it."""
+"""Levels, tick by tick: the active levels, their age, and their ticks in the law."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_levels_that_act_are_those_that_are_seen() -> None:
 
 
 def test_what_rested_begins_anew() -> None:
-    """A level that comes back has no past, whatever its neighbours have."""
+    """Clear the past of a level that comes back, for every past of its neighbours."""
     stack = Stack([("high", 2), ("low", 1)], 3)
     for tick in range(5):
         # The next of three ticks, as ``tick`` begins it.

@@ -1,4 +1,4 @@
-"""Slots in one compiled call do what evaluating, bounding and noting each by itself do."""
+"""Slots in one compiled call equal separate evaluations, bounds and records."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from tests.control.test_predicate import Monitor
 from tests.control.test_rate import TICK, controller
 
 ALL = 9  # joints
-JOINTS = np.array([5, 2, 0, 3, 7])  # those that the slots move
+JOINTS = np.array([5, 2, 0, 3, 7])  # the joints that the slots move
 ROWS = 3
 SEARCHING = Search(False, math.inf, math.nan, ())
 
 
 class Case(NamedTuple):
-    """A potential, the controller that bounds it, and what else its slot has."""
+    """Potential, the controller that bounds it, and the other settings of its slot."""
 
     potential: Potential
     controller: Controller
@@ -49,7 +49,7 @@ class Case(NamedTuple):
     requires: bool = False
 
     def value(self, rng: np.random.Generator) -> Floats:
-        """Of its feedback."""
+        """Return a random value of its feedback."""
         if self.controller.feedback.type == ORIENTATION:
             return exp(rng.normal(size=ROWS)).ravel()
         return rng.normal(size=2 * ROWS if self.potential.rule == Rule.DESCENT else ROWS)
@@ -205,7 +205,7 @@ def test_references_move_by_the_laws_displacement(bench: Bench, rng: np.random.G
 
 
 def test_modes(rng: np.random.Generator) -> None:
-    """What is undefined is idle, or searches where there is something to move for."""
+    """Idle if undefined, or search if the slot has a search."""
     searching = [case._replace(search=SEARCHING) for case in CASES[:4]]
     bench = Bench([CASES[0], *searching], rng)
     for now in range(2):
@@ -216,7 +216,7 @@ def test_modes(rng: np.random.Generator) -> None:
         bench.table.forget(bench.reference[3])
         assert bench.tick() == MOVED
     assert bench.plan.slots["mode"].tolist() == [IDLE, SEARCH, IDLE, IDLE, TRACK]
-    # What was defined and searches is as good as defined to those who require it.
+    # A slot that was defined and searches counts as defined for the slots that require it.
     assert bench.plan.slots["engaged"].tolist() == [False, True, False, False, True]
     assert bench.stack.ages.tolist() == [0, 2, 0, 0, 2]
     assert np.isfinite(bench.plan.slots["phi"]).tolist() == [False, False, False, False, True]
@@ -344,7 +344,7 @@ def test_numbers_too_large_for_the_law_move_nothing(bench: Bench, rng: np.random
 def test_a_gradient_moves_the_joints_by_gain_times_itself_however_short_it_is(
     size: float, rng: np.random.Generator
 ) -> None:
-    """The law must not mistake a short gradient for a singularity."""
+    """Distinguish a short gradient from a singularity."""
     case = Case(of_jacobian(1, 3), made("manipulability", configuration(3), gain=2.0))
     bench = Bench([case._replace(potential=of_jacobian(2, 3))], rng)
     bench.columns[0] = JOINTS

@@ -24,7 +24,7 @@ SOURCES = Path(__file__).resolve().parents[2] / "cbdsl"
 
 
 def findings(entry: Entry, example: str | bytes | None, folder: Path) -> list[Diagnostic]:
-    """What is found in one of an entry's examples."""
+    """Return the diagnostics in one of an entry's examples."""
     for name, text in entry.beside.items():
         beside = folder / name
         beside.parent.mkdir(parents=True, exist_ok=True)
@@ -35,7 +35,7 @@ def findings(entry: Entry, example: str | bytes | None, folder: Path) -> list[Di
         path.write_bytes(example if isinstance(example, bytes) else example.encode("utf-8"))
     library = Library(folder)
     found = check_document(path, session=Session(library))
-    if entry.code == "CB720":  # which only matters to whoever learns, and is told by cb learn
+    if entry.code == "CB720":  # which matters only to learners and is reported by cb learn
         found = [*found, *check_rewarded(check_program(path, library=library), path, library)]
     return apply_suppressions(found, [path], library)
 

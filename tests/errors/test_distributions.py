@@ -29,7 +29,7 @@ def install(folder: Path, name: str, version: str, files: Mapping[str, str]) -> 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The only folder with distributions, beside the standard library."""
+    """Return the only folder with distributions, beside the standard library."""
     standard = [entry for entry in sys.path if entry and "site-packages" not in entry]
     monkeypatch.setattr(sys, "path", [str(tmp_path), *standard])
     return tmp_path

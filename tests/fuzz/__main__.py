@@ -2,7 +2,7 @@
 
 Each entry point runs for so long from its seeds and from the kept corpus. Inputs that reach new
 branches go to ``build/fuzz/NAME``, reduced where a shorter one reaches the same; with ``--keep``
-some of all lengths are kept in ``tests/fuzz/corpus``. What raises an error is written to
+some of all lengths are kept in ``tests/fuzz/corpus``. Inputs that raise an error are written to
 ``build/fuzz/NAME-crash-...`` (or ``-timeout-``, ``-oom-``) and ends the entry point's run.
 """
 
@@ -24,7 +24,7 @@ from tests.fuzz.corpus import keep, kept
 from tests.fuzz.entry_point import MODULES, entry_point
 
 WORK = ROOT / "build" / "fuzz"
-#: Seconds and megabytes for one input, and its bytes: what takes more is a fault.
+#: Seconds and megabytes for one input, and its bytes: an input that takes more is a fault.
 LIMITS = ("-timeout=20", "-rss_limit_mb=2500", "-max_len=16384")
 #: Inputs of an entry point that are kept, and bytes of each.
 MOST, LARGEST = 60, 800
@@ -81,7 +81,7 @@ def _write(folder: Path, inputs: Iterable[bytes]) -> None:
 
 
 def _dictionary(name: str) -> Path:
-    """What a reader might stumble over, and the commonest words of the seeds, for libFuzzer."""
+    """Write words that readers may fail on and the commonest words of the seeds, for libFuzzer."""
     common = Counter(
         word for seed in entry_point(name).seeds() for word in set(_WORD.findall(seed))
     )

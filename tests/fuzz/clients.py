@@ -1,4 +1,4 @@
-"""What people type: edits in an editor, requests of a live page, and words of commands."""
+"""User input: edits in an editor, requests of a live page, and words of commands."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ def _buffers() -> Buffers:
 
 
 def _edits(data: bytes) -> None:
-    """Edits of a shipped document: of each five bytes where, how much goes, and what comes."""
+    """Edit a shipped document; each five bytes give the place, the deleted length and the text."""
     buffers = _buffers()
     path = _PROGRAMS[data[0] % len(_PROGRAMS) if data else 0]
     text, path = path.read_text("utf-8")[:4000], Path("/nowhere") / path.name
     for start in range(1, min(len(data), 1 + _EDITS * _EDIT), _EDIT):
         high, low, length, piece, where = data[start : start + _EDIT].ljust(_EDIT, b"\0")
         at = (256 * high + low) % (len(text) + 1)
-        # The upper pieces are copies of what stands elsewhere.
+        # The upper pieces are copies of text elsewhere in the document.
         elsewhere = 16 * where
         new = PIECES[piece] if piece < len(PIECES) else text[elsewhere : elsewhere + piece]
         text = text[:at] + new + text[at + length % 64 :]
@@ -69,7 +69,7 @@ def _ask(buffers: Buffers, path: Path, text: str, at: int, *, rename: bool) -> N
 
 
 def _page_request(data: bytes) -> None:
-    """A request, which the server has read as a JSON object."""
+    """Answer a request, which the server has read as a JSON object."""
     with suppress(ValueError, RecursionError):
         request = json.loads(data)
         if isinstance(request, dict):

@@ -10,7 +10,7 @@ FOLDER = Path(__file__).parent / "corpus"
 
 
 def kept(name: str) -> list[bytes]:
-    """The inputs that are kept for an entry point."""
+    """Return the inputs that are kept for an entry point."""
     file = FOLDER / f"{name}.jsonl"
     if not file.exists():
         return []

@@ -1,4 +1,4 @@
-"""Entry points: the functions of cbdsl that read text which anybody may have written."""
+"""Entry points: the functions of cbdsl that read text from arbitrary sources."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 
 class EntryPoint(NamedTuple):
-    """An entry point, as a fuzzer and the tests call it.
+    """Entry point, as a fuzzer and the tests call it.
 
     Attributes:
-        read: reads bytes; whatever it raises is a fault.
-        seeds: what is well or nearly well formed, to begin with.
+        read: Function that reads bytes; every exception that it raises is a fault.
+        seeds: Function that returns well or nearly well formed inputs to begin with.
     """
 
     read: Callable[[bytes], None]
@@ -36,7 +36,7 @@ MODULES: Mapping[str, str] = {
 
 
 def entry_point(name: str) -> EntryPoint:
-    """The entry point of a name; what it reads with is imported now."""
+    """Return the entry point of a name; import its module now."""
     module = import_module(f"tests.fuzz.{MODULES[name]}")
     found: EntryPoint = module.ENTRY_POINTS[name]
     return found

@@ -52,7 +52,7 @@ def _journal(data: bytes) -> None:
 
 
 def _exploration_journal(data: bytes) -> None:
-    """A journal that begins with what the bytes hold, and one that begins as it should."""
+    """Read a journal that begins with the bytes, and one with a valid head before them."""
     for head in (b"", _lines(_EXPLORATION)):
         file = _copy().with_suffix(".actions.jsonl")
         file.write_bytes(head + data)
@@ -66,7 +66,7 @@ def _exploration_journal(data: bytes) -> None:
 
 @cache
 def _copy() -> Path:
-    """The recording in a folder where it may be overwritten."""
+    """Return a copy of the recording in a folder where it may be overwritten."""
     folder = Path(tempfile.mkdtemp(prefix="fuzz"))
     for suffix in (".json", ".npz"):
         shutil.copy(RECORDING.with_suffix(suffix), folder)

@@ -72,7 +72,7 @@ def _pattern(data: bytes) -> None:
 
 
 def _layout(data: bytes) -> None:
-    """What ``cb fmt`` writes it leaves as it is."""
+    """Check that ``cb fmt`` leaves its own output unchanged."""
     try:
         once = formatted_text(data.decode("utf-8", "replace"), "any.yaml")
     except DiagnosticsError:

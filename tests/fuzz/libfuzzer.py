@@ -1,6 +1,6 @@
 """One entry point under libFuzzer, in a process of its own, which libFuzzer ends.
 
-``python -m tests.fuzz.libfuzzer NAME FOLDER... -OPTION=...`` is what ``python -m tests.fuzz`` runs.
+``python -m tests.fuzz`` runs ``python -m tests.fuzz.libfuzzer NAME FOLDER... -OPTION=...``.
 """
 
 from __future__ import annotations

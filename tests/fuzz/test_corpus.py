@@ -1,6 +1,6 @@
-"""What fuzzers and people came up with is read without a fault, again and again.
+"""Inputs that fuzzers and people found are read without a fault on each run.
 
-The corpus is what ``make fuzz`` found worth keeping; whatever once was a fault is in it. That needs
+The corpus holds the inputs that ``make fuzz`` kept, with all inputs that were faults. It needs
 no fuzzer; to search for more does (extra ``fuzz``).
 """
 
@@ -40,7 +40,7 @@ def test_every_kind_of_document_is_an_entry_point() -> None:
 
 
 def test_the_algebra_of_patterns_is_held_to_sets(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A reader that is wrong is noticed: patterns are compared with the sets of their states."""
+    """Notice a wrong reader: patterns are compared with the sets of their states."""
     from tests.fuzz import language
 
     monkeypatch.setattr(language, "overlap", lambda one, other: one)
@@ -51,7 +51,7 @@ def test_the_algebra_of_patterns_is_held_to_sets(monkeypatch: pytest.MonkeyPatch
 @pytest.mark.slow
 @pytest.mark.skipif(find_spec("atheris") is None, reason="atheris is not installed (extra fuzz)")
 def test_a_fuzzer_finds_a_fault_by_its_branches() -> None:
-    """Three letters in a row are found, of which nothing but coverage tells the first."""
+    """Find three letters in a row, the first of which only coverage reveals."""
     script = (
         "import sys, atheris\n"
         "@atheris.instrument_func\n"

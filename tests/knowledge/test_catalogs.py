@@ -1,4 +1,4 @@
-"""Shipped catalogs belong to the programs as they are, and say what the source's catalogs do."""
+"""Shipped catalogs belong to the current programs, and match the source's catalogs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
 CATALOGS = sorted((ROOT / CATALOG.folder).glob("*.yaml"))
-# Section 6.2.2: what each object was found to afford; with a pad, PICKANDPLACE joined (7.1).
+# Section 6.2.2: affordances found for each object; with a pad, PICKANDPLACE joined (7.1).
 AFFORDED = {
     "table_and_pad": {"searchtrack", "reachtouch"},
     "basketball_and_pad": {"searchtrack", "reachtouch", "bimanualtouch", "pick_and_place"},

@@ -1,4 +1,4 @@
-"""What is shipped as learned belongs to the programs as they are, and does what they are for."""
+"""Shipped learned policies belong to the current programs, and achieve their goals."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ POLICIES = sorted((ROOT / POLICY.folder).glob("*.yaml"))
 MODELS = sorted((ROOT / MODEL.folder).glob("*.yaml"))
 NAMES = [path.stem for path in POLICIES]
 
-# Of these, what a thing presses with on what it stands on decides, which needs forces.
+# For these, the force of an object on its support decides, which needs forces.
 PHYSICAL = {"pick_and_place"}
 # In these contexts of training stages nothing can be won.
 HOPELESS = {"absent"}
@@ -115,7 +115,7 @@ def test_a_policy_names_those_that_ran_inside_of_it(
 def test_a_skill_that_uses_another_uses_it_as_it_was_learned(
     library: Library, learned: Callable[[str], PolicyDocument]
 ) -> None:
-    """No hand-written table runs inside of a skill whose parts have been learned."""
+    """Run no hand-written table inside of a skill whose parts have been learned."""
     known = {learned(name).program for name in NAMES}
     for name in known:
         file = library.read(library.locate(ProgramDocument, name), ProgramDocument)

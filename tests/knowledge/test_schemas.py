@@ -1,4 +1,4 @@
-"""Shipped schemas choose what works, and say before they move where nothing does."""
+"""Shipped schemas choose successful allocations, and report before moving if none exists."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_it_has_no_findings(path: Path) -> None:
 
 @pytest.mark.parametrize("path", SCHEMAS, ids=lambda path: path.stem)
 def test_it_was_learned_with_the_policies_that_are_shipped(path: Path) -> None:
-    """Which part of a composition leads decides whether both hands can stand in for one."""
+    """Require them: a composition's leading part decides if both hands can stand in."""
     library = Library(ROOT)
     provenance = library.read(path, SchemaDocument).document.provenance
     assert provenance is not None and provenance.policies

@@ -27,7 +27,7 @@ EXPRESSIONS = st.builds(
 
 
 def bare(expression: Expression) -> list[tuple[str, list[str]]]:
-    """An expression without its spans."""
+    """Return an expression without its spans."""
     return [(term.name, [a.text for a in term.arguments]) for term in expression.terms]
 
 

@@ -92,7 +92,7 @@ def test_what_was_seen_too_little_of_is_not_learned_from(schema: CheckedProgram)
 
 
 def chosen_first(learner: Assimilate, schema: CheckedProgram, times: int) -> list[str]:
-    """What is tried first on the left, in some episodes."""
+    """Return the first choices on the left, in some episodes."""
     rng, chosen = np.random.default_rng(7), []
     for _ in range(times):
         policy = learner.policy(rng)
@@ -117,7 +117,7 @@ def test_epsilon_tries_both_where_the_best_is_known(schema: CheckedProgram) -> N
 
 
 def certain(labels: str) -> Outcomes:
-    """Of trials of one kind, successes where the label is a."""
+    """Return outcomes of one kind of trial, successes for the label a."""
     successes = np.array([[float(label == "a")] for label in labels]).reshape(len(labels), 1)
     return Outcomes(successes, 1.0 - successes)
 
@@ -138,7 +138,7 @@ def test_one_that_differs_needs_no_question() -> None:
 
 
 def test_a_wide_gap_is_preferred_to_a_narrow_one() -> None:
-    """Of features that tell the same apart, that which was seen on two sides alone."""
+    """Prefer, of features that separate equally well, the one observed on two sides alone."""
     samples = [{"x": 0.1 * i, "y": float(i > 9)} for i in range(20)]
     (split,) = splits(grow(samples, certain(10 * "a" + 10 * "b"), tuple, 1))
     assert (split.feature, split.threshold) == ("y", 0.5)
@@ -180,7 +180,7 @@ def test_what_was_never_tried_is_rather_tried_than_given_up(schema: CheckedProgr
 def test_an_episode_without_what_is_chosen_does_not_tell_that_nothing_works(
     schema: CheckedProgram, blames_first: bool
 ) -> None:
-    """The left arm, tried first, leaves things where the right one, tried next, fails as well."""
+    """Move objects with the left arm, tried first, so that the right one, tried next, fails too."""
     learner = Assimilate(["any"], AssimilateConstants(blames_first=blames_first))
     learner.adopt(schema)
     here = features(schema, 0.5, -0.3)
@@ -240,13 +240,13 @@ def rightly_chosen(rng: np.random.Generator) -> int:
 
 
 def test_what_was_not_tried_is_no_failure() -> None:
-    """Each arm reaches the other's side, too, as far as 0.3 m, where only one was tried."""
+    """Find each arm's reach of 0.3 m on the other's side, although only one was tried."""
     right = sum(rightly_chosen(np.random.default_rng(seed)) for seed in range(5))
     assert right >= 0.95 * 5 * 141
 
 
 def test_leaves_with_the_same_first_allocation_are_one() -> None:
-    """Which one to try second is no reason for a question."""
+    """Merge leaves that differ only in the second allocation."""
     contexts = [
         TriedContext({"y": float(i)}, {"left": True, "right": i > 9, "both": i <= 9})
         for i in range(20)
@@ -266,7 +266,7 @@ def test_a_tally_ranks_by_chance_and_leaves_out_what_never_worked() -> None:
 
 
 def test_the_first_attempt_is_to_blame_where_nothing_was_rewarded(schema: CheckedProgram) -> None:
-    """What comes after it finds the thing where the first has left it."""
+    """Blame the first attempt, because later ones find the object where the first has left it."""
     left, right = (TriedContext({"x": x}, {"a": x > 0}) for x in (0.4, -0.4))
     spoiled = TriedContext({"x": -0.5}, {"a": False, "b": False})
     names = ("a", "b")
@@ -292,7 +292,7 @@ def test_it_is_a_constant_whether_it_is(schema: CheckedProgram, blames: bool) ->
 
 
 def test_a_schema_that_is_written_asks_what_was_grown(schema: CheckedProgram) -> None:
-    """Each question with the unit of its feature; what was looked at is called by parameters."""
+    """Write each question with the unit of its feature, and name features by parameters."""
     learner = taught(schema, 60)
     written = learner.document("mine", schema)
     (choice,), (reward,) = splits(learner.choice()), splits(learner.reward())
@@ -344,7 +344,7 @@ def test_where_nothing_is_known_every_order_is_tried(schema: CheckedProgram) -> 
 
 
 def test_what_a_tally_has_drawn_follows_the_beta_law() -> None:
-    """Of chances whose densities are 1 and 2 x, the second is larger in 2 of 3 cases."""
+    """Draw the second of chances with densities 1 and 2 x as the larger one in 2 of 3 cases."""
     tally, rng = Tally((0.0, 1.0), (0.0, 0.0)), np.random.default_rng(4)
     second = sum(tally.drawn(("a", "b"), rng)[0] == "b" for _ in range(4000))
     assert second / 4000 == pytest.approx(2 / 3, abs=0.025)
@@ -373,7 +373,7 @@ def test_of_nothing_that_was_tried_there_is_no_count() -> None:
 
 @pytest.mark.parametrize(("last", "asked"), [(1.9, False), (2.1, True)])
 def test_the_evidence_decides_whether_a_question_is_asked(last: float, asked: bool) -> None:
-    """By hand: of a, a and b the gap before b counts, which has to be half of all.
+    """Compute by hand: of a, a and b the gap before b counts, which has to be half of all.
 
     Their chance is 2! 1! / 4! without the question, and 2! / 3! times 1! / 2! with it, twice that.
     """
@@ -395,7 +395,7 @@ def test_a_feature_that_never_changes_does_not_hide_those_after_it() -> None:
 
 
 def test_a_question_is_asked_between_numbers_that_differ() -> None:
-    """Equal numbers cannot be told apart, however well their labels could."""
+    """Ask no question between equal numbers, however well it would separate their labels."""
     samples = [{"x": x, "same": 1.0} for x in (0.0, 0.0, 0.0, 0.0, 1.0, 1.0)]
     with np.errstate(all="raise"):
         tree = grow(samples, certain("aaabbb"), tuple, 1)
@@ -448,7 +448,7 @@ def test_a_ranking_of_several_is_written_whole(schema: CheckedProgram) -> None:
 
 
 def test_while_it_learns_it_gives_nothing_up(schema: CheckedProgram) -> None:
-    """Where reward seems out of reach it tries all the same."""
+    """Try an allocation while learning, even if reward seems out of reach."""
     learner = Assimilate(["any"], AssimilateConstants())
     learner.adopt(schema)
     here = features(schema, 0.5, 0.4)

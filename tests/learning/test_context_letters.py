@@ -1,4 +1,4 @@
-"""Letters of the context tell motion, side and size, as far as they are seen."""
+"""Letters of the context encode motion, side and size, as far as they are seen."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Defaults of constants keep their own bounds, and are those that results were measured with."""
+"""Defaults of constants keep their own bounds, and equal the constants of measured results."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ def touched(rng: np.random.Generator, spread: float = 0.05) -> ActionOutcome:
 def explored(
     exploration: Exploration, actions: int, rewarding: Mapping[str, float], seed: int = 0
 ) -> list[str]:
-    """Run an exploration of a world where some actions are always rewarded; what was chosen."""
+    """Run an exploration of a world with some rewarding actions; return the chosen actions."""
     rng, chosen = np.random.default_rng(seed), []
     for _ in range(actions):
         name = exploration.choose(rng)
@@ -140,7 +140,7 @@ def test_q_values_are_those_of_the_update() -> None:
     assert exploration.table["XX"]["touch"] == pytest.approx(0.5 * first.reward)
     second = exploration.note(ActionOutcome("lift", ahead=SEEN))
     assert exploration.table["0X"]["lift"] == pytest.approx(0.5 * second.reward)
-    # What is worth most in the state that it leads to counts for half.
+    # The best value in the state that it leads to counts for half.
     exploration.table["00"] = {"touch": 0.6, "lift": -1.0}
     third = exploration.note(touched(rng)._replace(ahead=SEEN))
     expected = 0.6 + 0.5 * (third.reward + 0.5 * 0.6 - 0.6)
@@ -154,7 +154,7 @@ def test_a_model_program_habituates(seed: int) -> None:
 
 
 def test_outcomes_before_a_model_began_are_in_it() -> None:
-    """One was rewarded, though what its model is over was not defined then."""
+    """Reward one outcome, although the features of its model were not defined then."""
     touch = catalog().affordances["touch"]
     constants = CatalogConstants()
     touch.note(ActionOutcome("touch", rewarded=True), constants)
@@ -214,7 +214,7 @@ def test_reward_is_as_likely_as_it_was_and_by_what_is_seen_where_that_tells() ->
 
 
 def test_in_si_a_deviation_of_one_counts_as_much_as_the_prior() -> None:
-    """Of samples a unit apart, the model of units of 1 has a tenth of the variance of 3 cm."""
+    """Compare samples a unit apart: units of 1 have a tenth of the variance of 3 cm."""
     changes = {}
     for units, deviation in (("workspace", 0.03), ("si", 1.0)):
         exploration = CatalogExploration(ACTIONS, CatalogConstants(units=units))

@@ -12,7 +12,7 @@ from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile, ImpedanceTest
 
 
 def profile(stiff: dict[str, float]) -> ImpedanceProfile:
-    """All tests; the directions of ``stiff`` are tracked one way, with these displacements."""
+    """Return all tests; ``stiff`` directions are tracked one way, with these displacements."""
     tests = []
     for name in DIRECTIONS:
         load = 2.0 if name[1] == "P" else 0.1
@@ -32,7 +32,7 @@ def test_impedance_is_the_load_over_the_displacement() -> None:
     impedances = profile({"dPz": 0.002}).impedances()
     assert impedances["dPz"] == pytest.approx(1000.0)
     assert impedances["dPx"] == pytest.approx(10.0)
-    # What does not move at all is as stiff as what moves by a millimetre.
+    # A direction that does not move at all is as stiff as one that moves by a millimetre.
     assert ImpedanceTest("dPz", 1, 0.0, 2.0, tracked=True).impedance == pytest.approx(2000.0)
 
 

@@ -97,7 +97,7 @@ class Needy(Section):
 
 
 def offered(monkeypatch: pytest.MonkeyPatch, **without: object) -> Any:
-    """A registered class that has all that a learner has, but for some of it."""
+    """Return a registered class with all members of a learner, except for some."""
     whole = {**dict.fromkeys(METHODS, lambda: None), "Constants": Section, **without}
     monkeypatch.setattr(sys.modules[__name__], "Offered", type("Offered", (), whole))
     registry: Any = Registry("learner", "none", {"it": f"{__name__}:Offered"}, LEARNERS._validate)

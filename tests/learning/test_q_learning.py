@@ -19,14 +19,14 @@ GAMMA = 0.8
 class Process(NamedTuple):
     """States and actions by number; ``after`` has shape (s, a, s), ``reward`` (s, a).
 
-    What is rewarded ends the episode.
+    A rewarded transition ends the episode.
     """
 
     after: Floats
     reward: Floats
 
     def solve(self) -> Floats:
-        """The values by value iteration, shape (s, a)."""
+        """Return the values by value iteration, shape (s, a)."""
         values = np.zeros_like(self.reward)
         goes_on = self.reward == 0
         for _ in range(200):

@@ -1,4 +1,4 @@
-"""Relations are told by the directions that are stiff, however stiff the others are."""
+"""Relations are classified by their stiff directions, for every stiffness of the others."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ STIFF = {
 
 
 def felt(relation: str, rng: np.random.Generator, scale: float = 1.0) -> ImpedanceProfile:
-    """A profile in which the relation's directions are 30 times as stiff, give or take half."""
+    """Return a profile in which the relation's directions are 30 times as stiff, +/- half."""
     tests = []
     for name in DIRECTIONS:
         for sign in (1, -1):

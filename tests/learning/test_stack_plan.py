@@ -20,7 +20,7 @@ from cbdsl.numeric.affordance import AffordanceModel
 
 
 def support(pairs: Mapping[tuple[str, str], float]) -> Any:
-    """A graph of how surely the second of two stands on the first."""
+    """Return a graph of the probabilities that the second of two objects stands on the first."""
     graph = nx.DiGraph()
     graph.add_edges_from((*pair, {"probability": own}) for pair, own in pairs.items())
     return graph
@@ -161,7 +161,7 @@ def test_of_equally_sure_stacks_the_first_by_name_is_planned() -> None:
 
 
 def test_as_many_trials_as_asked_for_are_enough() -> None:
-    """From then on the bandit chooses, which leaves what earned nothing."""
+    """Let the bandit choose after these trials; it drops options without reward."""
     exploration = explored({"a_on_b": [True, True], "b_on_a": [False, False]})
     chosen = [exploration.choose(np.random.default_rng(seed)) for seed in range(20)]
     assert chosen.count("a_on_b") > 15

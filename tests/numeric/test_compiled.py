@@ -1,4 +1,4 @@
-"""Compiling: what is kept for the next process, for how long, and calls by address."""
+"""Compiling: code kept for the next process, its lifetime, and calls by address."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_compiled_functions_are_those_of_the_source() -> None:
 def test_an_edit_of_a_callee_in_another_file_is_seen(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And code that nobody has edited is not compiled again."""
+    """Recompile only the edited code."""
     package = tmp_path / "kernels"
     package.mkdir()
     (package / "__init__.py").write_text("", encoding="utf-8")
@@ -67,14 +67,14 @@ def test_an_edit_of_a_callee_in_another_file_is_seen(
 
 def run(folder: Path) -> str:
     code = f"import sys; sys.path.insert(0, {str(folder)!r}){CALL}"
-    # Without bytecode: Python tells an edited file by whole seconds and by its size.
+    # Without bytecode: Python detects an edited file only by whole seconds and by its size.
     words = [sys.executable, "-B", "-c", code]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     return done.stdout.strip()
 
 
 def test_a_function_is_called_by_its_address() -> None:
-    """Of numba's own means, this rests on one that it does not promise to keep."""
+    """Check the one feature of numba that is used but not guaranteed by its documentation."""
     assert callable(function_type._get_jit_address)
 
     @potential

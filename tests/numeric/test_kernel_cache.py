@@ -33,7 +33,7 @@ print(kernels.doubled(3.0), sum(kernels.doubled.stats.cache_hits.values()), prob
 
 @pytest.fixture
 def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of machine code."""
+    """Return the folder of machine code."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kept"))
     return tmp_path / "kept"
 

@@ -1,4 +1,4 @@
-"""Digests change with what machine code depends on, and with nothing else."""
+"""Digests change only with the inputs of machine code."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ REGISTRIES: tuple[Registry[Any], ...] = (
 
 
 def refresh() -> None:
-    """Have all registries look anew at what is installed."""
+    """Let all registries search the installed packages again."""
     for registry in REGISTRIES:
         registry.refresh()
 
@@ -42,10 +42,10 @@ def write_package(
     """Write a distribution.
 
     Args:
-        folder: on ``sys.path``.
-        name: of the distribution, whose version is 1.0.
-        points: entry points, by group and name.
-        modules: text by module.
+        folder: Folder on ``sys.path``.
+        name: Name of the distribution, whose version is 1.0.
+        points: Entry points, by group and name.
+        modules: Text by module.
     """
     metadata = folder / f"{name.replace('-', '_')}-1.0.dist-info"
     metadata.mkdir(parents=True)

@@ -67,7 +67,7 @@ def test_a_program_with_them_runs(here: Path, monkeypatch: pytest.MonkeyPatch) -
 def test_a_modifier_of_the_slot_changes_how_a_controller_moves(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A quarter of gain and speed: a hand on its way to a point moves a quarter as fast at most."""
+    """Move a hand with a quarter of gain and speed at most a quarter as fast."""
     reach = OWN.split("  circle:")[0].split("  out:")[0] + (
         "  go: {potential: spring, reference: [0.35 m, -0.3 m, 0.1 m], feedback: "
         "right_arm.position,\n       effector: right_arm, gain: 2 /s, speed: 0.2 m/s%s}\n"

@@ -25,7 +25,7 @@ drivers:
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with the six-axis arm, driven by the package's kind of driver."""
+    """Return a folder with the six-axis arm, driven by the package's kind of driver."""
     for file in ("robots/sixaxis.*", "programs/sixaxis_reach.yaml", "programs/stages/sixaxis_*"):
         for path in ROOT.glob(file):
             copy = tmp_path / path.relative_to(ROOT)

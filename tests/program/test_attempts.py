@@ -1,4 +1,4 @@
-"""Attempts end with reward, with failure, or with what needs no allocation."""
+"""Attempts end with reward, with failure, or with an action that needs no allocation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Behavior trees: read as BehaviorTree.CPP reads them, they choose what the policy chooses."""
+"""Behavior trees: read as BehaviorTree.CPP reads them, they choose the policy's actions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.conftest import Checked
 
 
 def holds(condition: Element, state: str) -> bool:
-    """Whether a condition on the state, or one of several, holds."""
+    """Return True if a condition on the state, or one of several, holds."""
     if condition.tag == "ReactiveFallback":
         return any(holds(each, state) for each in condition)
     unless = [each for each in condition.get("unless", "").split(";") if each]
@@ -25,7 +25,7 @@ def holds(condition: Element, state: str) -> bool:
 
 
 def chosen(policy: Element, state: str) -> list[str]:
-    """The actions of all branches whose condition holds; a fallback takes the first."""
+    """Return the actions of all branches whose condition holds; a fallback takes the first."""
     branches = [each for each in policy if each.tag == "ReactiveSequence"]
     return [branch.get("name", "") for branch in branches if holds(branch[0], state)]
 

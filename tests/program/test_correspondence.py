@@ -1,4 +1,4 @@
-"""Programs correspond by what their actions are in the abstract, and never by their names."""
+"""Programs correspond by the abstract structure of their actions, and never by their names."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_names_and_order_do_not_matter(checked: Checked) -> None:
 
 
 def _renamed(program: CheckedProgram, other: Mapping[str, str]) -> CheckedProgram:
-    """The same with other names, in another order."""
+    """Return the same program with other names, in another order."""
     actions = []
     for action in reversed(program.actions):
         parts = action.composition.primitives if action.composition else ()

@@ -1,4 +1,4 @@
-"""What is said of programs before they run."""
+"""Reports about programs before they run."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def program_of(name: str) -> CheckedProgram:
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_freedom_is_what_random_tasks_of_full_rank_leave(name: str) -> None:
-    """The null space of random rows above, within a level's joints, is as large as said."""
+    """Compare the stated freedom with the null space of random rows above, in a level's joints."""
     program = program_of(name)
     rng = np.random.default_rng(0)
     for action in program.actions:
@@ -94,5 +94,5 @@ def test_coverage_is_what_the_policy_does_in_every_state(patterns: list[str]) ->
 
 
 def program_of_policy(policy: dict[str, str]) -> CheckedProgram:
-    """A program of three members with nothing in it but a policy."""
+    """Return a program of three members with nothing in it but a policy."""
     return CheckedProgram("p", "r", None, {}, ("a", "b", "c"), {}, (), policy, None, 1, 1.0, None)

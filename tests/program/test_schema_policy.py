@@ -1,4 +1,4 @@
-"""A schema allocates by its context, keeps what makes progress, and tries none twice."""
+"""Schemas allocate by context, keep allocations that make progress, and try none twice."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ def begun(schema: CheckedProgram, features: dict[str, float], **options: bool) -
 
 
 def retried(policy: SchemaPolicy, state: str) -> str | None:
-    """What follows a failure, once what failed has gone back."""
+    """Return the action after a failure, once the failed allocation has withdrawn."""
     assert policy.choose(state, changed=False) is None and policy.withdraws
     return policy.choose(state, changed=True)
 
 
 def allocation(action: str | None) -> str:
-    """The allocation of an action; which part of it leads is the learned policy's."""
+    """Return the allocation of an action; the learned policy decides its leading part."""
     return (action or "").rpartition(" with ")[2]
 
 
@@ -112,7 +112,7 @@ def test_what_needs_no_allocation_ends_the_attempt(schema: CheckedProgram) -> No
 
 
 def test_what_brings_programs_begins_anew_after_a_failure() -> None:
-    """Which hand holds a thing is nothing that another allocation could go on from."""
+    """Start again after a failure: no other allocation can go on from an object in one hand."""
     library = Library(ROOT)
     path = library.locate(ProgramDocument, "pick_and_place")
     learned = library.read(library.locate(PolicyDocument, "pick_and_place"), PolicyDocument)

@@ -1,4 +1,4 @@
-"""Programs stand in for what is rewarded for the same, whatever they are called."""
+"""Programs stand in for programs with the same reward, under any name."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_a_probe_stands_in_for_a_touch_and_two_hands_for_one(checked: Checked) -
     probe, both = checked("tactileprobe"), checked("bimanualtouch")
     assert found(checked("reachtouch"), probe) == [("touch", "tactileprobe")]
     assert found(checked("visualinspect"), both) == [("reachtouch", "bimanualtouch")]
-    # What uses a program can be no part of it.
+    # The programs that use it can be no part of it.
     assert not found(checked("reachtouch"), both)
     assert not found(checked("reachtouch"), checked("reachtouch"))
 
@@ -31,7 +31,7 @@ def test_names_do_not_matter(checked: Checked) -> None:
     primitives = {"b": probe.primitives["touch"]._replace(name="b")}
     palpate = probe._replace(name="palpate", members=("a", "b"), primitives=primitives)
     assert found(reach, palpate) == [("touch", "palpate")]
-    # Called a touch, it is still rewarded for what it sees.
+    # Called a touch, it is still rewarded for its visual feature.
     track = look.primitives["track"]._replace(name="touch")
     decoy = look._replace(name="tactileprobe", primitives={"touch": track})
     assert "touch" not in dict(found(reach, decoy))

@@ -41,7 +41,7 @@ actions: [turn, left]
 
 
 def outcomes(program: str, seed: int = 3) -> tuple[bool, bool, list[tuple[str, str]]]:
-    """Whether a program succeeds, whether its tree does, and the actions of the tree."""
+    """Return whether a program succeeds, whether its tree does, and the actions of the tree."""
     request = cbdsl.load(program)
     with cbdsl.open_robot(request, backend="kinematic") as robot:
         robot.run(seed)

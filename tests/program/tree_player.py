@@ -162,7 +162,7 @@ def _status(is_met: bool) -> NodeStatus:
 
 
 def with_ports_in_names(xml: str) -> str:
-    """The same tree with the ports of each leaf in its name."""
+    """Return the same tree with the ports of each leaf in its name."""
     root = ElementTree.fromstring(xml)
     for tree in root.findall("BehaviorTree"):
         for node in tree.iter():

@@ -24,7 +24,7 @@ def _model(name: str) -> UrdfModel:
 
 
 def _kinematics(path: Path, chain: Chain, positions: tuple[float, ...]) -> tuple[object, object]:
-    """The tip's position and Jacobian over the chain's joints, as another library has them."""
+    """Return the tip's position and Jacobian over the chain's joints, by another library."""
     model = pinocchio.buildModelFromUrdf(str(path))
     data, configuration = model.createData(), pinocchio.neutral(model)
     at = {joint: first for joint, first in zip(chain.joints, positions, strict=True)}

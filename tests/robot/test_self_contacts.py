@@ -34,7 +34,7 @@ def box(x: float, y: float, z: float) -> str:
 
 
 def two_arms(lower: float = -1.5, upper: float = 1.5) -> str:
-    """A column with two short arms, which lie along x, 10 cm apart, and turn about z.
+    """Return a column with two short arms, which lie along x, 10 cm apart, and turn about z.
 
     A cuff on the column is so near the left shoulder that it overlaps that arm in every posture,
     and pushes it aside.
@@ -87,7 +87,7 @@ def test_what_touches_depends_on_the_posture(contacts: SelfContacts) -> None:
 
 
 def test_touching_is_a_matter_of_geometry(contacts: SelfContacts) -> None:
-    """The arms' inner edges are 6 cm apart: they meet where the tips come to the middle."""
+    """Compare inner edges 6 cm apart: they meet where the tips come to the middle."""
     half = math.asin(0.03 / 0.3)  # of the outer inner edge, about, at 30 cm
     assert ("left", "right") not in contacts.touching(
         {"left_joint": -half * 0.8, "right_joint": half * 0.8}

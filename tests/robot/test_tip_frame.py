@@ -1,4 +1,4 @@
-"""Proposed tips: the frames that models have for what acts, or the far end of the last link."""
+"""Proposed tips: frames that models provide for tools, or the far end of the last link."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
 
 
 def _written(folder: Path, fixed: dict[str, str], shape: str = "") -> Path:
-    """A model of one joint, with links that are fixed to others."""
+    """Write a model of one joint, with links that are fixed to others."""
     names = "".join(f'<link name="{name}"/>' for name in ("base", *fixed))
     joints = "".join(
         f'<joint name="to_{child}" type="fixed"><parent link="{parent}"/><child link="{child}"/>'

@@ -244,7 +244,7 @@ def test_a_missing_model_says_so(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
 def test_what_is_read_is_what_kinematics_can_be_made_of(path: Path) -> None:
-    """A model that the checker takes must not be refused when it is to run."""
+    """Accept no model in the checker that kinematics refuses."""
     pinocchio = pytest.importorskip("pinocchio")
     try:
         read_urdf(path)

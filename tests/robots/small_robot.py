@@ -52,8 +52,8 @@ class SmallRobot(NamedTuple):
     """Files of a robot in a folder of its own.
 
     Attributes:
-        folder: holds ``small.urdf`` and ``robots/small.yaml``.
-        document: the robot.
+        folder: Folder with ``small.urdf`` and ``robots/small.yaml``.
+        document: Robot document.
     """
 
     folder: Path

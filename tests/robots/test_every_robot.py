@@ -1,4 +1,4 @@
-"""Every robot file is enough: its arms take postures and reach, whatever the robot has or lacks."""
+"""Every robot file suffices: its arms take postures and reach, with all optional parts or none."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def urdf(robot: RobotDocument) -> Path:
 
 
 def tip(robot: RobotDocument, kinematics: Kinematics, arm: str) -> np.ndarray:
-    """Where the tip of an arm is."""
+    """Return the position of the tip of an arm."""
     settings = robot.effectors[arm].tip
     assert settings is not None
     frame: Frame = kinematics.frame(settings.link)

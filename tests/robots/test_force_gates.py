@@ -1,4 +1,4 @@
-"""Gates of force: whatever ships pays within a fifth of a reference, and no farther."""
+"""Gates of force: shipped programs are rewarded only within a fifth of a reference."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FILES = sorted([*(ROOT / "programs").glob("*.yaml"), *(ROOT / "robots").glob("*.
 
 
 def shares(section: object, key: str = "") -> list[float]:
-    """All ``within`` of quiescences in a document, at any depth."""
+    """Return all ``within`` of quiescences in a document, at any depth."""
     if isinstance(section, list):
         return [share for each in section for share in shares(each)]
     if not isinstance(section, dict):

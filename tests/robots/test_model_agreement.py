@@ -1,4 +1,4 @@
-"""Links are where independent readers of the model have them, whatever joints it has."""
+"""Links are where independent readers of the model place them, for every type of joint."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def by_mujoco(small: SmallRobot, posture: Floats) -> dict[str, Floats]:
 
 
 def by_bullet(small: SmallRobot, posture: Floats) -> dict[str, Floats]:
-    """Place the robot and let a second pass, so that servos hold what they are given."""
+    """Place the robot and let a second pass, so that servos settle at their references."""
     client = pybullet.connect(pybullet.DIRECT)
     try:
         robot = BulletRobot(client, small.document, read_urdf(small.urdf), 1 / 240)

@@ -1,4 +1,4 @@
-"""Joints that slide are told in units of length."""
+"""Sliding joints are reported in units of length."""
 
 from __future__ import annotations
 

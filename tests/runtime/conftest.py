@@ -29,13 +29,13 @@ GRIP = 0.9
 
 
 def on_table() -> World:
-    """A ball on the table, which the fingers of a closing hand meet."""
+    """Return a world with a ball on the table, which the fingers of a closing hand meet."""
     return World(Ball(TABLE_BALL), contact_angle=GRIP)
 
 
 @dataclass
 class Played:
-    """An episode and what its listeners heard."""
+    """Episode and the events that its listeners received."""
 
     result: EpisodeResult
     backend: SyntheticBackend
@@ -87,7 +87,7 @@ def play(dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> Play:
 
 
 def made_stage(joints: Mapping[str, float]) -> StageDocument:
-    """A stage on which the head sees the table, unless ``joints`` have it look elsewhere."""
+    """Return a stage on which the head sees the table, unless ``joints`` turn it elsewhere."""
     start = {"pan": -0.4, "tilt": 1.0, **joints}
     document: dict[str, Any] = {"cbdsl": 1, "kind": "stage", "name": "made", "robot": "dexter"}
     context = {"joints": {joint: [angle, angle] for joint, angle in start.items()}}

@@ -33,13 +33,13 @@ class Ball:
 
 @dataclass
 class World:
-    """What tests decide.
+    """Synthetic world, controlled by the tests.
 
     Attributes:
-        ball: what the cameras see, if anything.
-        contact_angle: flexion, rad, past which a finger of any hand presses on something.
-        blocked: joints that do not follow their references.
-        broken: replaces the loads of a cell, shape (6,), by (hand, finger).
+        ball: Ball that the cameras see, if any.
+        contact_angle: Flexion, rad, past which a finger of any hand presses on something.
+        blocked: Joints that do not follow their references.
+        broken: Replacement loads of a cell, shape (6,), by (hand, finger).
     """
 
     ball: Ball | None = None
@@ -49,12 +49,12 @@ class World:
 
 
 class SyntheticBackend:
-    """A body whose joints reach their references at once, in a world that tests direct.
+    """Body whose joints reach their references at once, in a world that tests direct.
 
     Args:
-        robot, urdf: as for every backend.
-        begin: makes the world of an episode; may draw from the generator.
-        direct: changes the world after each step, given the time in s.
+        robot, urdf: Arguments of every backend.
+        begin: Function that makes the world of an episode; may draw from the generator.
+        direct: Function that changes the world after each step, given the time in s.
     """
 
     renderer = "numpy"
@@ -85,7 +85,7 @@ class SyntheticBackend:
         rng: np.random.Generator,
         channels: Collection[str] | None = None,
     ) -> str:
-        """The joints start as the stage says; of its things nothing is shown."""
+        """Start the joints as the stage says; show none of its objects."""
         name = context or str(rng.choice(list(stage.contexts)))
         self._positions = np.clip(0.0, self._kinematics.lower, self._kinematics.upper)
         for effector, settings in self._robot.effectors.items():
@@ -127,7 +127,7 @@ class SyntheticBackend:
         self.halts += 1
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Release nothing."""
 
     def _loads(self) -> dict[tuple[str, str], Floats]:
         loads = {}
@@ -144,7 +144,7 @@ class SyntheticBackend:
         return loads
 
     def _paint(self, name: str) -> Image:
-        """A pixel shows the ball where its line of sight meets it."""
+        """Paint a pixel of the ball where its line of sight meets it."""
         sights = self._sights[name]
         image = np.full(sights.shape, GREY, np.uint8)
         ball = self.world.ball

@@ -34,7 +34,7 @@ def references(played: Played) -> np.ndarray:
 
 
 def positions(played: Played) -> np.ndarray:
-    """Where the joints were when each reference was made."""
+    """Return the positions of the joints when each reference was made."""
     return np.array([each.positions for each in played.observations[:-1]])
 
 
@@ -80,7 +80,7 @@ def test_the_reference_of_a_blocked_joint_does_not_run_away(
 def test_the_same_controllers_beside_others_are_another_composition(
     checked: Checked, dexter: RobotDocument, urdf: Path
 ) -> None:
-    """Who seeks once another has arrived must not ask one that it does not act with."""
+    """Require a seeking controller to read only controllers that act in its composition."""
     program = checked("reachtouch")
     signals = Signals(dexter, Kinematics(dexter, urdf), resources_of(program))
     plan = ControllerPlan()

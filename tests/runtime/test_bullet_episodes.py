@@ -1,6 +1,6 @@
-"""Whole episodes with physics, on seeds that nothing was tuned on, judged by the simulator.
+"""Whole episodes with physics, on seeds without any tuning, judged by the simulator.
 
-What is said to be touched is compared with contacts and forces that no controller can read.
+Reported touches are compared with contacts and forces that no controller can read.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ pytestmark = pytest.mark.slow
 
 LEFT = {"arm": "left_arm", "hand": "left_hand"}
 
-# Contact forces ripple from physics step to physics step, and load cells smooth that: what both say
-# is compared over half a second, N. What is left is noise and the cells' delay.
+# Contact forces ripple from physics step to physics step, and load cells smooth that. Both are
+# compared over half a second, N. The difference is noise and the cells' delay.
 HOLD_TICKS = 30
 LOAD_TOLERANCE = 0.15
 
 
 @dataclass
 class Judged:
-    """An episode, what was heard of it, and the backend as it left it."""
+    """Episode, its received events, and the backend as the episode left it."""
 
     result: EpisodeResult
     transitions: list[Transition]
@@ -74,13 +74,13 @@ def perform(
 
 
 def thing_of(judged: Judged) -> str:
-    """The one thing that is shown."""
+    """Return the one object that is shown."""
     (thing,) = set(judged.backend.truth.names()) - {"table", "pedestal"}
     return thing
 
 
 def require_touch(judged: Judged, hand: str) -> None:
-    """All fingertips of a hand press on the thing, as hard as their load cells say."""
+    """Assert that all fingertips of a hand press on the object, as hard as their load cells say."""
     result, backend = judged.result, judged.backend
     assert result.rewarded, result.ending
     pressing = np.linalg.norm(true_forces(judged, hand), axis=1)
@@ -96,7 +96,7 @@ def require_touch(judged: Judged, hand: str) -> None:
 
 
 def true_forces(judged: Judged, hand: str) -> np.ndarray:
-    """What each fingertip exerts on the thing, N, world frame, shape (fingers, 3)."""
+    """Return the force of each fingertip on the object, N, world frame, shape (fingers, 3)."""
     cells = [cell for cell in judged.last.observation.loads if cell[0] == hand]
     forces = np.zeros((len(cells), 3))
     for touch in judged.backend.truth.touches(thing_of(judged)):
@@ -210,7 +210,7 @@ def test_a_spot_that_faces_the_robot_is_tracked_at_once(perform: Perform) -> Non
 
 @pytest.mark.parametrize("seed", [70001, 70002, 70003])
 def test_what_one_hand_holds_is_touched_by_the_other(perform: Perform, seed: int) -> None:
-    """The object hangs in the air between both palms, and fingers of both hands press on it."""
+    """Hold the object in the air between both palms, with fingers of both hands on it."""
     judged = perform("bimanualtouch", "table_right", seed)
     predicates = judged.result.predicates
     assert judged.result.rewarded, judged.result.ending

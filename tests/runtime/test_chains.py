@@ -82,7 +82,7 @@ class Oracle:
         return np.eye(len(self.positions))[self.signals.joints.pick(controller.joints)]
 
     def _moved(self, controller: Controller) -> Floats:
-        """How the joints move a tip, by finite differences; an orientation's in world axes."""
+        """Return the Jacobian of a tip by finite differences; rotations in world axes."""
 
         def value() -> Floats:
             reading = self.signals.read(controller.feedback)
@@ -116,7 +116,7 @@ class Oracle:
         return control.contact_stiffness * np.array(rows)
 
     def _turned_against(self, hand: str) -> Floats:
-        """How the torque about a hand's tip grows with every fingertip on springs of its own."""
+        """Return the growth of the torque about a hand's tip with every fingertip on a spring."""
         control, rows = self.robot.control, np.zeros((3, len(self.positions)))
         tip = self.robot.effectors[self.signals.touch.carriers[hand]].tip
         assert tip is not None
@@ -135,12 +135,12 @@ class Oracle:
         return rows
 
     def _tips(self, hand: str) -> Floats:
-        """The sum of where the fingertips of a hand are."""
+        """Return the sum of the positions of a hand's fingertips."""
         links = [cell.link for cell in self.robot.load_cells[hand].values()]
         return np.sum([self.kinematics.frame(link).position for link in links], axis=0)
 
     def _turned(self, controller: Controller) -> Floats:
-        """How headings to what is far away change as the cameras turn."""
+        """Return the change of headings to a distant point as the cameras turn."""
         return self._differences(lambda: self._over_cameras(controller, self._ahead))
 
     def _ahead(self, camera: str) -> Floats:
@@ -148,7 +148,7 @@ class Oracle:
         return heading(frame.rotation.T @ (self.point - self.eyes[camera].position))
 
     def _carried(self, controller: Controller) -> Floats:
-        """How headings to what both hands carry change in cameras that stand still."""
+        """Return the change, in fixed cameras, of headings to an object that both hands carry."""
 
         def seen(camera: str) -> Floats:
             eye = self.eyes[camera]
@@ -157,7 +157,7 @@ class Oracle:
         return self._differences(lambda: self._over_cameras(controller, seen))
 
     def _borne(self, controller: Controller) -> Floats:
-        """How what both hands carry moves, wherever it is seen."""
+        """Return the motion of an object that both hands carry, seen from any place."""
         return self._differences(lambda: between(self.robot, self.signals))
 
     def _over_cameras(self, controller: Controller, seen: Callable[[str], Floats]) -> Floats:
@@ -166,7 +166,7 @@ class Oracle:
         return np.mean(headings, axis=0) if one else np.concatenate(headings)
 
     def _differences(self, function: Callable[[], Floats]) -> Floats:
-        """The Jacobian of a function of the posture, shape (m, n)."""
+        """Return the Jacobian of a function of the posture, shape (m, n)."""
         columns = []
         for joint in range(len(self.positions)):
             ends = []
@@ -186,7 +186,7 @@ def oracle(dexter: RobotDocument, kinematics: Kinematics) -> Oracle:
 
 
 def printed_chains(controller: Controller) -> list[tuple[str, ...]]:
-    """The names of casts in the text that people read."""
+    """Return the names of casts in the printed text."""
     known = {cast.name for cast in CASTS} | {"rigid hold", "inverse sighting Jacobian"}
     chains = casts_text(controller).split(", and ")
     words = [[re.sub(r" \(.*\)$", "", word) for word in chain.split(" → ")] for chain in chains]
@@ -194,9 +194,9 @@ def printed_chains(controller: Controller) -> list[tuple[str, ...]]:
 
 
 def compared(program: CheckedProgram) -> list[Controller]:
-    """Controllers whose row is their feedback: a manipulability's is that of a Jacobian.
+    """Return controllers whose row is their feedback: a manipulability's is that of a Jacobian.
 
-    Nothing displaces what two things are to each other, and nothing here is novel or has a mark:
+    The relation of two objects has no standoff, and nothing here is novel or has a mark:
     see the tests of their signals.
     """
     lists = (primitive.controllers for primitive in program.primitives.values())
@@ -227,7 +227,7 @@ def test_the_row_of_a_controller_is_the_chain_that_is_printed(
 
 
 def test_another_chain_runs_otherwise(checked: Checked, oracle: Oracle) -> None:
-    """A head turns to what is seen by the chain through the cameras, not by that through hands."""
+    """Turn a head to a visible object by the chain through the cameras, not through hands."""
     track = checked("searchtrack").primitives["track"].lead
     own = oracle.signals.joints.pick(track.joints)
     by_camera, by_hold = chains_of(track.feedback)

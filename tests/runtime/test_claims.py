@@ -12,8 +12,8 @@ import pytest
 from cbdsl.documents.program import PROGRAM
 from tests.conftest import ROOT
 
-# Programs whose claims are about the robot itself, about what it sees, or about forces that tests
-# of their own judge; and those of robots without a stage of everyday objects.
+# Programs whose claims are about the robot itself, about its visual features, or about forces
+# that other tests judge; and those of robots without a stage of everyday objects.
 OTHERWISE = {
     "bimanualgrab", "bimanualinspect", "bimanualtouch", "desk_reach", "find_the_other", "grasp",
     "handover", "hover_follow", "impedance", "let_go", "notice", "panda_grasp", "panda_pick",
@@ -99,7 +99,7 @@ class World:
 
 
 def watched(claims: Any, *ticks: dict[str, Any]) -> Any:
-    """An object that is lifted, carried to the pad, let go and left, but for some changes."""
+    """Return the watch of an object that is lifted, carried, released and left, with changes."""
     world = World()
     watch = claims.Watch(world, ["ball"])
     watch.note(None)

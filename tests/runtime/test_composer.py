@@ -18,7 +18,7 @@ ELSEWHERE = (0.45, -0.3, 0.25)
 
 
 class Hand:
-    """Changes at given ticks, and what was seen of every tick."""
+    """Changes at given ticks, and the observations of every tick."""
 
     def __init__(self, changes: dict[int, Callable[[Composer], object]], last: int) -> None:
         self.composer, self.changes, self.last = Composer(), changes, last

@@ -63,7 +63,7 @@ def look_at(ball: Ball | None, signals: Signals, backend: SyntheticBackend) -> N
 
 
 class Started:
-    """A controller that acts by itself, with what it acts through."""
+    """Controller that acts by itself, with its actuation."""
 
     def __init__(self, robot: RobotDocument, controller: Controller, signals: Signals) -> None:
         plan = ControllerPlan()
@@ -75,7 +75,7 @@ class Started:
         self.run.activate()
 
     def tick(self) -> Level | None:
-        """What it wants in one tick; nothing that follows from it is done."""
+        """Return its requested level in one tick, without any effect."""
         self._actuation.reference[:] = self._signals.positions
         self._actuation.move(self._active)
         step = self._actuation.step
@@ -140,7 +140,7 @@ def test_a_funnel_leads_to_its_reference_from_above(
     assert level is not None
     velocity = level.velocity
     assert velocity / np.linalg.norm(velocity) == pytest.approx(wanted / np.linalg.norm(wanted))
-    # What it is raised to is not what it is after.
+    # The funnel raises the way, not the reference: the error ignores the added height.
     assert run.error == pytest.approx(math.hypot(lateral, 0.05))
 
 
@@ -190,7 +190,7 @@ def test_samples_lie_within_the_joint_limits_and_differ(
 def test_a_literal_orientation_is_a_rotation_vector(
     reachtouch: CheckedProgram, signals: Signals, start: Start
 ) -> None:
-    """The palm is to look down; how far it is from that, is how far its normal is."""
+    """Turn the palm down; its error is the angle of its normal."""
     orient = reachtouch.primitives["reach"].controllers[1]
     started = start(orient)
     run = started.run
@@ -231,7 +231,7 @@ def test_it_has_settled_within_a_share_of_its_reference(
     start: Start,
     share: float,
 ) -> None:
-    """Fingers that feel ``share`` of what they are to feel miss ``1 - share`` of it."""
+    """Give fingers ``share`` of their reference force, so that they miss ``1 - share`` of it."""
     touch = reachtouch.primitives["touch"].lead
     started = start(touch)
     run = started.run
@@ -349,7 +349,7 @@ def test_deactivated_it_is_as_good_as_new(
 def test_what_was_lost_is_approached_from_rest_again(
     reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
 ) -> None:
-    """Its speed before the loss says nothing about the robot's now."""
+    """Ignore its speed before the loss, which does not describe the robot's present speed."""
     approach = replace(approach_of(reachtouch), funnel=None, standoff=None)
     memory = signals.vision.memories["sat_10"]
     started, rates = start(approach), []

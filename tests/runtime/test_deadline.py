@@ -1,4 +1,4 @@
-"""A tick that is late ends its episode, and whatever ends one early halts the backend."""
+"""A late tick ends its episode, and every early end halts the backend."""
 
 from __future__ import annotations
 

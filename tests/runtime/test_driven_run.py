@@ -1,4 +1,4 @@
-"""Runs of programs whose predicates are set by hand, tick by tick: what they make of each."""
+"""Runs of programs whose predicates are set by hand, tick by tick, and their reactions."""
 
 from __future__ import annotations
 
@@ -56,13 +56,13 @@ class Driven:
         return dict(named_runs(self.run))[name]
 
     def advance(self, **predicates: str) -> None:
-        """A tick after which some controllers have these predicates."""
+        """Advance a tick, after which some controllers have these predicates."""
         for name, letter in predicates.items():
             self.named(name).predicate = letter
         self.run.advance()
 
     def ticks_to_the_end(self) -> int:
-        """How many ticks it goes on with predicates as they are."""
+        """Return the number of ticks until the end with predicates as they are."""
         for tick in range(1, 1000):
             self.run.advance()
             if self.run.predicate != "0":

@@ -1,4 +1,4 @@
-"""What is said of how an episode ended, by the last readings of its controllers."""
+"""Descriptions of the end of an episode, by the last readings of its controllers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BALL = Made(name="ball.position", origin=Origin.ENVIRONMENT)
 
 
 def lead(error: float, **other: Any) -> Any:
-    """A controller that moves the palm to the ball, by its last readings."""
+    """Return a controller that moves the palm to the ball, by its last readings."""
     own = {
         "name": "reach", "feedback": PALM, "reference": BALL, "potential": "spring",
         "task": Made(name="position"), "quiescence": Made(tolerance=None), "requires": None,
@@ -31,7 +31,7 @@ def lead(error: float, **other: Any) -> Any:
 
 
 def ended(*leads: Any, **other: Any) -> Any:
-    """A program whose last action had some controllers, without reward."""
+    """Return a program whose last action had some controllers, without reward."""
     action = Made(program=None, name="go")
     program = Made(success=None, reward_ends=False)
     facts = {

@@ -1,4 +1,4 @@
-"""Whole episodes: the same seed gives the same one, and its ending says what happened."""
+"""Whole episodes: the same seed gives the same one, and its ending describes the events."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tests.runtime.synthetic import Ball, SyntheticBackend, World
 
 
 def somewhere(rng: np.random.Generator) -> World:
-    """A ball where chance puts it."""
+    """Return a world with a ball at a random place."""
     offset = np.array([*rng.uniform(-0.05, 0.05, 2), 0.0])
     return World(Ball(TABLE_BALL + offset, rng.uniform(0.05, 0.08)), GRIP)
 
@@ -59,7 +59,7 @@ def test_the_same_seed_gives_the_same_episode_to_the_bit(
 def test_nothing_of_an_episode_reaches_into_the_next(
     dexter: RobotDocument, urdf: Path, checked: Checked, name: str
 ) -> None:
-    """Not even what was remembered, felt or sampled, or how a controller last acted."""
+    """Reset also remembered, felt and sampled values, and the last actions of controllers."""
     program, stage = checked(name), made_stage({"pan": 0.9})
 
     def made() -> Runner:

@@ -1,4 +1,4 @@
-"""Explanations: predictions come true, and whoever takes a level's freedom is named."""
+"""Explanations: predictions come true, and levels that block a lower level are named."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_a_blocked_joint_does_not_do_what_is_predicted(
 def test_note_of_a_level_that_requests_nothing_has_no_share(
     explained: Callable[..., list[TickExplanation]], dexter: RobotDocument
 ) -> None:
-    """A level that is at its reference, up to rounding, below one that moves the arm."""
+    """Run a level at its reference, up to rounding, below one that moves the arm."""
     arm = dexter.effectors["right_arm"]
     assert arm.start is not None
     start = np.nextafter(arm.postures[arm.start], 10.0)
@@ -115,7 +115,7 @@ def test_the_level_that_pushes_another_further_than_it_wants_is_named(
 def test_limits_are_named(
     explained: Callable[..., list[TickExplanation]],
 ) -> None:
-    """The head is sent closer to the end of its tilt than the margin lets it."""
+    """Move the head closer to the end of its tilt than the margin allows."""
     body = """
 controllers:
   look: {potential: spring, reference: [0 deg, 85.9 deg], feedback: head, effector: head}

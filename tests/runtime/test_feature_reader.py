@@ -16,7 +16,7 @@ POINT = Made(source=SurfacePoint("ball"))
 
 
 def tick(number: int, defined: dict[Any, float], run: Any = None, table: Any = None) -> Any:
-    """A tick of 0.1 s in which some resources have a value, given by their place in memory."""
+    """Return a 0.1 s tick in which resources have a value, by their place in memory."""
 
     def read(resource: Any) -> Any:
         value = defined.get(id(resource))

@@ -120,7 +120,7 @@ def test_an_empty_hand_has_nothing_to_put_down(arm: str) -> None:
 
 @pytest.mark.slow
 def test_what_falls_out_of_the_giving_hand_is_fetched_again() -> None:
-    """The cube is put back onto the table while the hands come together."""
+    """Put the cube back onto the table while the hands come together."""
     pytest.importorskip("mujoco")
     request = read_request("handover", None, None, {})
     with simulation(request, "mujoco", cameras="ideal") as (backend, kinematics):

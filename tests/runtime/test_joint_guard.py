@@ -1,4 +1,4 @@
-"""A guard of joint torques gives way to what any link of an arm meets."""
+"""Guards of joint torques give way to contacts of any link of an arm."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_strain_is_what_drives_exert_beyond_the_weight(kinematics: Kinematics) -
 
 
 def test_the_weight_is_the_slope_of_the_potential_energy(kinematics: Kinematics) -> None:
-    """By the energy of the model's masses, posture by posture."""
+    """Compare with the energy of the model's masses, posture by posture."""
     rng = np.random.default_rng(4)
     q = rng.uniform(np.maximum(kinematics.lower, -2), np.minimum(kinematics.upper, 2))
     kinematics.update(q)
@@ -106,7 +106,7 @@ def _energy(kinematics: Kinematics, q: np.ndarray) -> float:
 def _push(
     folder: Path, robot: RobotDocument, urdf: Path, guards: Guards, told: list[str]
 ) -> tuple[EpisodeResult, list[float]]:
-    """An episode, and the true force on the post tick by tick, N."""
+    """Run an episode, and return it with the true force on the post tick by tick, N."""
     for name, text in (("programs/push", PROGRAM), ("programs/stages/post", STAGE)):
         file = folder / f"{name}.yaml"
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Journals: what is whole is taken up, what differs or is damaged is told, and one at a time."""
+"""Journals: complete lines are resumed, differences and damage are reported, one writer each."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_another_undertaking_keeps_its_journal(tmp_path: Path) -> None:
         LineJournal(path, {**IDENTITY, "seed": 6}, "gauge")
     assert path.read_bytes() == before
     with path.open("rb") as file:
-        lock(file, path, 0.0)  # whoever was refused does not hold it
+        lock(file, path, 0.0)  # a refused process does not hold the lock
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Guards bound what a motion presses with, and let it be undone."""
+"""Guards bound the force of a motion, and let it be undone."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Floor:
         self.signals.update(Observation(0.0, self.q.copy(), still, loads, {}))
 
     def ticks(self, count: int) -> list[float]:
-        """The largest force of a finger, N, tick by tick."""
+        """Return the largest force of a finger, N, tick by tick."""
         most = []
         for _ in range(count):
             depths = zip(self._floor, self.heights(), strict=True)
@@ -110,7 +110,7 @@ def test_the_narrowest_bounds_hold() -> None:
 def test_what_an_arm_felt_fades_from_its_bound(
     dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
-    """A stronger blow takes over at once, one beyond the bound fades as if it had been at it."""
+    """Adopt a stronger blow at once; one beyond the bound fades as if it had been at the bound."""
     signals = Signals(dexter, kinematics, ())
     felt, own = signals.strain.torques, kinematics.joints.of("right_arm")
     guards = LoadGuards(Guards(joint_torque=20.0), signals, PERIOD)

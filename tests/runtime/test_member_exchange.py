@@ -1,4 +1,4 @@
-"""A program in the place of a member waits for what it is composed with, and is rewarded for it."""
+"""Programs in the place of a member wait for their composition, and are rewarded for it."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def episode(
     stage: Callable[[str], StageDocument],
     schema: CheckedProgram,
 ) -> list[Transition]:
-    """The transitions of a rewarded episode."""
+    """Return the transitions of a rewarded episode."""
     backend = KinematicBackend(dexter, urdf)
     policy = SchemaPolicy(schema, gives_up=False, persists=True)
     runner = Runner(dexter, kinematics, schema, backend, policy)

@@ -1,4 +1,4 @@
-"""Every modifier: what it declares, and what it makes of references and slots."""
+"""Every modifier: its declarations, and its effect on references and slots."""
 
 from __future__ import annotations
 

@@ -13,12 +13,12 @@ SEEDS = (5640000, 5640001)
 
 
 def noticed(lab: SimulationFixture, seed: int, context: str) -> bool:
-    """Whether something was tracked."""
+    """Return True if something was tracked."""
     return lab.runner().run(lab.stage, seed, context).rewarded
 
 
 def off_the_ball(lab: SimulationFixture, seed: int) -> float:
-    """How far the left camera looks past the ball in the end, deg; 180 where nothing is noticed."""
+    """Return the final error of the left camera, deg; 180 if it notices nothing."""
     last: list[Tick] = []
 
     def note(tick: Tick) -> None:

@@ -1,4 +1,4 @@
-"""``pick_and_lift``: what becomes of a hand that takes hold of nothing."""
+"""``pick_and_lift``: the reaction of a hand whose grasp fails."""
 
 from __future__ import annotations
 

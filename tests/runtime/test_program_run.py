@@ -48,7 +48,7 @@ EPISODES = ["searchtrack", "tactileprobe", "reachtouch", "posture"]
 
 @pytest.fixture(scope="module")
 def played(checked: Checked, play: Play) -> Callable[[str], Played]:
-    """An episode of each shipped program, played once."""
+    """Return a function that plays one episode of each shipped program, once."""
     found: dict[str, Played] = {}
 
     def of(name: str) -> Played:
@@ -183,7 +183,7 @@ def test_an_action_that_changes_nothing_runs_out_of_time(written: Written, play:
 
 
 def test_a_longer_time_holds_for_an_idle_action_as_well(written: Written, play: Play) -> None:
-    """As long as nobody limits that by itself."""
+    """Apply if the idle action has no limit of its own."""
     program = written(
         f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'*': track}}\n"
         "limits: {transition_time: 0.5 s}\n"
@@ -199,7 +199,7 @@ def test_a_longer_time_holds_for_an_idle_action_as_well(written: Written, play: 
 def test_an_action_that_moves_nothing_has_a_limit_of_its_own(
     written: Written, play: Play, action: str, least: float, most: float
 ) -> None:
-    """What is undefined or at rest has; not so what is on its way, or seeks to be defined."""
+    """Limit undefined or resting actions, but none that move or search."""
     program = written(
         f"controllers: {{track: {LOOK}, search: {SEARCH}, close: {CLOSE}, turn: {TURN}}}\n"
         f"actions: [track, search, close, turn, search ◁ track]\npolicy: {{'****': {action}}}\n"
@@ -249,7 +249,7 @@ def test_a_search_goes_somewhere_else_each_time_it_came_to_rest(
 
 
 def test_the_background_acts_below_every_action(checked: Checked, play: Play) -> None:
-    """The arm goes home while the head searches."""
+    """Move the arm home while the head searches."""
     program = checked("reachtouch")
     left_behind: list[float] = []
 
@@ -264,7 +264,7 @@ def test_the_background_acts_below_every_action(checked: Checked, play: Play) ->
 
 
 def test_what_acts_already_is_not_in_the_background_too(written: Written, play: Play) -> None:
-    """It would count every tick twice, and come to rest in half the time."""
+    """Count each tick once; twice would halve the time until rest."""
     program = written(
         f"controllers: {{search: {SEARCH}, track: {LOOK}}}\nbackground: search\n"
         "actions: [search, track]\npolicy: {'**': search}\nlimits: {transitions: 1}\n"
@@ -305,7 +305,7 @@ def test_a_composite_reads_as_its_lead(checked: Checked, play: Play) -> None:
 
 
 def test_a_composite_is_at_rest_when_what_it_optimises_is_too(written: Written, play: Play) -> None:
-    """As CONDITIONEDHOLD is when the manipulability completes (Section 4.3.3)."""
+    """Complete with the manipulability, as CONDITIONEDHOLD does (Section 4.3.3)."""
     program = written(
         "controllers:\n"
         "  ahead: {potential: spring, reference: head.ahead, feedback: head, effector: head}\n"
@@ -343,7 +343,7 @@ def test_what_was_composed_into_one_controller_is_habituated(
 
 
 def test_rest_is_judged_from_when_nothing_is_sought(checked: Checked, play: Play) -> None:
-    """An arm that waits for its hand is at rest half a second, its window, after the contact."""
+    """Rest half a second, its window, after the contact, for an arm that waits for its hand."""
     sought: list[float] = []
     rested: list[float] = []
 
@@ -363,7 +363,7 @@ def test_rest_is_judged_from_when_nothing_is_sought(checked: Checked, play: Play
     assert sought[-1] - sought[0] > 1.0
     assert rested[0] - sought[-1] == pytest.approx(0.5, abs=0.02)
     assert episode.result.rewarded
-    # What is done while the touch alone is not at rest yet has time to matter.
+    # Lower controllers have time to act while only the touch is not at rest yet.
     assert episode.result.predicates[-3:] == ("X00", "X10", "X11")
     last = episode.at(0)[-1]
     assert last.ticks * episode.backend.control_period > 0.4
@@ -397,13 +397,13 @@ def test_a_hand_does_not_close_before_it_is_there(checked: Checked, play: Play) 
 
     play(checked("reachtouch"), watch=watch)
     first = closing.index(True)
-    # The hand looks first and the arm moves then, so it knows what the arm told it before.
+    # The hand is updated before the arm moves, so it uses the arm's state of the previous tick.
     assert errors[first - 1] < 0.02
     assert all(math.isnan(error) or error >= 0.02 for error in errors[: first - 1])
 
 
 def test_a_hand_that_closes_on_nothing_stops(checked: Checked, play: Play) -> None:
-    """And goes back to what the background asks of it."""
+    """Return to the background's reference."""
     final: list[Tick] = []
     flexed: list[float] = []
 
@@ -474,7 +474,7 @@ def test_what_requires_a_hold_is_undefined_without_one(written: Written, play: P
 def test_what_requires_a_posture_acts_where_that_does(
     written: Written, play: Play, action: str, acts: bool
 ) -> None:
-    """A posture is never undefined, although nothing is read for it."""
+    """Treat a posture as always defined, although nothing is read for it."""
     shift = "potential: spring, reference: left_arm.home, feedback: left_arm, effector: left_arm"
     program = written(
         f"controllers:\n  turn: {TURN}\n  shift: {{requires: turn, {shift}}}\n"
@@ -492,7 +492,7 @@ def test_what_requires_a_posture_acts_where_that_does(
 
 
 def test_what_the_background_runs_can_be_required(written: Written, play: Play) -> None:
-    """A hand that holds whatever the arm does holds for all that needs it."""
+    """Let a hand that holds during every arm motion satisfy all controllers that require it."""
     turn = TURN.replace("{", "{requires: hold, ", 1)
     program = written(
         f"controllers:\n  hold: {CLOSE}\n  turn: {turn}\n"

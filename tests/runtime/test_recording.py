@@ -1,4 +1,4 @@
-"""Recordings: everything is kept, and nobody ever sees half a file."""
+"""Recordings: everything is kept, and half a file is never visible."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ CELLS = [(f"{side}_hand", f"finger_{i}") for side in ("left", "right") for i in 
 
 
 def controller(tmp_path: Path, body: str) -> Controller:
-    """The one controller of a program."""
+    """Return the one controller of a program."""
     path = tmp_path / "programs" / "one.yaml"
     path.parent.mkdir(exist_ok=True)
     text = f"cbdsl: 1\nkind: program\nname: one\nrobot: dexter\ncontrollers:\n  it: {{{body}}}\n"
@@ -33,10 +33,10 @@ def controller(tmp_path: Path, body: str) -> Controller:
 
 
 class Arm:
-    """A controller of the right arm, whose joints follow their references at once.
+    """Controller of the right arm, whose joints follow their references at once.
 
     Attributes:
-        force: on each of the right fingertips, N, world frame, shape (3,).
+        force: Force on each of the right fingertips, N, world frame, shape (3,).
     """
 
     def __init__(self, robot: RobotDocument, kinematics: Kinematics, it: Controller) -> None:

@@ -27,7 +27,7 @@ Step = Callable[[str, float], Transition | None]
 
 
 class Always(Policy):
-    """Chooses one action, whatever the state is."""
+    """Policy that chooses one action in every state."""
 
     def choose(self, state: str, *, changed: bool) -> str:
         return BOTH

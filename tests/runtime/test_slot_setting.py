@@ -1,4 +1,4 @@
-"""Modifiers of other packages change slots, and are told from what is no slot."""
+"""Modifiers of other packages change slots, and invalid slots are rejected."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ KINDS = {
 
 
 def bind(form: SlotForm, options: dict[str, float], setting: SlotSetting) -> Any:
-    """As the options say: another reference, no slot, or one of another shape."""
+    """Return another reference, no slot, or a slot of another shape, by the options."""
     assert setting.period == 0.125
     if "shape" in options:
         return form._replace(**{("bounds", "settings")[int(options["shape"])]: np.zeros(9)})

@@ -63,7 +63,7 @@ def test_controllers_may_get_slots_while_others_act(checked: Checked, play: Play
 
 
 def assert_same(play: Play, program: CheckedProgram, watch: Callable[[Tick], None]) -> None:
-    """An episode's references with a listener, and without any."""
+    """Assert that an episode has the same references with and without a listener."""
     alone, beside = (
         play(program, joints={"pan": 0.9}),
         play(program, joints={"pan": 0.9}, watch=watch),

@@ -35,7 +35,7 @@ def transport_of(program: CheckedProgram) -> Controller:
 
 
 def field_of(program: CheckedProgram) -> tuple[Field, Obstacle]:
-    """The field, and the wall in it without the clearance."""
+    """Return the field, and the wall in it without the clearance."""
     field = transport_of(program).field
     assert field is not None
     (wall,) = field.obstacles
@@ -70,7 +70,7 @@ class Path:
 
 
 def wall_crossed(path: Path, wall: Obstacle) -> bool:
-    """Whether the straight way from the first to the last point would have met the wall."""
+    """Return True if the straight way from the first to the last point meets the wall."""
     first, last = path.points[0], path.points[-1]
     return any(wall.distance(first + s * (last - first)) <= 0.0 for s in np.linspace(0, 1, 100))
 

@@ -1,4 +1,4 @@
-"""Uses of one program are told apart wherever an episode is told."""
+"""Uses of one program are distinguished in all reports of an episode."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def test_both_arms_are_at_home_before_one_tries_alone(
     schema: CheckedProgram,
     seed: int,
 ) -> None:
-    """Both hands cannot press on what is small and to the right, and hide it where they stay."""
+    """Withdraw both hands: they cannot press on a small object on the right, and would hide it."""
     backend = KinematicBackend(dexter, urdf)
     policy = SchemaPolicy(schema, bimanual_first, gives_up=False)
     runner = Runner(dexter, kinematics, schema, backend, policy)
@@ -78,7 +78,7 @@ class GivesWay:
         self._choices = iter(("searchtrack", "withdraw"))
 
     def begin(self, read: object) -> None:
-        """See ``ContextPolicy.begin``."""
+        """Begin an episode; see ``ContextPolicy.begin``."""
 
     def choose(self, state: str, *, changed: bool) -> str | None:
         choice = next(self._choices, None)

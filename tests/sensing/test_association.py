@@ -23,7 +23,7 @@ Ball = tuple[np.ndarray, float]
 
 
 def camera(eye: np.ndarray) -> np.ndarray:
-    """The axes of a camera that looks at the middle: ahead, left, up."""
+    """Return the axes of a camera that looks at the middle: ahead, left, up."""
     ahead = (MIDDLE - eye) / np.linalg.norm(MIDDLE - eye)
     left = np.cross([0.0, 0.0, 1.0], ahead)
     left /= np.linalg.norm(left)
@@ -31,7 +31,7 @@ def camera(eye: np.ndarray) -> np.ndarray:
 
 
 def sighting(eye: np.ndarray, ball: Ball, noise: float = 0.0) -> Sighting | None:
-    """Of a ball, in the image of a camera, or ``None`` out of view."""
+    """Return the sighting of a ball in the image of a camera, or ``None`` out of view."""
     axes, (centre, radius) = camera(eye), ball
     x, y, z = axes.T @ (centre - eye)
     column, row = WIDTH / 2 - FOCAL * y / x + noise, HEIGHT / 2 - FOCAL * z / x - noise
@@ -58,7 +58,7 @@ def seen(balls: list[Ball], noise: float = 0.0) -> list[list[Sighting]]:
 
 
 def aside(distance: float) -> np.ndarray:
-    """A place to the left of the middle."""
+    """Return a place to the left of the middle."""
     return MIDDLE + np.array([0.0, distance, 0.0])
 
 
@@ -81,7 +81,7 @@ def test_what_is_certain_is_a_thing(places: list[tuple[float, ...]], noise: floa
 
 @pytest.mark.parametrize("apart", [0.1, 0.15, 0.2])
 def test_equal_things_on_one_plane_are_told_apart_by_their_order(apart: float) -> None:
-    """Each line of sight meets both of the other camera's, at as plausible sizes."""
+    """Let each line of sight meet both of the other camera's, at as plausible sizes."""
     balls = [(aside(y), 0.04) for y in (-apart / 2, apart / 2)]
     left, right = seen(balls)
     every = [candidate for one in left for candidate in pair([one], right, SETTINGS)[1]]
@@ -93,7 +93,7 @@ def test_equal_things_on_one_plane_are_told_apart_by_their_order(apart: float) -
 
 
 def test_what_one_camera_sees_of_two_is_ambiguous() -> None:
-    """The other camera's only region may show either of them."""
+    """Let the other camera's only region show either of them."""
     balls = [(aside(y), 0.04) for y in (-0.06, 0.06)]
     left, right = seen(balls)
     for only in right:

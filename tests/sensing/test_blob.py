@@ -1,4 +1,4 @@
-"""Blobs of ellipses, wherever in the image they are."""
+"""Blobs of ellipses, at every place in the image."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ANGLES = st.floats(-1.5, 1.5)
 
 
 def ellipse(longer: float, shorter: float, angle: float, column: float, row: float) -> Region:
-    """An ellipse of semi-axes, px, that rises by an angle to the left."""
+    """Return an ellipse of semi-axes, px, that rises by an angle to the left."""
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[-c, s], [-s, -c]])  # columns and rows of an image run against headings
     spread = turn @ np.diag([longer**2, shorter**2]) @ turn.T / 4

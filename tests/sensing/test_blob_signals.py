@@ -1,4 +1,4 @@
-"""Velocity, volume, extent and orientation of what is seen, against what the experimenter knows."""
+"""Velocity, volume, extent and orientation of visible objects, against the simulator's truth."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Watcher:
         self.signals = Signals(dexter, kinematics, self._named.values())
 
     def look(self, stage: StageDocument, seed: int, seconds: float) -> Mapping[str, Reading | None]:
-        """The readings after some time of an episode."""
+        """Return the readings after some time of an episode."""
         backend, signals = self.backend, self.signals
         context = "in_view" if "in_view" in stage.contexts else None
         backend.reset(stage, context, np.random.default_rng(seed))

@@ -24,7 +24,7 @@ _EYES = 0.25, 0.5
 
 
 def box_on_the_table(edge: float, rng: np.random.Generator) -> StageDocument:
-    """A red cube in view, turned by chance."""
+    """Return a stage with a red cube in view, at a random yaw."""
     x, y = rng.uniform(0.45, 0.8), rng.uniform(-0.3, 0.3)
     place = {"on": "table", "x": [x, x], "y": [y, y], "yaw": [0.0, math.pi]}
     cube = {"form": {"shape": "box", "size": [edge] * 3}, "mass": 0.2, "color": [1, 0, 0]}

@@ -23,7 +23,7 @@ def zeros_of(dexter: RobotDocument, kinematics: Kinematics, **contact: float) ->
 
 
 def moved(backend: KinematicBackend, signals: Signals, ticks: int) -> list[float]:
-    """The largest force that is felt, N, tick by tick, while arms and hands move in free space."""
+    """Return the largest measured force, N, by tick, as arms and hands move in free space."""
     felt, start = [], backend.observe().positions
     for tick in range(ticks):
         swing = 0.6 * np.sin(2 * np.pi * tick / ticks)
@@ -86,14 +86,14 @@ def test_what_is_measured_first_is_taken_for_bias(
 
 
 def test_encoders_of_a_hand_are_fine_enough_for_its_zeros(dexter: RobotDocument) -> None:
-    """A step turns a cell's bias by less than its noise."""
+    """Turn a cell's bias by less than its noise in one encoder step."""
     assert Encoders(dexter, PERIOD)._steps.max() * 3 * dexter.contact.bias < dexter.contact.noise
 
 
 def at_rest(
     dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray, bias: np.ndarray
 ) -> np.ndarray:
-    """What the cells measure without contact, N and N m, world frame: weight and bias."""
+    """Return weight and bias, N and N m, world frame: the measurement without contact."""
     kinematics.update(posture)
     rows = []
     for cell in (cell for hand in dexter.load_cells.values() for cell in hand.values()):
@@ -108,7 +108,7 @@ def at_rest(
 def test_weight_and_bias_turn_with_their_cells(
     dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
-    """Known in one posture, they are taken from what is measured in any other."""
+    """Measure them in one posture, and subtract them in any other."""
     zeros, rng = zeros_of(dexter, kinematics, threshold=50.0), np.random.default_rng(3)
     bias = rng.normal(size=6)
     cells = sum(len(hand) for hand in dexter.load_cells.values())

@@ -34,7 +34,7 @@ def test_rows_execute_every_chain_of_every_resource(library: Library, name: str)
 
 
 def test_a_chain_that_no_row_executes_is_refused(dexter: RobotDocument, signals: Signals) -> None:
-    """Whichever cast of the graph is put in the place of the right one."""
+    """Replace the right cast by every other cast of the graph."""
     named = resources(dexter)
     for name in ("right_arm.position", "right_hand.net.force", f"cyclopean.{CHANNEL}"):
         executed = {cast for chain in chains_of(named[name]) for cast in chain[-1:]}

@@ -100,7 +100,7 @@ def test_motion_is_what_changed_since_the_image_before() -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_regions_are_those_of_the_whole_image(seed: int) -> None:
-    """Only the box that has all of them is labelled, wherever it is."""
+    """Label only the bounding box of all regions, at every place in the image."""
     rng = np.random.default_rng(seed)
     mask = np.zeros((60, 80), np.uint8)
     for _ in range(3):
@@ -119,7 +119,7 @@ def test_regions_are_those_of_the_whole_image(seed: int) -> None:
 
 
 def barcode() -> np.ndarray:
-    """A white side with bars that leave specks of white between them, in one piece with it."""
+    """Return a white side with bars that leave specks of white, in one piece with it."""
     mask = np.zeros((120, 160), np.uint8)
     mask[20:100, 30:130] = 255
     mask[40:80, 50:110] = 0
@@ -158,7 +158,7 @@ def test_a_notch_encloses_nothing() -> None:
 def test_an_extent_covers_what_is_well_inside_pixel_by_pixel(
     axes: tuple[int, int], turn: float, centre: tuple[int, int]
 ) -> None:
-    """Of a region that the border cuts off: all pixels of a grid with room around them."""
+    """Include, for a region cut off by the border, all pixels of a grid with room around them."""
     mask = np.zeros((120, 160), np.uint8)
     cv2.ellipse(mask, centre, axes, turn, 0, 360, 255, -1)
     (region,) = connected_regions(mask, 1)

@@ -1,4 +1,4 @@
-"""Sensors of another package's kind: what they read fits its row, or their package is named."""
+"""Sensors of another package's kind: readings fit their row, or the package is named."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from cbdsl.types.registry import PluginError
 JOINTS = 4
 Sensor = Callable[[], Reading | None]
 
-#: What the package's function makes of a signal.
+#: Reading that the package's function returns for a signal.
 made: Callable[[Any, Any], Sensor]
 
 
 @pytest.fixture
 def read(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Reading | None]:
-    """A reading of two numbers, by what a sensor gives."""
+    """Return a function that reads two numbers from a sensor's value."""
     kind = SimpleNamespace(reader=f"{__name__}:made")
     monkeypatch.setattr(SOURCES, "get", lambda name: kind)
     monkeypatch.setattr(SOURCES, "fault", lambda name, reason: PluginError(f"{name}: {reason}"))

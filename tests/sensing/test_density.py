@@ -62,7 +62,7 @@ def test_the_same_seed_gives_the_same_draws() -> None:
 
 
 def test_positions_have_no_limits(dexter: RobotDocument, kinematics: Kinematics) -> None:
-    """What lies beyond a joint's limits, as a number, is a position like any other."""
+    """Treat numbers beyond a joint's limits as a position like any other."""
     source = KernelSample("right_arm", ((9.0, -9.0, 0.5),), (0.1, 0.01, 0.001))
     places = Resource("right_arm.touched", POSITION, Origin.MODEL, source)
     sampler = Signals(dexter, kinematics, [places]).sampler(places, np.random.default_rng(0))

@@ -1,4 +1,4 @@
-"""What hands hold moves with them."""
+"""Held objects move with the hands."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def signals(dexter: RobotDocument, kinematics: Kinematics) -> Signals:
 
 
 def hold_of(signals: Signals, arms: Sequence[str], positions: np.ndarray) -> Hold | None:
-    """What is found where the hands of some arms feel contact with all of their fingers."""
+    """Return the hold if the hands of some arms feel contact with all of their fingers."""
     signals.kinematics.update(positions)
     signals.kinematics.place()
     feeling = np.array([arm in arms for arm in HANDS for _ in range(3)])
@@ -134,14 +134,14 @@ def test_one_hand_holds_with_all_of_its_fingers_and_several_with_any(
 
 
 def thing(x: float, radius: float = 0.05, since: float = 1.0) -> PositionMemory:
-    """A thing at some place on a line, m."""
+    """Return an object at some place on a line, m."""
     made = PositionMemory(Regions())
     made.position, made.radius, made.since = np.array([x, 0.0, 0.0]), radius, since
     return made
 
 
 def test_what_is_between_the_fingers_is_taken_and_what_is_on_it() -> None:
-    """The one that reaches deepest is decided on first, others by whether they are a part of it."""
+    """Decide on the deepest object first, and on others by whether they are a part of it."""
     content = Content(lambda: np.zeros(3))
     one, part, beside = thing(0.04), thing(-0.019, 0.005), thing(0.101, 0.07)
     unseen = thing(0.0)

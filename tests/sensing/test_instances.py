@@ -34,11 +34,11 @@ AHEAD, AWAY = {"pan": 0.0, "tilt": 1.15}, {"pan": 1.2, "tilt": 0.3}
 
 
 class Scene:
-    """Red balls on nothing, and a robot that looks at them.
+    """Red balls without a support, and a robot that looks at them.
 
     Attributes:
-        backend: with the balls, by the names ``ball_0`` and on.
-        signals: of the robot.
+        backend: Backend with the balls, by the names ``ball_0`` and on.
+        signals: Signals of the robot.
     """
 
     def __init__(self, robot: RobotDocument, urdf: Path, backend: Backend | None = None) -> None:
@@ -189,7 +189,7 @@ def test_what_is_gone_is_forgotten_once_it_is_looked_for(scene: Scene) -> None:
 
 
 def test_another_thing_is_not_taken_for_one_out_of_view(scene: Scene) -> None:
-    """It is a second one: the first has not moved."""
+    """Recognize a second object: the first has not moved."""
     aside = np.array([0.45, 0.5, -0.36])
     scene.show((RIGHT, 0.05), (aside, 0.05))
     scene.look()
@@ -222,7 +222,7 @@ def test_what_is_carried_before_another_hides_it(scene: Scene) -> None:
 
 
 def test_what_grows_together_in_the_images_stays_where_it_was(scene: Scene) -> None:
-    """The region of both is little larger than the large one's, and its middle is off by a cm."""
+    """Merge regions: the joint one is little larger than the large one, its middle off by a cm."""
     large = np.array([0.6, -0.08, -0.36])
     aside, beside = (large + np.array([0.0, apart, 0.0]) for apart in (0.125, 0.108))
     scene.show((large, 0.07), (aside, 0.04))
@@ -264,9 +264,9 @@ def test_what_a_hand_leaves_of_a_thing_is_no_other_thing(
 def test_what_a_forearm_leaves_of_a_thing_does_not_move_it(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, alike: bool
 ) -> None:
-    """Another part of it to each camera, whose lines of sight meet where no hand is.
+    """Show another part of it to each camera; the lines of sight meet away from all hands.
 
-    Two parts of one size are what a smaller thing would look like that has got there.
+    Two parts of one size look like a smaller object that has moved there.
     """
     scene.show((RIGHT, 0.06))
     scene.look()
@@ -289,7 +289,7 @@ def test_what_a_forearm_leaves_of_a_thing_does_not_move_it(
 def test_a_shoulder_that_comes_before_a_thing_does_not_move_it(
     dexter: RobotDocument, urdf: Path, side: int
 ) -> None:
-    """As the head turns to what is near and aside, one camera looks over the shoulder."""
+    """Turn the head to a near object aside, so that one camera looks over the shoulder."""
     aside, pan = np.array([0.32, side * 0.58, -0.36]), side * 1.44
     scene = Scene(dexter, urdf, embody("mujoco", dexter, urdf, cameras="rendered"))
     camera = "left" if side > 0 else "right"
@@ -305,7 +305,7 @@ def test_a_shoulder_that_comes_before_a_thing_does_not_move_it(
 def test_a_thing_is_discovered_once_no_hand_is_before_it(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of what a hand hides in part the images show a middle that wanders as the hand goes."""
+    """Hide an object in part: the middle of its region wanders as the hand goes."""
     scene.show((LEFT, 0.04), (RIGHT, 0.06))
     with monkeypatch.context() as patched:
         patched.setattr(
@@ -349,7 +349,7 @@ def test_every_name_of_an_instance_names_a_resource(dexter: RobotDocument) -> No
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_what_is_cut_off_has_headings_and_no_position(scene: Scene, side: float) -> None:
-    """It goes by the lowest free number in both images, beside one that both see whole."""
+    """Give it the lowest free number in both images, beside one that both see whole."""
     middle, aside = np.array([0.56, 0.0, -0.36]), np.array([0.7, 0.34 * side, -0.36])
     scene.show((middle, 0.05), (aside, 0.04))
     scene.look()

@@ -145,7 +145,7 @@ def test_a_posture_stays_what_it_was_when_it_was_set(
 
 
 def test_origins_are_those_of_the_links(kinematics: Kinematics, posture: np.ndarray) -> None:
-    """The link that a joint turns begins where the joint is."""
+    """Begin the link that a joint turns at the joint."""
     for change in (0.0, 0.1):
         kinematics.update(posture + change)
         *joints, first, second = kinematics.origins(("right_arm_3",), tuple(LINKS[:2]))
@@ -221,7 +221,7 @@ def test_a_correction_displaces_the_camera_and_nothing_else(
 def test_another_posture_is_asked_for_and_the_newest_stays(
     dexter: RobotDocument, urdf: Path
 ) -> None:
-    """Whatever is asked for in between, also what nobody had asked for before."""
+    """Keep it after requests in between, also after requests for a new link."""
     rng = np.random.default_rng(5)
     kinematics, alone = Kinematics(dexter, urdf), Kinematics(dexter, urdf)
     links = ["left_camera", "right_palm", "right_finger_1_tip", "left_palm"]

@@ -1,4 +1,4 @@
-"""What is seen late is taken for what was there when the image was taken."""
+"""Late images are interpreted at the time when they were taken."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def place_of_thing(backend: KinematicBackend) -> np.ndarray:
 def test_a_head_that_turns_sees_a_thing_stand_still(
     dexter: RobotDocument, kinematics: Kinematics, latency: float
 ) -> None:
-    """An image that is taken for new would be off by 4 cm at 70 cm."""
+    """Avoid an error of 4 cm at 70 cm, which an image taken for new would cause."""
     robot = with_vision(exact(dexter), latency=latency)
     backend = KinematicBackend(robot, URDF)
     feature = resources(robot)[f"stereo.{FEATURE}"]
@@ -62,7 +62,7 @@ def test_a_head_that_turns_sees_a_thing_stand_still(
 
 
 def test_a_heading_is_that_of_now(dexter: RobotDocument, kinematics: Kinematics) -> None:
-    """The head has turned by 0.06 rad since the image was taken, and the heading with it.
+    """Turn the heading by the 0.06 rad that the head has turned since the image was taken.
 
     The camera is not on the axis: how far it has moved aside shows by the thing's distance alone.
     """

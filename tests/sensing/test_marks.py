@@ -1,4 +1,4 @@
-"""A mark is what has another hue on a thing, whichever that is; nobody tells the robot."""
+"""Marks are regions of another hue on an object, for every hue, without configuration."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ THING = "sat_10"
 
 
 def region(column: float, row: float, radius: float, *, clipped: bool = False) -> Region:
-    """A disk."""
+    """Return a disk."""
     variance = radius * radius / 4
     area = round(np.pi * radius * radius)
     return Region(area, column, row, clipped, Moments(variance, 0.0, variance))
@@ -40,14 +40,14 @@ def signals(dexter: RobotDocument, kinematics: Kinematics) -> Signals:
 
 
 def look(signals: Signals, time: float, **seen: Region) -> np.ndarray | None:
-    """The heading to the mark, after the same regions in both images."""
+    """Return the heading to the mark, after the same regions in both images."""
     signals.update(observation(signals, time, **seen))
     reading = signals.read(resources(signals.robot)[f"mark.{THING}"])
     return None if reading is None else reading.value
 
 
 def test_the_jacobian_is_its_derivative_by_the_head(signals: Signals) -> None:
-    """What it leads to stands still while the cameras turn."""
+    """Keep the point of the heading still while the cameras turn."""
     assert look(signals, 0.0, sat_10=BALL, hue_7=region(170, 125, 3)) is not None
     source = resources(signals.robot)[f"mark.{THING}"]
     here = signals.read(source)
@@ -65,7 +65,7 @@ def test_the_jacobian_is_its_derivative_by_the_head(signals: Signals) -> None:
 
 
 def observation(signals: Signals, time: float, **seen: Region) -> Observation:
-    """The same regions in both images, and joints at 0."""
+    """Return an observation with the same regions in both images, and joints at 0."""
     positions = np.zeros(len(signals.joints))
     regions: Mapping[str, tuple[Region, ...]] = {name: (each,) for name, each in seen.items()}
     cells = signals.robot.load_cells.items()
@@ -81,7 +81,7 @@ def observation(signals: Signals, time: float, **seen: Region) -> Observation:
         (region(160, 139, 5), True),  # at its edge
         (region(160, 160, 5), False),  # beside it
         (region(160, 120, 19), False),  # the thing in its own hue
-        (region(162, 121, 200), False),  # what it stands on
+        (region(162, 121, 200), False),  # the support of the object
         (region(170, 120, 5, clipped=True), False),
     ],
 )
@@ -114,7 +114,7 @@ def test_it_outlives_its_region_as_long_as_headings_do(signals: Signals) -> None
 
 @pytest.mark.parametrize("colour", ["0, 0.4, 1", "0, 1, 0.2", "1, 0, 1"])
 def test_a_mark_of_any_hue_is_brought_into_view(tmp_path: Path, colour: str) -> None:
-    """By VISUALINSPECT, whose TRACK is told no hue."""
+    """Run VISUALINSPECT, whose TRACK has no hue."""
     stage = tmp_path / "spotted.yaml"
     spots = (shipped() / "programs" / "stages" / "spotted_right.yaml").read_text("utf-8")
     stage.write_text(

@@ -34,7 +34,7 @@ def test_a_half_hidden_region_moves_nothing(memory: PositionMemory) -> None:
 def test_what_was_met_half_hidden_is_taken_anew_once_it_is_seen_whole(
     memory: PositionMemory,
 ) -> None:
-    """One camera sees a sliver beside the hand, whose middle is no middle of the thing."""
+    """Show one camera a sliver beside the hand, whose middle is not the middle of the object."""
     assert memory.see(0.0, WHERE, (0.0001, 0.0245))
     whole = np.add(WHERE, (0.05, 0.0, 0.1))
     assert memory.see(FRAME, whole, (0.0142, 0.0132))
@@ -65,7 +65,7 @@ def test_it_has_shrunk_where_one_camera_sees_less_of_it_than_before(
         ((0.01, 0.0111), AT_IT, True),
         ((0.01, 0.0112), AT_IT, False),  # over a tenth more in one camera
         ((0.02, 0.01), AT_IT, False),
-        ((0.02, 0.01), (0.0, 0.3), False),  # as what is half hidden seems to be
+        ((0.02, 0.01), (0.0, 0.3), False),  # the apparent motion of a half hidden object
         ((0.02, 0.014), AT_IT, False),
         ((0.02, 0.014), (0.3, 0.0), True),  # elsewhere, and turned
         ((0.02, 0.014), (0.3, 0.3), True),
@@ -81,7 +81,7 @@ def test_what_one_camera_loses_is_hidden_from_it_unless_the_other_sees_it_elsewh
 
 
 def test_what_comes_before_a_thing_little_by_little_hides_it(memory: PositionMemory) -> None:
-    """Each image shows a little less of it to one camera than the image before."""
+    """Show one camera a little less of it in each image."""
     memory.see(0.0, WHERE, WHOLE)
     for number in range(1, 20):
         sizes = (0.02, 0.02 * 0.95**number)
@@ -95,7 +95,7 @@ def test_what_comes_before_a_thing_little_by_little_hides_it(memory: PositionMem
 def test_what_comes_before_a_thing_gives_it_no_velocity(
     memory: PositionMemory, moves: bool
 ) -> None:
-    """Its middle moves in one image alone as it loses a part there; a motion takes no part away."""
+    """Move its middle in one image alone as it loses a part there; a motion takes no part away."""
     for number in range(5):
         share = 1.0 if moves else 0.97**number
         sizes, place = (0.02, 0.02 * share), WHERE + np.array([0.01 * number, 0.0, 0.0])
@@ -174,7 +174,7 @@ def steady(
 
 
 def test_of_few_sightings_the_line_through_them_is_the_motion(memory: PositionMemory) -> None:
-    """With two of them it goes through both, and nobody is told before there are three."""
+    """Fit the line through two of them exactly, and report no velocity before the third."""
     velocity = np.array([0.04, -0.03, 0.02])
     steady(memory, velocity, 2)
     assert memory.velocity is None

@@ -1,4 +1,4 @@
-"""What is novel is where the background model of its channel expects nothing."""
+"""Novel regions are those at which the background model of their channel expects nothing."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def posture(signals: Signals, head: tuple[float, ...]) -> np.ndarray:
 def observe(
     signals: Signals, head: tuple[float, ...], regions: list[Region] | None, time: float
 ) -> None:
-    """A tick with the same regions in both images, or without images."""
+    """Observe a tick with the same regions in both images, or without images."""
     observe_both(signals, head, regions, regions, time)
 
 
@@ -39,7 +39,7 @@ def observe_both(
     right: list[Region] | None,
     time: float,
 ) -> None:
-    """A tick with regions in each image, or without that image."""
+    """Observe a tick with regions in each image, or without that image."""
     positions, both = posture(signals, head), {"left": left, "right": right}
     seen = {name: {"hue_7": tuple(own)} for name, own in both.items() if own is not None}
     cells = signals.robot.load_cells.items()
@@ -63,7 +63,7 @@ def signals(dexter: RobotDocument, kinematics: Kinematics, novel: Resource) -> S
 
 
 def test_turns_bring_a_line_of_sight_to_the_middle(signals: Signals) -> None:
-    """The farther the head is lowered, the more its pan turns the image instead of shifting it."""
+    """Turn the image more by the pan, instead of shifting it, the farther the head is lowered."""
     for tilt in (-0.3, 0.2, 1.0):
         here = np.array((0.4, tilt))
         observe(signals, tuple(here), [], 0.0)
@@ -79,7 +79,7 @@ def test_turns_bring_a_line_of_sight_to_the_middle(signals: Signals) -> None:
 def test_what_is_expected_is_not_novel_from_wherever_it_is_seen(
     signals: Signals, novel: Resource
 ) -> None:
-    """The same direction, in the middle of the image and at its left."""
+    """Observe the same direction, in the middle of the image and at its left."""
     observe(signals, HERE, [region()], 0.0)
     assert signals.read(novel) is None
     pan = 0.2
@@ -123,7 +123,7 @@ def test_what_was_novel_a_moment_ago_still_is(signals: Signals, novel: Resource)
 
 
 def test_both_cameras_look_at_the_same_novel_thing(signals: Signals, novel: Resource) -> None:
-    """Of two, of which each camera sees another one larger, it is that of the first camera."""
+    """Choose the first camera's larger object if each camera sees another one larger."""
     one, other = (region(column, area=300) for column in (40.0, 280.0))
     smaller = [each._replace(area=200) for each in (one, other)]
     observe_both(signals, HERE, [one, smaller[1]], [other, smaller[0]], 0.0)

@@ -1,4 +1,4 @@
-"""Headings, positions and their Jacobians agree, wherever two cameras see a point (Eq 3.14)."""
+"""Headings, positions and their Jacobians agree at every visible point (Eq 3.14)."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def headings(eyes: Cameras, position: Floats) -> Floats:
 
 
 def position(eyes: Cameras, angles: Floats) -> Floats:
-    """Where both lines of sight meet, shape (3,)."""
+    """Return the intersection of both lines of sight, shape (3,)."""
     left, right = (
         Ray(eye.position, eye.rotation @ direction(own))
         for eye, own in zip(eyes, angles.reshape(2, 2), strict=True)
@@ -64,12 +64,12 @@ def position(eyes: Cameras, angles: Floats) -> Floats:
 
 
 def heading_after(at: Floats, turn: Floats) -> Floats:
-    """The heading of a far point once the camera has turned by a rotation vector."""
+    """Return the heading of a far point once the camera has turned by a rotation vector."""
     return heading(exp(turn).T @ at)
 
 
 def sightings(eyes: Cameras, at: Floats) -> Floats:
-    """The Jacobian of both headings by the position, shape (4, 3)."""
+    """Return the Jacobian of both headings by the position, shape (4, 3)."""
     return np.vstack(
         [sighting_jacobian(eye.rotation.T @ (at - eye.position)) @ eye.rotation.T for eye in eyes]
     )
@@ -114,7 +114,7 @@ def test_the_oculomotor_jacobian_inverts_that_of_the_headings(rng: np.random.Gen
 def test_localizability_changes_with_the_position_as_its_gradient_by_the_headings_says(
     rng: np.random.Generator,
 ) -> None:
-    """The gradient goes through the oculomotor Jacobian, and the headings' Jacobian back."""
+    """Apply the oculomotor Jacobian to the gradient, and the headings' Jacobian back."""
     for _ in range(POINTS):
         eyes, at = cameras(rng), point(rng)
         signal = Signal(headings(eyes, at), sightings(eyes, at))

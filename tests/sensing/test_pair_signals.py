@@ -1,4 +1,4 @@
-"""Constellation and offset of two things, from pixels, against what the experimenter knows."""
+"""Constellation and offset of two objects, from pixels, against the simulator's truth."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def pair_watcher(
 def test_what_stands_on_another_thing_is_above_it_and_smaller(
     pair_watcher: PairWatcher, stage: StageNamed
 ) -> None:
-    """A cube of 8 cm or a ball of 10 cm on a box of 14 cm."""
+    """Stack a cube of 8 cm or a ball of 10 cm on a box of 14 cm."""
     for seed in range(3):
         read = pair_watcher.look(stage("stacked"), seed)
         seen, back, apart = read["seen"], read["back"], read["apart"]

@@ -33,7 +33,7 @@ RADIUS, STANDOFF = 0.05, (0.03, 0.02, 0.2)
 
 
 class Case(NamedTuple):
-    """A row: of a resource, or of what a controller makes of one."""
+    """Row of a resource, or of a controller's function of it."""
 
     robot: str
     kind: str
@@ -83,7 +83,7 @@ def bind(case: Case, signals: Signals) -> int:
 
 
 def expected(case: Case, model: Kinematics, loads: Floats) -> Floats:
-    """The value of a row by the frames and Jacobians of links."""
+    """Return the value of a row by the frames and Jacobians of links."""
     robot = document(case.robot)
     if case.kind == "normal forces":
         return normal_forces(case, model, loads)

@@ -20,7 +20,7 @@ SHAPES = {"orientation": (3, 3), "pose": (4, 4)}
 
 
 def _robot(name: str) -> RobotDocument:
-    """A shipped robot, or Dexter with a sensor of this kind."""
+    """Return a shipped robot, or Dexter with a sensor of this kind."""
     shipped = "dexter" if name in SOURCES else name
     robot = LIBRARY.read(LIBRARY.locate(RobotDocument, shipped), RobotDocument).document
     if name not in SOURCES:
@@ -38,7 +38,7 @@ def _observe(robot: RobotDocument, time: float, positions: np.ndarray, force: fl
     return Observation(time, positions, np.zeros_like(positions), loads, {})
 
 
-# Drawn when a controller begins, from what is seen or known then.
+# Drawn when a controller begins, from the features seen or known then.
 
 
 @pytest.mark.parametrize("name", (*LIBRARY.names(RobotDocument), *SOURCES.usable_names()))

@@ -1,4 +1,4 @@
-"""Rows are known by their keys, and brought up to date behind those that they are made of."""
+"""Rows are identified by their keys, and updated after the rows that they depend on."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ STEP = 1e-6
 
 
 def observe(dexter: RobotDocument, positions: np.ndarray, force: float = 0.0) -> Observation:
-    """An observation with the same downward force on every fingertip and no image."""
+    """Return an observation with the same downward force on every fingertip and no image."""
     loads = {
         (hand, finger): np.array([0, 0, -force, 0, 0, 0], dtype=float)
         for hand, fingers in dexter.load_cells.items()
@@ -51,7 +51,7 @@ def test_every_resource_can_be_read_and_fits_its_type(
             )
             assert reading.value.shape == shape
             assert reading.jacobian.shape == (resource.type.size, len(signals.joints))
-    # Everything but what needs an image.
+    # All resources but those that need an image.
     assert defined > 40
 
 
@@ -88,7 +88,7 @@ def test_jacobians_of_moved_resources_by_finite_differences(
 def test_curvature_by_finite_differences(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray, effector: str, part: str
 ) -> None:
-    """The Jacobian of a tip's Jacobian."""
+    """Compare the Jacobian of a tip's Jacobian."""
     row = signals.kinematic_rows.manipulator(effector, part, dexter.joints(effector))
     signals.update(observe(dexter, posture))
     here = signals.reading(row)
@@ -214,7 +214,7 @@ def test_a_pose_is_its_position_and_its_orientation(
 def test_a_probability_is_that_of_the_features_now(
     dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
 ) -> None:
-    """Undefined while one of them is; of an action without features the counts tell it."""
+    """Leave it undefined without one of its features; use counts for an action without features."""
     own = resources(dexter)
     palms = tuple(own[f"{side}_arm.position"] for side in ("left", "right"))
     seen, model = np.zeros(6), AffordanceModel.fresh(np.ones(6))
@@ -267,7 +267,7 @@ def test_links_have_rows_of_their_own_and_of_their_middle(
 def test_each_observation_is_a_tick_of_its_own(
     dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
 ) -> None:
-    """What was refreshed for one tick is refreshed again in the next."""
+    """Refresh each row again in the next tick."""
     signals = Signals(dexter, kinematics, ())
     tip = signals.bind(resources(dexter)["right_arm.position"])
     selection = signals.select([tip])

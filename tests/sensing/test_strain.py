@@ -1,4 +1,4 @@
-"""Strain is what drives exert beyond the weight of the links, low-pass filtered."""
+"""Strain is the torque of drives beyond the weight of the links, low-pass filtered."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def turned(pan: float, tilt: float) -> NDArray[np.float64]:
 
 
 def views(pan: float, tilt: float, line: NDArray[np.float64]) -> list[SurfaceView]:
-    """What two cameras see of a straight line in the world, as far as it is in their images."""
+    """Return the views of two cameras on a straight line in the world, as far as it is visible."""
     rotation = turned(pan, tilt)
     both = []
     for side in (0.5, -0.5):

@@ -1,4 +1,4 @@
-"""Rows that are bound and released in any order keep what is theirs, and take nothing else."""
+"""Rows that are bound and released in any order keep their own entries, and take no others."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def rng() -> np.random.Generator:
 
 
 def drawn_form(rng: np.random.Generator) -> Form:
-    """Of any size, with parts that any number of joints support."""
+    """Draw a form of any size, with parts that any number of joints support."""
     parts = [
         RowPart(support=rng.integers(JOINTS, size=rng.integers(6))) for _ in range(rng.integers(4))
     ]
@@ -33,7 +33,7 @@ def drawn_form(rng: np.random.Generator) -> Form:
 
 
 def lists(table: SignalTable, number: int) -> list[list[int]]:
-    """The joints that a row's parts and its columns name."""
+    """Return the joints that a row's parts and its columns name."""
     record = table.records[number]
     parts = table.parts[record["part"] : record["part"] + record["parts"]]
     spans = [(part["support"], part["joints"]) for part in parts]
@@ -80,7 +80,7 @@ def test_room_that_is_given_back_is_taken_again(rng: np.random.Generator) -> Non
         bound.append(table.bind(drawn_form(rng)))
         if len(bound) > 10:
             table.unbind(bound.pop(int(rng.integers(len(bound)))))
-    # Ten rows of 40 numbers at most, and what lies between them.
+    # Ten rows of 40 numbers at most, and the gaps between them.
     assert len(table.records) <= 32
     assert len(table.value) <= 2048
     assert len(table.jacobian) <= 2048

@@ -69,7 +69,7 @@ def test_hands_that_touch_each_other_hold_nothing(touch_of: Make) -> None:
 def test_net_torque_has_the_moments_of_the_fingers_forces(
     touch_of: Make, robot: str, hand: str
 ) -> None:
-    """By virtual work: a turn about the tip does as much against the fingers as against the sum."""
+    """Compare virtual work: a turn about the tip does equal work on the fingers and the sum."""
     rng = np.random.default_rng(1)
     touch = touch_of(robot)
     touch.reset()
@@ -101,7 +101,7 @@ def test_net_torque_has_the_moments_of_the_fingers_forces(
 
 
 def test_net_wrench_of_a_couple_is_a_torque_alone(touch_of: Make) -> None:
-    """Two fingers that press against each other side by side turn what they hold."""
+    """Turn an object with two fingers that press against each other side by side."""
     touch = touch_of("dexter")
     touch.reset()
     wrenches = np.zeros_like(touch.loads)
@@ -119,7 +119,7 @@ def test_net_wrench_of_a_couple_is_a_torque_alone(touch_of: Make) -> None:
 
 
 def test_net_torque_grows_as_the_hand_turns_on(touch_of: Make) -> None:
-    """The cast: tips as springs, whose forces have moments about the hand's tip."""
+    """Cast tips as springs, whose forces have moments about the hand's tip."""
     touch = touch_of("dexter")
     feel(touch, 3, 4, 5)
     torque = touch.net_load(NetLoad("right_hand", "torque"))
@@ -149,7 +149,7 @@ def test_load_cells_are_tared_anew_only_while_nothing_is_felt(touch_of: Make, he
     touch.resume(before)
     wrenches = drifted + (1.0 if held else 0.0)
     touch.update(wrenches, 0.0)
-    # What is held goes on to be felt; where nothing is, what the cells read now is nothing.
+    # Contact with a held object remains; without one, the present reading becomes the zero.
     assert touch.loads == pytest.approx(wrenches if held else np.zeros_like(drifted))
     assert touch.feeling.any() == held
 

@@ -1,4 +1,4 @@
-"""Vision: what both cameras see has a position, and what they lose is forgotten unless hidden."""
+"""Vision: objects in both cameras have a position, and lost ones are forgotten unless hidden."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def look_towards(
 
 
 def moves(signals: Signals) -> bool:
-    """Whether motion is seen, or was a moment ago."""
+    """Return True if motion is seen, or was a moment ago."""
     return signals.vision.heading("left", "motion") is not None
 
 
@@ -74,8 +74,8 @@ def test_what_moved_is_there_until_the_camera_rests_again(
     assert moves(signals)
     first, pan = signals.vision.heading("left", "motion"), kinematics.joints.index["pan"]
     assert first is not None
-    # Everything moves in the images of a head that turns, and it does so for longer than a
-    # moment; what has moved before stays where it was in the world.
+    # All regions move in the images of a head that turns, for longer than a moment; regions
+    # that moved before stay at their place in the world.
     for _ in range(60):
         signals.update(backend.observe())
         backend.apply(signals.positions + np.eye(len(signals.positions))[pan] * 0.003)
@@ -94,7 +94,7 @@ def position(signals: Signals, channel: str) -> NDArray[np.float64] | None:
 
 
 def region(signals: Signals, camera: str) -> Any:
-    """Of red in a camera."""
+    """Return the red region in a camera."""
     return signals.vision.region(camera, "hue_1")
 
 
@@ -141,7 +141,7 @@ def test_what_vanishes_in_plain_view_is_forgotten(
 def test_what_a_hand_may_hide_is_remembered(
     backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
 ) -> None:
-    """The palm is on the line of sight."""
+    """Place the palm on the line of sight."""
     signals.update(backend.observe())
     palm = signals.kinematics.frame("right_palm").position
     head = signals.kinematics.frame("left_camera").position
@@ -211,7 +211,7 @@ def test_a_heading_outlives_its_region_for_a_moment_and_is_not_measured_anew(
 def test_what_ideal_cameras_see_counts_as_images_do(
     backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
 ) -> None:
-    """And what is too small, or wanted by nobody, counts for nothing."""
+    """Ignore regions that are too small or of a channel without a reader."""
     backend.world.ball = Ball(BALL)
     observation = backend.observe()
     signals.update(observation)

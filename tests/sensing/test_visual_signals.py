@@ -1,4 +1,4 @@
-"""What is seen, and how it moves with the hands that hold it."""
+"""Visible objects, and their motion with the hands that hold them."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def feel(
     force: float,
     cells: Container[Cell] | None = None,
 ) -> None:
-    """One tick in which every fingertip, or each of some, feels the same force."""
+    """Update a tick in which all fingertips, or some, feel the same force."""
     loads = {
         (hand, finger): np.eye(6)[0] * (force if cells is None or (hand, finger) in cells else 0.0)
         for hand, fingers in dexter.load_cells.items()
@@ -80,7 +80,7 @@ def test_what_is_not_held_moves_with_no_arm(dexter: RobotDocument, signals: Sign
 def test_what_is_held_moves_with_the_centroid_of_the_hands(
     dexter: RobotDocument, signals: Signals
 ) -> None:
-    """The Jacobian of the headings through the arms, by finite differences (Eq 3.42)."""
+    """Compare the Jacobian of the headings through the arms by finite differences (Eq 3.42)."""
     positions, named = facing(dexter, signals), resources(dexter)
     arms = signals.joints.of("arms")
 
@@ -148,7 +148,7 @@ def test_one_hand_holds_with_all_of_its_fingers(
 
 
 def between_fingers(signals: Signals) -> np.ndarray:
-    """The middle between the fingertips of the right hand."""
+    """Return the middle between the fingertips of the right hand."""
     tips = [f"right_finger_{number}_tip" for number in (1, 2, 3)]
     middle: np.ndarray = signals.kinematics.origins((), tuple(tips)).mean(axis=0)
     return middle
@@ -158,7 +158,7 @@ RIGHT_FINGERS = [("right_hand", f"finger_{number}") for number in (1, 2, 3)]
 
 
 def test_what_a_closed_hand_comes_near_is_not_held(dexter: RobotDocument, signals: Signals) -> None:
-    """A goal stays where it is, even where the fingers end up around it."""
+    """Keep a goal in place, even if the fingers end up around it."""
     positions = facing(dexter, signals)
     feel(dexter, signals, positions, 0.0)
     goal = between_fingers(signals)
@@ -179,7 +179,7 @@ def test_what_a_closed_hand_comes_near_is_not_held(dexter: RobotDocument, signal
 def test_what_is_taken_stays_held_and_its_neighbour_does_not(
     dexter: RobotDocument, signals: Signals
 ) -> None:
-    """Of two things near the fingers, the one between them; a part of it is held with it."""
+    """Hold, of two objects near the fingers, the one between them, with its parts."""
     positions = facing(dexter, signals)
     feel(dexter, signals, positions, 0.0)
     middle = between_fingers(signals)
@@ -215,7 +215,7 @@ def test_what_is_far_from_the_hands_is_not_held(dexter: RobotDocument, signals: 
 def test_what_is_held_has_headings_while_an_arm_hides_it(
     dexter: RobotDocument, signals: Signals, hidden_from: tuple[str, ...]
 ) -> None:
-    """The same headings and Jacobians as where it is seen; without the hold there are none."""
+    """Keep the headings and Jacobians of the visible object; without the hold there are none."""
     positions, pair = facing(dexter, signals), resources(dexter)[f"cameras.{CHANNEL}"]
     feel(dexter, signals, positions, 0.0)
     feel(dexter, signals, positions, 5.0)
@@ -255,7 +255,7 @@ def test_lines_of_sight_that_do_not_meet_are_no_pair(
 def test_what_both_cameras_see_has_the_mean_heading(
     dexter: RobotDocument, signals: Signals, alone: str
 ) -> None:
-    """What one camera loses is tracked by the other alone."""
+    """Track an object that one camera loses by the other alone."""
     named = resources(dexter)
     feel(dexter, signals, facing(dexter, signals), 0.0)
     see(dexter, signals, between(dexter, signals))
@@ -276,7 +276,7 @@ def test_what_both_cameras_see_has_the_mean_heading(
 def test_cameras_are_placed_in_the_first_one_s_frame(
     dexter: RobotDocument, signals: Signals
 ) -> None:
-    """The one to the right is beside it, wherever the head looks."""
+    """Place the right one beside it for every direction of the head."""
     positions = facing(dexter, signals)
     positions[:2] = 0.4, -0.3
     feel(dexter, signals, positions, 0.0)

@@ -11,7 +11,7 @@ from tests.training.toy import EPISODES, take
 
 @pytest.fixture(scope="module")
 def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a trial that nothing interrupted."""
+    """Return the folder of a trial that nothing interrupted."""
     folder = tmp_path_factory.mktemp("unbroken")
     take(folder / "policy.yaml", EPISODES)
     return folder

@@ -14,7 +14,7 @@ PAUSE = 0.004
 
 
 class SlowFile:
-    """A file that takes a part of what it is given at a time, which is then on the disk."""
+    """File that writes only a part of the given data at a time, which is then on the disk."""
 
     def __init__(self, file: Any) -> None:
         self._file = file
@@ -29,7 +29,7 @@ class SlowFile:
         self._file.close()
 
     def write(self, data: Any) -> int:
-        """Write the first part of the data; what is buffered is written whole, in many parts."""
+        """Write the first part of the data; write buffered data whole, in many parts."""
         part = len(data) // 4 + 1
         written = self._file.write(data[:part])
         self._file.flush()

@@ -54,5 +54,5 @@ def run_here(tasks: Sequence[LearningTask]) -> None:
 
 
 def outcome(folder: Path) -> dict[str, bytes]:
-    """The documents in a folder, by name."""
+    """Return the documents in a folder, by name."""
     return {file.name: file.read_bytes() for file in sorted(folder.glob("*.yaml"))}

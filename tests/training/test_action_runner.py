@@ -95,7 +95,7 @@ def test_inspect_is_rewarded_only_where_its_hue_was_seen(
 def test_inspect_counts_each_execution_under_the_open_action(
     inspect: Inspect, inspection: Explorable, share: float
 ) -> None:
-    """The predicted probability of an open inspection is that of its own executions."""
+    """Predict for an open inspection the probability of its own executions."""
     exploration = ModelExploration({"visualinspect": inspection.forms}, ModelConstants())
     for number in range(20):
         rewarded = number < 20 * share

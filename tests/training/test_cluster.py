@@ -83,7 +83,7 @@ def threads() -> int:
 
 @pytest.fixture
 def cluster(threads: int) -> Iterator[Any]:
-    """A cluster within this process, with one worker of so many threads or none."""
+    """Yield a cluster within this process, with one worker of so many threads or none."""
     workers = 1 if threads else 0
     with distributed.LocalCluster(
         n_workers=workers,
@@ -169,7 +169,7 @@ def test_no_address_of_a_scheduler_is_told(tmp_path: Path, address: str) -> None
 
 
 def _answer(listening: socket.socket) -> None:
-    """Answer whoever comes as a server of pages does."""
+    """Answer every client like a server of pages."""
     while True:
         try:
             there, _ = listening.accept()
@@ -229,7 +229,7 @@ def of_page(word: str) -> list[str]:
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("openssl"), reason="makes the certificates")
 def test_the_page_leads_to_trials_over_tls_and_each_mistake_is_told(tmp_path: Path) -> None:
-    """Its lines as they are, but for the port and fewer episodes without physics."""
+    """Run its lines unchanged, except for the port and fewer episodes without physics."""
     for line in of_page("openssl x509"):
         subprocess.run(["bash", "-ec", line], cwd=tmp_path, check=True, capture_output=True)
     with socket.create_server(("127.0.0.1", 0)) as free:

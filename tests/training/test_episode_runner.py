@@ -87,7 +87,7 @@ def test_what_a_controller_moves(
 def test_episodes_of_one_program_are_those_of_fresh_runners(
     dexter: RobotDocument, kinematics: Kinematics, urdf: Path, checked: Checked
 ) -> None:
-    """What a runner keeps for the next episode, and under which policy, changes nothing."""
+    """Keep parts for the next episode, under any policy, without an effect on it."""
     program = checked("searchtrack")
     written, other = WrittenPolicy(program.policy), WrittenPolicy({"**": "search"})
 

@@ -1,4 +1,4 @@
-"""Journals of explorations that others join, and what has to stay in them."""
+"""Journals of explorations that others join, and the lines that have to stay in them."""
 
 from __future__ import annotations
 

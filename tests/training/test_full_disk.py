@@ -1,4 +1,4 @@
-"""A disk that fills up: told, nothing half written, and a resumed trial ends as if it had not."""
+"""Full disks: reported, nothing half written, and a resumed trial ends as if uninterrupted."""
 
 from __future__ import annotations
 

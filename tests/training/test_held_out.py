@@ -60,7 +60,7 @@ def test_a_catalog_predicts_by_what_is_seen_and_else_by_its_counts() -> None:
 
 
 class Scene:
-    """Stands for the runner of actions: what is seen holds until the experimenter's next turn."""
+    """Runner of actions with fixed features until the experimenter's next turn."""
 
     def __init__(self) -> None:
         self.seen = False

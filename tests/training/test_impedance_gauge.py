@@ -1,4 +1,4 @@
-"""What a hand feels where a cylinder is in a tube, and a ball on a ball, with physics."""
+"""Hand loads of a cylinder in a tube, and of a ball on a ball, with physics."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_displacements_are_bounded_and_the_pose_is_restored() -> None:
 
 
 def test_resistance_counts_from_before_the_thing_was_borne() -> None:
-    """A hand that was pressed on a ball before it goes down bears more than what it adds."""
+    """Press a hand on a ball before it goes down: it bears more than the added load."""
     tests = {(each.direction, each.sign): each for each in trial("football_on_ball").profile.tests}
     down = tests["dPz", -1]
     assert down.tracked and 1.5 < -down.load < 3.5

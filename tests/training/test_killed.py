@@ -53,7 +53,7 @@ def cb(
 
 
 def lines(folder: Path, name: str = JOURNAL) -> int:
-    """How many whole ones the journal has."""
+    """Return the number of complete lines in the journal."""
     journal = folder / name
     return journal.read_bytes().count(b"\n") if journal.exists() else 0
 
@@ -62,13 +62,13 @@ def killed(folder: Path, more: int, later: float, learn: list[str]) -> bool:
     """Start or resume the run in a folder, and kill it.
 
     Args:
-        folder: where.
-        more: once so many lines more are in its journal, or a document is being written,
-        later: so many seconds after that.
-        learn: the command.
+        folder: Folder of the run.
+        more: Number of further lines in its journal to wait for, or for a document's write.
+        later: Time to wait after that, s.
+        learn: Words of the command.
 
     Returns:
-        Whether it was killed before it came to its end.
+        True if it was killed before it came to its end.
     """
     wanted, before = lines(folder) + more, set(folder.iterdir())
     process = cb(folder, ON_A_SLOW_DISK, "--resume", learn=learn)
@@ -110,7 +110,7 @@ def test_killed_again_and_again_it_ends_as_if_it_had_not_been(
 
 
 def is_free(journal: Path) -> bool:
-    """Whether no process is at work on it."""
+    """Return True if no process works on it."""
     with journal.open("rb") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

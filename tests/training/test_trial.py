@@ -1,4 +1,4 @@
-"""Trials: what an episode is told, and what becomes of it."""
+"""Trials: the inputs of an episode, and its outcome."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ def texts(folder: Path) -> list[bytes]:
 
 
 def without_seconds(journal: Path) -> list[str]:
-    """Its lines but for the only thing in them that depends on the machine."""
+    """Return its lines without the only entry that depends on the machine."""
     return [line.partition(', "wall_seconds"')[0] for line in journal.read_text().splitlines()]
 
 

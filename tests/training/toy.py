@@ -124,10 +124,10 @@ def take_and_die(out: Path, episodes: int, owner: object, name: str, count: int)
     """Run a trial, and kill this process when it calls a function for the ``count``th time.
 
     Args:
-        out, episodes: of the trial.
-        owner: what holds the function, such as a class or a module.
-        name: of the function.
-        count: the call that is the last.
+        out, episodes: Arguments of the trial.
+        owner: Owner of the function, such as a class or a module.
+        name: Name of the function.
+        count: Number of the last call.
     """
     function, left = getattr(owner, name), [count]
 

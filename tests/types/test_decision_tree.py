@@ -1,4 +1,4 @@
-"""Decision trees answer by thresholds, and not at all by what is unknown."""
+"""Decision trees answer by thresholds, and give no answer for unknown features."""
 
 from __future__ import annotations
 

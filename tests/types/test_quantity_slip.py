@@ -1,4 +1,4 @@
-"""Quantities that are none say how to write them, and what they say is one."""
+"""Invalid quantities are reported with a valid spelling."""
 
 from __future__ import annotations
 

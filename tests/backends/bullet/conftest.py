@@ -13,13 +13,13 @@ from tests.backends.conftest import URDF, sightless
 
 @pytest.fixture(scope="session")
 def backend(bullet: BulletBackend) -> BulletBackend:
-    """A backend with whatever renderer works here."""
+    """Return a backend with any renderer that works here."""
     return bullet
 
 
 @pytest.fixture(scope="session")
 def blind(dexter: RobotDocument) -> Iterator[BulletBackend]:
-    """A backend that spends no time on images, with load cells that have no noise."""
+    """Yield a backend without images, whose load cells have no noise."""
     backend = BulletBackend(sightless(dexter), URDF)
     yield backend
     backend.close()

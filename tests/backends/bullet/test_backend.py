@@ -1,4 +1,4 @@
-"""What is Bullet's alone: worlds that start empty, servos that lag, physics steps."""
+"""Bullet's own features: worlds that start empty, servos that lag, physics steps."""
 
 from __future__ import annotations
 

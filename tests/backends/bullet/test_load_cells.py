@@ -1,4 +1,4 @@
-"""Load cells read what fingertips exert on the world."""
+"""Load cells measure the wrenches that fingertips exert on the world."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Surfaces of links: what rests on a soft one under load."""
+"""Surfaces of links: objects that rest on a soft link under load."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def client() -> Iterator[int]:
 
 
 def slide(client: int, folder: Path, **surface: Any) -> float:
-    """How far a box creeps down a plate in 3 s that is too rough for it to slide, m."""
+    """Return the creep of a box on a plate too rough for it to slide, m in 3 s."""
     file = folder / "plate.urdf"
     file.write_text(PLATE)
     robot = RobotDocument.model_validate(

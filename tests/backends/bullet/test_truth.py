@@ -1,4 +1,4 @@
-"""What recordings are told of the world: every body's shapes, as the stage describes them."""
+"""Ground truth of recordings: the shapes of every body, as the stage describes them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_a_fixture_has_its_form_and_color(
 
 
 def body(form: dict[str, object]) -> StageDocument:
-    """A stage with a thing of this form."""
+    """Return a stage with an object of this form."""
     thing = {"form": form, "mass": "200 g", "color": [0, 1, 0]}
     context = {"things": ["it"], "place": {"z": "1 m"}}
     return StageDocument.model_validate(

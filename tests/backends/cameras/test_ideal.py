@@ -1,4 +1,4 @@
-"""What the ideal cameras report."""
+"""Regions that the ideal cameras report."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Reported = Mapping[str, Mapping[str, Regions]]
 
 
 def _reported(backend: KinematicBackend, channels: Collection[str] | None) -> list[Reported]:
-    """The regions of an episode's first images."""
+    """Return the regions of an episode's first images."""
     stage = stage_named("moving_right")
     backend.reset(stage, None, np.random.default_rng(1), channels)
     found = []
@@ -52,7 +52,7 @@ def test_what_is_not_looked_for_is_left_out_and_nothing_else(
 
 
 def region(column: float, radius: float) -> Region:
-    """Of a ball."""
+    """Return the region of a ball."""
     spread = radius**2 / 4
     return Region(round(math.pi * radius**2), column, 50.0, False, Moments(spread, 0.0, spread))
 

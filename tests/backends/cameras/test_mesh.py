@@ -17,7 +17,7 @@ def test_the_triangles_enclose_the_solid(make: Callable[[], np.ndarray], volume:
     triangles = make()[:, :, :3]
     normals = make()[:, :, 3:].mean(axis=1)
     a, b, c = np.moveaxis(triangles, 1, 0)
-    # Whichever way a triangle is wound, its normal says which side is outside.
+    # For either winding order of a triangle, its normal points to the outside.
     outward = np.sign(np.einsum("ij,ij->i", np.cross(b - a, c - a), normals))
     sixths = outward * np.einsum("ij,ij->i", a, np.cross(b, c))
     assert sixths.sum() / 6 == pytest.approx(volume, rel=0.01)

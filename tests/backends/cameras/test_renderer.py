@@ -1,4 +1,4 @@
-"""Every renderer shows what a pinhole camera would see, in the colours of things."""
+"""Every renderer draws the image of a pinhole camera, in the colours of the objects."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _saturation(image: np.ndarray) -> np.ndarray:
 
 
 def _ideal(view: View, centre: np.ndarray) -> np.ndarray:
-    """Which samples of a grid finer than the pixels see the ball, shape (8 h, 8 w)."""
+    """Return a mask of fine samples that see the ball, shape (8 h, 8 w)."""
     camera, fine = view.camera, 8
     columns, rows = np.meshgrid(
         (np.arange(camera.width * fine) + 0.5) / fine,
@@ -142,7 +142,7 @@ def test_another_engines_renderer_is_refused(kind: Literal["tiny", "mujoco"], ow
 
 
 def test_mujocos_own_renderer_draws_what_the_shared_one_draws(dexter: RobotDocument) -> None:
-    """The same shapes in the same light, but for the corners of what is round."""
+    """Draw the same shapes in the same light; only the corners of round shapes differ."""
     stage, images = stage_named("things_on_table"), []
     for kind in ("opengl", "mujoco"):
         try:

@@ -76,10 +76,10 @@ def test_an_unknown_kind_of_cameras_names_the_nearest(dexter: RobotDocument) -> 
 
 
 class Eyeless:
-    """A backend whose cameras nobody can choose."""
+    """Backend whose cameras cannot be chosen."""
 
     def __init__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> None:
-        """Nothing is embodied."""
+        """Ignore all arguments."""
 
     reset = observe = apply = step = halt = close = lambda self: None
 

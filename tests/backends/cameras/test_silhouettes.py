@@ -1,4 +1,4 @@
-"""What a camera sees of solids, against rays through every pixel."""
+"""Silhouettes of solids in a camera, against rays through every pixel."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HERE, AHEAD = np.zeros(3), np.eye(3)
 
 
 def seen(*solids: Floats, samples: int = 64, patch: Sequence[float] = WHOLE) -> Floats:
-    """What a camera at the origin sees of the first of some solids, or of a patch of it."""
+    """Return the moments of the first solid, or of a patch of it, in a camera at the origin."""
     world = np.array([[*AHEAD.ravel(), *HERE]])
     first, found = np.array([[0, samples]]), np.empty((1, 1, SHAPE))
     nothing, patches, lenses = np.empty((0, WIDTH)), np.array([patch]), np.array([LENS])

@@ -33,7 +33,7 @@ _EPOCH = 1.7e9
 
 
 def robot(**driver: object) -> RobotDocument:
-    """The robot, with changes of its driver."""
+    """Return the robot, with changes of its driver."""
     section = {"kind": "ros2", "moves": ["arm"], "states": "/joint_states", "commands": "/commands"}
     return RobotDocument.model_validate(
         {
@@ -55,12 +55,12 @@ class Peer:
 
     Attributes:
         time: Seconds since the start, which ``sleep`` lets pass.
-        positions: Joints, rad.
-        commands: All commands that it got, each with its time.
-        alter: Changes the joint states that it sends.
+        positions: Joint positions, rad.
+        commands: All commands received, each with its time.
+        alter: Function that changes the joint states that it sends.
         silent: True if it sends nothing.
-        skew: Its clock's advance, s.
-        sleeps: Called in each sleep.
+        skew: Advance of its clock, s.
+        sleeps: Function called in each sleep.
     """
 
     time: float = 0.0
@@ -134,7 +134,7 @@ def stage() -> StageDocument:
 
 
 def backend(peer: Peer, urdf: Path, **driver: object) -> DrivenBackend:
-    """The robot by a peer, with a person who agrees to everything."""
+    """Return the backend of a robot behind a peer, with an operator who agrees to everything."""
     driven = DrivenBackend(robot(**driver), urdf, opener=lambda _, __: [peer], clock=peer.clock())
     driven.attend(Answers())
     return driven

@@ -1,4 +1,4 @@
-"""Backend of a real robot: states, and what never happens, without a transport."""
+"""Backend of a real robot without a transport: states, and motions that it must never command."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ def backend(dexter: RobotDocument) -> Iterator[KinematicBackend]:
 
 @pytest.fixture
 def quiet(dexter: RobotDocument) -> Iterator[KinematicBackend]:
-    """A backend with exact sensors."""
+    """Yield a backend with exact sensors."""
     backend = KinematicBackend(exact(dexter), URDF)
     yield backend
     backend.close()

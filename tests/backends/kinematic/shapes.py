@@ -23,7 +23,7 @@ def turned(rng: np.random.Generator) -> Floats:
 
 
 def inside(shape: SolidShape, points: Floats) -> NDArray[np.bool_]:
-    """Whether points of the shape's frame, shape (n, 3), are inside it."""
+    """Return a mask of points inside the shape, given in its frame, shape (n, 3)."""
     a, _, c = shape.halves
     if shape.kind == "ball":
         return np.linalg.norm(points, axis=1) <= a

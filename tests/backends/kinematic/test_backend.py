@@ -1,4 +1,4 @@
-"""What hands do to things: they feel, push, hold and carry them."""
+"""Hands in the kinematic world: they feel, push, hold and carry objects."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def test_a_finger_pushes_a_thing_away_until_friction_holds_it(quiet: KinematicBa
 
 
 def test_what_stands_on_a_thing_goes_along_and_others_stay(quiet: KinematicBackend) -> None:
-    """The experimenter carries a box, with a ball on it, past a ball."""
+    """Carry a box, with a ball on it, past another ball."""
     table = {"form": {"shape": "box", "size": [2, 2, 0.1]}, "position": [1.5, 0, -0.45]}
     box = {"form": {"shape": "box", "size": [0.2, 0.2, 0.1]}, "mass": 0.3}
     motion = {"speed": 0.1, "direction": 0.5}

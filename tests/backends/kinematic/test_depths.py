@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 def one(solid: Floats, point: Floats, radius: float = 0.0) -> Floats:
-    """The row of ``depths`` of a ball, in a link that is the world."""
+    """Return the row of ``depths`` for a ball, in a link that is the world."""
     world = np.array([[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]])
     found = np.empty((1, 1, 7))
     ball = np.array([[*point, radius]])

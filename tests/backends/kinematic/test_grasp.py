@@ -50,7 +50,7 @@ def grasp(thing: KinematicObject, carriers: Carriers) -> Grasp:
 
 
 def touch(thing: KinematicObject, hand: str, angle: float, force: float = 3.0) -> FingertipContact:
-    """A fingertip that presses on the ball's equator, at an angle about z."""
+    """Return the contact of a fingertip that presses on the ball's equator, at an angle about z."""
     x, y = math.cos(angle), math.sin(angle)
     tip = Fingertip(0, "tip", np.zeros(3), 0.012, 1.0, np.zeros(0, np.intp))
     point, normal = (RADIUS * x, RADIUS * y, 0.0), (-x, -y, 0.0)

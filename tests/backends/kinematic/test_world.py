@@ -1,4 +1,4 @@
-"""What nobody holds stands, falls, rolls and slides as mechanics has it."""
+"""Released objects stand, fall, roll and slide according to mechanics."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SHAPES = {
 def world_with(
     shape: SolidShape, height: float, rolling_friction: float = 0.0
 ) -> tuple[World, KinematicObject]:
-    """A table with its top at 0, two metres wide, and a thing ``height`` above it."""
+    """Return a world with a 2 m wide table, top at 0, and an object ``height`` above it."""
     world = World()
     table = SolidShape("box", (1.0, 1.0, 0.02))
     at = Pose(np.array([0, 0, -0.02]), np.eye(3))

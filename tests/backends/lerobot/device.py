@@ -66,7 +66,7 @@ class Device:
 
 
 def cameras(robot: RobotDocument) -> dict[str, np.ndarray]:
-    """A grey image of each camera."""
+    """Return a grey image of each camera."""
     return {
         name: np.full((camera.height, camera.width, 3), 128, dtype=np.uint8)
         for name, camera in robot.cameras.items()

@@ -33,7 +33,7 @@ FARTHEST = np.array([j.velocity for j in LIMITS]) / SIXAXIS.control.rate
 
 
 def begun(device: Any, time: Time | None = None) -> LeRobotBackend:
-    """A backend of the six-joint arm at the beginning of an episode."""
+    """Return a backend of the six-joint arm at the beginning of an episode."""
     backend = backend_of(device, SIXAXIS, URDF, time or Time())
     assert backend.reset(stage_named("sixaxis_bin"), None, np.random.default_rng(0)) == "still"
     return backend
@@ -116,7 +116,7 @@ def test_deadline_begins_after_the_first_tick() -> None:
 
 
 def test_episode_on_a_late_robot_lasts_as_long_as_its_clock_says(checked: Checked) -> None:
-    """Each observation takes longer than a control period."""
+    """Delay each observation by more than a control period."""
     device, time = Device(SIXAXIS), Time()
     backend = backend_of(device, SIXAXIS, URDF, time)
 
@@ -229,7 +229,7 @@ def test_robot_is_disconnected_once() -> None:
 
 
 def felt(robot: RobotDocument, wrench: Mapping[str, float]) -> dict[str, float]:
-    """The same wrench of each load cell, in the axes of its link."""
+    """Return the same wrench for each load cell, in the axes of its link."""
     axes = [f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz"]
     return {
         f"{hand}.{finger}.{axis}": wrench.get(axis, 0.0)

@@ -13,7 +13,7 @@ from tests.backends.conftest import URDF, sightless
 
 @pytest.fixture(scope="session")
 def blind(dexter: RobotDocument) -> Iterator[MujocoBackend]:
-    """A backend that spends no time on images, with load cells that have no noise."""
+    """Yield a backend without images, whose load cells have no noise."""
     backend = MujocoBackend(sightless(dexter), URDF)
     yield backend
     backend.close()

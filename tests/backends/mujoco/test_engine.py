@@ -1,4 +1,4 @@
-"""What is MuJoCo's: worlds that are compiled again in mid-run, rest, and exact repeats."""
+"""MuJoCo's own features: worlds that are recompiled in mid-run, rest, and exact repeats."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_friction_is_that_of_the_thing(blind: MujocoBackend) -> None:
             blind.step()
         moved[friction] = float(np.linalg.norm(engine.pose("it").position - place))
     assert moved[0.7] < 1e-3
-    # 0.6 s down the slope, less what friction takes.
+    # 0.6 s down the slope, less the loss by friction.
     expected = 0.5 * 0.6**2 * 9.81 * (np.sin(np.radians(25)) - 0.3 * np.cos(np.radians(25)))
     assert moved[0.3] == pytest.approx(expected, rel=0.05)
 

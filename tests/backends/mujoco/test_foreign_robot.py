@@ -26,7 +26,7 @@ SQUARE = "v 0.1 0.1 0\nv -0.1 0.1 0\nv -0.1 -0.1 0\nv 0.1 -0.1 0\nf 1 2 3\nf 1 3
 
 
 def model(base: str, geometry: str, upper: str = '<sphere radius="0.05"/>') -> str:
-    """A column on a base, which turns about the vertical 40 cm above it."""
+    """Return the URDF of a column on a base, which turns about the vertical 40 cm above it."""
     return f"""<robot name="own"><link name="{base}">
       <collision><geometry>{geometry}</geometry></collision></link>
     <joint name="turn" type="revolute"><parent link="{base}"/><child link="upper"/>

@@ -1,4 +1,4 @@
-"""Fingertips are as soft as the robot file says, whatever they press on."""
+"""Fingertips are as soft as the robot file says, on every kind of object."""
 
 from __future__ import annotations
 

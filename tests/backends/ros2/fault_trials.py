@@ -65,7 +65,7 @@ class Outcome(NamedTuple):
 
 
 def robot(*, guarded: bool = False) -> tuple[RobotDocument, Path]:
-    """The six-axis arm, with a driver, at 60 Hz.
+    """Return the six-axis arm, with a driver, at 60 Hz, and the path of its model.
 
     Args:
         guarded: True for a forward controller, which needs a watchdog.
@@ -199,7 +199,7 @@ class Trial:
         Guard(self._robot, self._urdf).watch(lambda line: None, lambda: False)
 
     def _standing(self) -> RobotDocument:
-        """The robot with a start posture where it was last."""
+        """Return the robot with its last posture as start posture."""
         arm = self._robot.effectors["arm"]
         postures = {**arm.postures, "last": tuple(self._motion.rows[-1, 1:].tolist())}
         standing = arm.model_copy(update={"postures": postures, "start": "last"})
@@ -366,7 +366,7 @@ def warm() -> None:
 
 
 def is_passed(outcome: Outcome) -> bool:
-    """Whether a trial was safe: still in time, no limit broken, and the cause named."""
+    """Return True if the robot stopped in time, no limit was broken and the cause was named."""
     if outcome.kind in HARMLESS:
         still = outcome.kind == "swap" or outcome.still <= STILL
         return outcome.violations == 0 and bool(outcome.cause) and still
@@ -377,7 +377,7 @@ def is_passed(outcome: Outcome) -> bool:
 
 
 def summary(lines: list[str]) -> str:
-    """A table of outcomes: passed trials with Wilson intervals, and the slowest still robot."""
+    """Return a table of outcomes: passed trials with Wilson intervals, and the slowest stop."""
     from scipy.stats import binomtest
 
     outcomes = [json.loads(line) for line in lines]
@@ -399,7 +399,7 @@ def summary(lines: list[str]) -> str:
 
 
 def main() -> None:
-    """Run trials, or print a table of those that ran."""
+    """Run trials, or print a table of earlier ones."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)

@@ -30,7 +30,7 @@ pytestmark = [
 
 @contextmanager
 def peer(document: RobotDocument, seed: int) -> Iterator[None]:
-    """A node of rclpy that is the robot, in a posture of a seed."""
+    """Run a node of rclpy as the robot, in a posture drawn from a seed."""
     effector = document.effectors["arm"]
     start = np.array(effector.postures["aside"])
     start = start + np.random.default_rng(seed).uniform(-0.3, 0.3, len(start))

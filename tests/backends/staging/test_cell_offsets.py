@@ -1,4 +1,4 @@
-"""Load cells read a bias, its drift and the weight of the tips, wherever these are turned to."""
+"""Load cells read a bias, its drift and the weight of the tips in every orientation."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_a_bias_turns_with_its_cell() -> None:
 
 @pytest.mark.parametrize("rate", [60.0, 20.0])
 def test_drift_has_its_deviation_whatever_the_rate(rate: float) -> None:
-    """A walk of 4 s goes twice as far as that of one."""
+    """Compare walks: one of 4 s goes twice as far as one of 1 s."""
     wandered = []
     for seed in range(300):
         read = offsets(seed, rate, bias=0.0, drift=0.01)

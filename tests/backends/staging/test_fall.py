@@ -1,4 +1,4 @@
-"""What has fallen is put back after a while, and what a hand carries is not."""
+"""Fallen objects are put back after a delay; objects that a hand carries are not."""
 
 from __future__ import annotations
 

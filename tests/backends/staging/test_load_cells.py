@@ -1,4 +1,4 @@
-"""Load cells filter what they sample, however often they do."""
+"""Load cells filter their samples at every sampling rate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scenes of several things: where they are drawn, and what becomes of each."""
+"""Scenes of several objects: their sampled places, and their later states."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def test_nothing_of_a_shape_is_deeper_than_its_depth(shape: SolidShape) -> None:
 
 
 def _surface(shape: SolidShape, directions: np.ndarray) -> np.ndarray:
-    """Where rays from the centre leave a shape, shape (n, 3)."""
+    """Return the points where rays from the centre leave a shape, shape (n, 3)."""
     if shape.kind == "ball":
         sizes = np.linalg.norm(directions, axis=1) / shape.halves[0]
     elif shape.kind == "box":

@@ -1,4 +1,4 @@
-"""Images are as many as their rate says, whatever the control rate."""
+"""Images come at the rate of their cameras, at every control rate."""
 
 from __future__ import annotations
 

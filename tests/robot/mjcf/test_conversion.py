@@ -142,7 +142,7 @@ def test_limits_efforts_and_couplings_are_the_models(odd: Path) -> None:
     assert joints["a"].effort == 100 and joints["d"].effort == 15
     assert (joints["a"].lower, joints["a"].upper) == pytest.approx((-np.pi / 2, np.pi / 3))
     assert joints["b"].kind == "prismatic" and joints["c"].kind == "continuous"
-    # The one with a motor is followed, whichever way round the equality is written.
+    # The joint with a motor is followed, in either order of the equality.
     assert joints["f"].mimic is not None and joints["e"].mimic is None
     assert tuple(joints["f"].mimic) == ("e", 1.0, 0.0)
 
@@ -161,7 +161,7 @@ def test_shapes_are_seen_and_touched_as_in_the_model(odd: Path) -> None:
         conversion.meshes[mesh.file][84:],
         dtype=[("n", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")],
     )["corners"]
-    # Where the geom has the mesh's own origin: its corner at 0, and the one that is scaled to 0.1.
+    # The geom has the mesh's own origin: its corner is at 0, and the scaled corner at 0.1.
     corners = triangles.reshape(-1, 3) @ np.array(mesh.origin.rotation).T + mesh.origin.xyz
     half = 0.1 / np.sqrt(2)
     for corner in ([0.1, 0, 0], [0.1 + half, half, 0]):

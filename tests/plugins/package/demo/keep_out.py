@@ -29,7 +29,7 @@ KEEP_OUT = PotentialType(
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
-    """The potential of a controller."""
+    """Return the potential of a controller."""
     return Potential(depth, 1, parameters=np.array([_RADIUS]))
 
 

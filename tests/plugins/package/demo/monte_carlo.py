@@ -59,7 +59,7 @@ class MonteCarlo:
         return {state: max(means[state], key=means[state].__getitem__) for state in means}
 
     def densities(self) -> dict[str, object]:
-        """No internal models."""
+        """Return no internal models."""
         return {}
 
     def documents(self, summary: TrialSummary) -> list[Document]:
