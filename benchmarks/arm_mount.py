@@ -18,15 +18,15 @@ SCRIPT = ROOT / "robots" / "make_dexter.py"
 
 @dataclass(frozen=True)
 class ArmMount:
-    """Where the right arm begins, and how it rests; the left one is its mirror image.
+    """Mount of the right arm and its resting posture; the left arm is its mirror image.
 
     Attributes:
-        forward, half, up: of joint 1 in the torso's frame, m; ``half`` to either side.
-        swing: of joint 1's axis from outward to forward, rad.
-        lift: of that axis above the horizontal plane, rad; -pi / 2 hangs the arm.
-        roll: about that axis, rad; 0 where joint 2 bends the arm to where the axis is lifted.
-        elbow: of the resting elbow, from straight below the line to the hand outward, rad.
-        rest_forward, rest_out, rest_up: of the resting palm, m.
+        forward, half, up: Place of joint 1 in the torso's frame, m; ``half`` to either side.
+        swing: Angle of joint 1's axis from outward to forward, rad.
+        lift: Angle of that axis above the horizontal plane, rad; -pi / 2 hangs the arm.
+        roll: Angle about that axis, rad; at 0 joint 2 bends the arm towards the lift of the axis.
+        elbow: Angle of the resting elbow, from below the line to the hand outward, rad.
+        rest_forward, rest_out, rest_up: Place of the resting palm, m.
     """
 
     forward: float
@@ -72,7 +72,7 @@ class ArmMount:
         return text
 
 
-#: What is searched: the least and the greatest value of each number of a mount.
+#: Bounds of the search: the least and the greatest value of each number of a mount.
 BOUNDS = (
     ArmMount(-0.15, 0.10, 0.0, -1.57, -1.57, -3.14, -1.6, 0.05, 0.15, -0.25),
     ArmMount(0.20, 0.28, 0.40, 1.57, 1.57, 3.14, 2.4, 0.50, 0.60, 0.20),
@@ -103,12 +103,12 @@ def spread_over(count: int, rng: np.random.Generator) -> list[ArmMount]:
 
 
 def near(mount: ArmMount, width: float, rng: np.random.Generator) -> ArmMount:
-    """A mount near another one, within the bounds.
+    """Return a mount near another one, within the bounds.
 
     Args:
-        mount: the other one.
-        width: standard deviation, as a part of the bounds' distance.
-        rng: draws it.
+        mount: Mount to vary.
+        width: Standard deviation, as a part of the bounds' distance.
+        rng: Random generator.
     """
     low, high = (np.array(astuple(bound)) for bound in BOUNDS)
     values = np.array(astuple(mount)) + width * (high - low) * rng.normal(size=len(NAMES))

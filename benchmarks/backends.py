@@ -58,7 +58,7 @@ class Spent:
     stages: dict[str, float] = field(default_factory=lambda: defaultdict(float))
 
     def run(self, runner: Runner, stage: StageDocument, seed: int) -> None:
-        """One episode."""
+        """Run one episode."""
         began = process_time()
         result = runner.run(stage, seed)
         self.seconds.append(process_time() - began)
@@ -81,7 +81,7 @@ def compare(
     name: str,
     episodes: int,
 ) -> dict[str, Any]:
-    """One program on all backends."""
+    """Run one program on all backends."""
     urdf = ROOT / "robots" / robot.model
     stage = library.read(library.locate(StageDocument, PROGRAMS[name]), StageDocument).document
     program = check_program(name, {}, library)
@@ -90,7 +90,7 @@ def compare(
         for key, backend in backends.items()
     }
     spent, clocked = {key: Spent() for key in runners}, Spent()
-    runners["kinematic"].run(stage, 0)  # compiles what is compiled
+    runners["kinematic"].run(stage, 0)  # compiles the kernels
     for seed in range(episodes):
         spent["bullet"].run(runners["bullet"], stage, seed)
         for each in range(episodes):

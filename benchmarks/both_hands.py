@@ -34,17 +34,17 @@ BEFORE = 6
 
 
 class Episode(NamedTuple):
-    """One large thing.
+    """Episode with one large object.
 
     Attributes:
-        seed: of the episode.
-        rewarded: whether the robot was.
-        untouched: rewards while not both hands touched the thing.
-        lifted: whether the thing was in the hands, off the table, at the end.
-        height: by which it was lifted, m.
-        force: the largest on a fingertip, in any direction, N.
-        seconds: simulated.
-        ending: of the program.
+        seed: Seed of the episode.
+        rewarded: True if the robot was rewarded.
+        untouched: Rewards while not both hands touched the object.
+        lifted: True if the object was in the hands, off the table, at the end.
+        height: Height by which it was lifted, m.
+        force: Largest force on a fingertip, in any direction, N.
+        seconds: Simulated time.
+        ending: Ending of the program.
     """
 
     seed: int
@@ -85,7 +85,7 @@ class _Judge:
             self.untouched += max(since) > BEFORE
 
     def conclude(self, seed: int, result: Any) -> Episode:
-        """What became of it."""
+        """Return the outcome of an episode."""
         assert self._start is not None
         height = float(self._truth.pose(self._thing).position[2] - self._start[2])
         touching = {hand for hand, _ in self._truth.touching(self._thing)}
@@ -96,7 +96,7 @@ class _Judge:
         )  # fmt: skip
 
     def _is_borne(self) -> bool:
-        """Whether anything but the robot presses on the thing."""
+        """Return True if anything but the robot presses on the object."""
         truth = self._truth
         points = pybullet.getContactPoints(truth.bodies[self._thing], physicsClientId=truth.client)
         return any(point[2] != truth.robot.id and point[9] > 0.0 for point in points)
@@ -122,7 +122,7 @@ def run_episodes(program: str, cameras: str, thing: str, seeds: Iterable[int]) -
 
 
 def summarise(thing: str, episodes: Sequence[Episode]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     count = len(episodes)
     rewarded = sum(each.rewarded for each in episodes)
     lifted = sum(each.lifted for each in episodes)

@@ -30,7 +30,7 @@ from cbdsl.numeric.proportion import exact_interval
 Floats = NDArray[np.float64]
 
 STAGE, PROGRAM = "noisy_right", "reachtouch"
-#: What the calibrated robot is to reach: share of rewards, and rewards without contact.
+#: Targets of the calibrated robot: share of rewards, and rewards without contact.
 LEAST_REWARDED, MOST_WITHOUT_CONTACT = 0.98, 0
 # Places on the table at which triangulation is judged, m.
 _PLACES = [np.array((x, y, -0.35)) for x in (0.35, 0.55, 0.75) for y in (-0.4, -0.2, 0.0)]

@@ -98,7 +98,7 @@ class Watch:
 
 
 def _placed(watch: Watch) -> str:
-    """The object hangs on nothing, near the pad, after it was lifted."""
+    """Judge that the object hangs on nothing, near the pad, after it was lifted."""
     (name,) = watch.things
     off = watch.distance(name, "pad")
     if watch.lift(name) < LIFTED:
@@ -109,7 +109,7 @@ def _placed(watch: Watch) -> str:
 
 
 def _delivered(watch: Watch) -> str:
-    """The object was placed, let go, and rests."""
+    """Judge that the object was placed, released, and rests."""
     (name,) = watch.things
     if watch.is_held(name):
         return "still in the hand"
@@ -119,7 +119,7 @@ def _delivered(watch: Watch) -> str:
 
 
 def _put_down(watch: Watch) -> str:
-    """The object was lifted, let go, and rests on something."""
+    """Judge that the object was lifted, released, and rests on something."""
     (name,) = watch.things
     if watch.is_held(name):
         return "still in the hand"
@@ -131,7 +131,7 @@ def _put_down(watch: Watch) -> str:
 
 
 def _stands(watch: Watch) -> str:
-    """Each object rests on the one below it and on nothing else."""
+    """Judge that each object rests on the one below it and on nothing else."""
     heights = sorted(watch.things, key=watch.level)
     for below, name in pairwise(heights):
         if watch.speed(name) > STILL:
@@ -142,7 +142,7 @@ def _stands(watch: Watch) -> str:
 
 
 def _set_on(watch: Watch) -> str:
-    """The upper object is borne by the lower one."""
+    """Judge that the lower object bears the upper one."""
     if (
         watch.is_borne("top")
         and watch.lift("top") >= LIFTED
@@ -153,7 +153,7 @@ def _set_on(watch: Watch) -> str:
 
 
 def _raised(watch: Watch) -> str:
-    """The object is in a hand, and off the table."""
+    """Judge that the object is in a hand, and off the table."""
     (name,) = watch.things
     if not watch.is_held(name):
         return "not in the hand"
@@ -162,18 +162,18 @@ def _raised(watch: Watch) -> str:
 
 
 def _touched(watch: Watch) -> str:
-    """The robot touches an object of the stage."""
+    """Judge that the robot touches an object of the stage."""
     return "" if any(map(watch.is_held, watch.things)) else "touches no object"
 
 
 class Claim(NamedTuple):
-    """A program on a stage, and the judge of what it claims.
+    """Program on a stage, and the judge of its claims.
 
     Attributes:
-        program, stage: names.
-        judge: returns why a claim is false, empty where it is true.
-        contexts: of the stage; all without.
-        values: of the program's parameters, by context.
+        program, stage: Names of the documents.
+        judge: Function that returns why a claim is false, empty if it is true.
+        contexts: Contexts of the stage; all if empty.
+        values: Values of the program's parameters, by context.
     """
 
     program: str
@@ -195,7 +195,7 @@ def _pair(context: str) -> Mapping[str, str]:
 _PAIRS = tuple(f"{a}_on_{b}" for a in _CHANNELS for b in _CHANNELS if a != b)
 _SET = tuple(f"{name}" for name in ("can_on_slab", "box_on_drum", "ball_on_drum", "can_on_ball"))
 
-#: What the shipped programs claim of objects, on objects that none of them was trained with.
+#: Claims of the shipped programs about objects that none of them was trained with.
 CLAIMS = (
     Claim("deliver", "everyday_objects", _delivered),
     Claim("pick_and_place", "everyday_objects", _placed),
@@ -209,14 +209,14 @@ CLAIMS = (
 
 
 class Episode(NamedTuple):
-    """One claim, or none.
+    """Episode with one claim, or none.
 
     Attributes:
-        program, context, seed: what was run.
-        claimed: whether the program says that it succeeded.
-        fault: why that is false; empty where it is true, or nothing is claimed.
-        seconds: simulated.
-        ending: of the program.
+        program, context, seed: Program, context and seed of the run.
+        claimed: True if the program reports success.
+        fault: Reason why that is false; empty if it is true, or nothing is claimed.
+        seconds: Simulated time.
+        ending: Ending of the program.
     """
 
     program: str
@@ -231,7 +231,7 @@ class Episode(NamedTuple):
 def run_episodes(
     claim: Claim, contexts: Sequence[str], seeds: Sequence[int], backend: str, cameras: str | None
 ) -> list[Episode]:
-    """Run a program in some contexts, in this process, and judge what it claims."""
+    """Run a program in some contexts, in this process, and judge its claims."""
     from cbdsl.api.run_request import read_request
     from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.cli.simulation import simulation
@@ -269,7 +269,7 @@ class _Truth:
 
 
 def _names(stage: Any, context: str) -> list[str]:
-    """Names by which a context's objects are in the world."""
+    """Return the names by which a context's objects are in the world."""
     shown = stage.contexts[context]
     return [*(shown.placed or ()), *stage.things]
 
@@ -282,7 +282,7 @@ def contexts_of(claim: Claim) -> Sequence[str]:
 
 
 def summarise(claim: Claim, episodes: Sequence[Episode]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     false = [each for each in episodes if each.fault]
     claimed = sum(each.claimed for each in episodes)
     low, high = exact_interval(len(false), len(episodes))

@@ -63,14 +63,14 @@ def models(catalog: MetaCatalogDocument, names: Sequence[str]) -> dict[str, Affo
 
 
 def share(right: int, of: int) -> dict[str, Any]:
-    """A share with its interval."""
+    """Return a share with its interval."""
     return {"right": right, "of": of, "interval": [round(b, 3) for b in exact_interval(right, of)]}
 
 
 def on_or_beside(
     catalog: MetaCatalogDocument, trials: Sequence[ConstellationTrial]
 ) -> dict[str, Any]:
-    """What a pair's own model says of it, before and after."""
+    """Count how often a pair's own model is right about it, before and after."""
     known, right, of = models(catalog, ("constellation", "offset")), 0, 0
     for trial in trials:
         own = {trial.things: known[trial.things]} if trial.things in known else {}
@@ -86,7 +86,7 @@ def on_or_beside(
 def which_pair(
     catalog: MetaCatalogDocument, trials: Sequence[ConstellationTrial], names: Sequence[str]
 ) -> dict[str, Any]:
-    """What the standing pairs are taken for."""
+    """Count the pairs that the standing pairs are taken for."""
     known = models(catalog, names)
     taken: Counter[tuple[str, str]] = Counter()
     for trial in trials:
@@ -104,7 +104,7 @@ def which_pair(
 def summarise(
     catalog: MetaCatalogDocument, trials: Sequence[ConstellationTrial]
 ) -> Mapping[str, Any]:
-    """All counts."""
+    """Return all counts."""
     judged = Counter((trial.judged, trial.stands) for trial in trials)
     told = on_or_beside(catalog, trials)
     return {

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def shown(truth: Engine, stage: StageDocument) -> list[str]:
-    """Names of the things in the world that are no fixtures of its stage."""
+    """Return the names of the objects in the world that are no fixtures of its stage."""
     return [name for name in truth.names() if name not in stage.fixtures]
 
 

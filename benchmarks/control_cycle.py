@@ -24,10 +24,10 @@ def run_cycles(cycle: DexterCycle, restarts: int, before: Callable[[], None],
     """Run series of cycles.
 
     Args:
-        cycle: what runs.
-        restarts: the number of series.
-        before: called before each cycle.
-        after: called after each cycle with its time, us.
+        cycle: Cycle to run.
+        restarts: Number of series.
+        before: Function called before each cycle.
+        after: Function called after each cycle with its time, us.
     """
     for _ in range(restarts):
         cycle.restart()

@@ -48,7 +48,7 @@ DOCUMENTS = Path(__file__).parent / "two_arms"
 
 @contextmanager
 def two_arms() -> Iterator[Path]:
-    """A folder with the documents, and Dexter's model with all joints fixed but the arms'."""
+    """Yield a folder with the documents, and Dexter's model with only the arms' joints movable."""
     tree = ElementTree.parse(ROOT / "robots" / "dexter.urdf")
     for joint in tree.getroot().iter("joint"):
         if "arm" not in joint.attrib["name"]:
@@ -63,7 +63,7 @@ def two_arms() -> Iterator[Path]:
 
 
 def dexter() -> Peer:
-    """The whole control cycle of Dexter: six levels, from sensors to references and predicates."""
+    """Return the whole control cycle of Dexter: six levels, from sensors to predicates."""
     cycle = DexterCycle.of("reachtouch")
     cycle.restart()
     return Peer("cbdsl Dexter", cycle.tick, "Dexter, six levels", lambda q: cycle.following())
@@ -72,7 +72,7 @@ def dexter() -> Peer:
 def gather(
     scene: Scene, pythons: Mapping[str, str], processes: ExitStack
 ) -> tuple[list[Peer], list[RemotePeer], dict[str, str]]:
-    """The peers in this process, those in others, and why libraries are missing."""
+    """Return the peers in this process and in others, and the reasons for missing libraries."""
     local: list[Peer] = []
     remote: list[RemotePeer] = []
     missing = {}

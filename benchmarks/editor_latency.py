@@ -38,7 +38,7 @@ CONTROLLER = """\
 
 
 def program(controllers: int) -> str:
-    """A program with some controllers, five lines each."""
+    """Return the text of a program with some controllers, five lines each."""
     head = "cbdsl: 1\nkind: program\nname: long\nrobot: dexter\ncontrollers:\n"
     body = "".join(CONTROLLER.format(number=number) for number in range(controllers))
     return f"{head}{body}actions: [{', '.join(f'c{number}' for number in range(8))}]\n"
@@ -58,7 +58,7 @@ def main() -> int:
     for stroke in range(options.keystrokes):
         typed = TYPED[: 1 + stroke % len(TYPED)]
         changed = text[:place] + typed + text[place:]
-        # Processor time: what else the machine does is not the server's.
+        # Processor time excludes other work of the machine.
         began, started = time.process_time(), time.perf_counter()
         buffers.change(path, changed)
         buffers.findings(path)
@@ -77,7 +77,7 @@ def main() -> int:
 
 
 def _milliseconds(task: Callable[[], object]) -> float:
-    """The median processor time of a few runs."""
+    """Return the median processor time of a few runs."""
     times = []
     for _ in range(5):
         began = time.process_time()

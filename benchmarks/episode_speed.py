@@ -48,9 +48,9 @@ STAGES: Stages = {
 
 
 class Body(NamedTuple):
-    """A backend, its cameras and their renderer, and what is wanted of it.
+    """Backend, its cameras and their renderer, and its targets.
 
-    That is how many times real time it is, and how many percent of the time perception takes.
+    The targets are a factor of real time, and the percentage of the time for perception.
     """
 
     backend: str
@@ -69,7 +69,7 @@ BODIES = (
 
 
 class Simulation:
-    """Episodes on Dexter with one body, and what they took."""
+    """Episodes on Dexter with one body, and their times."""
 
     def __init__(self, robot: RobotDocument, program: CheckedProgram, body: Body) -> None:
         vision = robot.vision.model_copy(update={"renderer": body.renderer})
@@ -83,11 +83,11 @@ class Simulation:
         self._spent: dict[str, float] = defaultdict(float)
 
     def warm_up(self, stage: StageDocument) -> None:
-        """One episode that does not count: what is compiled is compiled in it."""
+        """Run one uncounted episode, which compiles the kernels."""
         self._runner.run(stage, 0, "in_view")
 
     def run(self, stage: StageDocument, seed: int) -> None:
-        """One episode, with the clocks on."""
+        """Run one episode, with the clocks on."""
         with Stopwatch(STAGES) as watch:
             result = self._runner.run(stage, seed, "in_view")
         self._simulated += result.sim_seconds
@@ -138,7 +138,7 @@ def main() -> None:
 
 
 def misses(body: Body, summary: dict[str, Any]) -> bool:
-    """Whether a body is slower than is wanted of it, or its perception takes longer."""
+    """Return True if a body is slower than its target, or its perception takes longer."""
     slow = summary["simulated_per_wall"] < body.target
     return bool(slow or summary["percent"]["perception"] > body.perception)
 

@@ -56,7 +56,7 @@ def run_episodes(backend: str, seeds: Iterable[int]) -> list[dict[str, Any]]:
 
 
 def summarise(episodes: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """The result."""
+    """Return the result."""
     found = [each for each in episodes if each["said"] and each["touched"]]
     low, high = exact_interval(len(found), len(episodes))
     return {

@@ -67,7 +67,7 @@ def run_episodes(options: argparse.Namespace) -> list[dict[str, Any]]:
 
 
 def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """The result."""
+    """Return the result."""
     rewarded = [row for row in rows if row["rewarded"]]
     low, high = exact_interval(len(rewarded), len(rows))
     return {

@@ -35,14 +35,14 @@ CB = [sys.executable, "-c", "from cbdsl.cli.main import main; main()"]
 
 @dataclass(frozen=True)
 class Skill:
-    """A policy to learn.
+    """Policy to learn.
 
     Attributes:
-        name: the policy's.
-        program: what it is a policy for.
-        stage: where it is learned.
-        options: further words for ``cb learn``.
-        held_out: where it is tried, unless it is where it was learned.
+        name: Name of the policy.
+        program: Program of the policy.
+        stage: Stage of the learning.
+        options: Further words for ``cb learn``.
+        held_out: Stage of the trial, unless it is the stage of the learning.
     """
 
     name: str
@@ -75,7 +75,7 @@ SKILLS = (
     ),
     Skill(
         *("bimanualtouch", "bimanualtouch", "bimanualtouch_training"),
-        # What has fallen out of reach is looked for in vain, for hours of simulated time.
+        # Without it, a search for objects out of reach takes hours of simulated time.
         ("--episodes", "25", "--episode-time", "300"),
         held_out="table_right",
     ),
@@ -83,7 +83,7 @@ SKILLS = (
 
 
 def run(folder: Path, words: Sequence[str]) -> str:
-    """The output of a ``cb`` command; an error ends the benchmark."""
+    """Return the output of a ``cb`` command; an error ends the benchmark."""
     done = subprocess.run([*CB, *words], cwd=folder, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode not in (0, 1):
         sys.exit(f"cb {' '.join(words)}: exit {done.returncode}")
@@ -103,12 +103,12 @@ def _tried(options: argparse.Namespace) -> tuple[str, str | None]:
 
 
 def processor_time() -> float:
-    """Of all commands so far, s."""
+    """Return the processor time of all commands so far, s."""
     return sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
 
 
 def learned(folder: Path, skill: Skill, options: argparse.Namespace) -> dict[str, Any]:
-    """Learn a policy, unless it is there already, and say what that took."""
+    """Learn a policy, unless it is there already, and return the times that it took."""
     policy = folder / "knowledge" / "policies" / f"{skill.name}.yaml"
     clock = policy.with_suffix(".seconds")
     if not policy.exists():

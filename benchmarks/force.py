@@ -32,14 +32,14 @@ WINDOW = 0.1  # s
 
 
 class Episode(NamedTuple):
-    """One slide.
+    """Episode with one slide.
 
     Attributes:
-        seed: of the episode.
-        good: whether force and way are as they should be.
-        strayed: largest distance of the mean force from what it should be, N.
-        missed: distance of the palm from where it should arrive, mm.
-        ending: of the program.
+        seed: Seed of the episode.
+        good: True if force and way are within their tolerances.
+        strayed: Largest deviation of the mean force from its reference, N.
+        missed: Distance of the palm from its goal, mm.
+        ending: Ending of the program.
     """
 
     seed: int
@@ -81,7 +81,7 @@ class _Judge:
             self.places.append(self._truth.link_pose(self._arm).position.copy())
 
     def conclude(self, seed: int, result: Any, by: Floats, window: int) -> Episode:
-        """What became of a hand that was to slide by so much, m, shape (2,)."""
+        """Return the outcome of a hand that should slide by a displacement, m, shape (2,)."""
         if len(self.forces) < window:
             return Episode(seed, False, math.nan, math.nan, result.ending)
         means = np.convolve(self.forces, np.full(window, 1 / window), mode="valid")
@@ -92,7 +92,7 @@ class _Judge:
 
 
 def run_episodes(backend: str, side: str, seeds: Iterable[int]) -> list[Episode]:
-    """Some slides, in this process. Nothing is looked at, so that cameras are ideal."""
+    """Run some slides, in this process, with ideal cameras, because the program uses no vision."""
     from cbdsl.api.run_request import read_request
     from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.cli.simulation import simulation
@@ -125,7 +125,7 @@ def _draw(seed: int, side: str) -> tuple[dict[str, str], Floats]:
 
 
 def summarise(episodes: Sequence[Episode]) -> dict[str, Any]:
-    """The result."""
+    """Return the result."""
     good = sum(each.good for each in episodes)
     low, high = exact_interval(good, len(episodes))
     strayed = [each.strayed for each in episodes if not math.isnan(each.strayed)]

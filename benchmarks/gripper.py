@@ -27,14 +27,14 @@ FLAT = 10.0  # deg
 
 
 class Episode(NamedTuple):
-    """One cube.
+    """Episode with one cube.
 
     Attributes:
-        seed: of the episode.
-        placed: whether it lies where it belongs.
-        error: distance from there, mm.
-        seconds: simulated.
-        ending: of the program.
+        seed: Seed of the episode.
+        placed: True if the cube lies at its goal.
+        error: Distance from the goal, mm.
+        seconds: Simulated time.
+        ending: Ending of the program.
     """
 
     seed: int
@@ -63,7 +63,7 @@ def run_episodes(seeds: Iterable[int]) -> list[Episode]:
             result = runner.run(request.stage, seed)
             cube = backend.truth.pose("cube")
             error = math.dist(cube.position[:2], PLACE)
-            # Whichever side is below.
+            # Any side may be below.
             tilt = math.degrees(math.acos(min(1.0, float(np.abs(cube.rotation[2]).max()))))
             flat = tilt < FLAT and abs(cube.position[2] - half) < CLOSE / 4
             placed = error < CLOSE and flat
@@ -73,7 +73,7 @@ def run_episodes(seeds: Iterable[int]) -> list[Episode]:
 
 
 def summarise(episodes: Sequence[Episode]) -> dict[str, Any]:
-    """The result."""
+    """Return the result."""
     placed = [each for each in episodes if each.placed]
     errors = [each.error for each in placed] or [math.nan]
     low, high = exact_interval(len(placed), len(episodes))

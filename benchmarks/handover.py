@@ -105,14 +105,14 @@ class _Judge:
         return sorted({hand for hand, _ in self._truth.touching(self._thing)})
 
     def _in_hand(self) -> Floats:
-        """The thing's place in the receiving hand's frame, m, shape (3,)."""
+        """Return the object's place in the receiving hand's frame, m, shape (3,)."""
         palm = self._truth.link_pose(f"{self._taker}_palm")
         place: Floats = palm.rotation.T @ (self._truth.pose(self._thing).position - palm.position)
         return place
 
 
 def summarise(thing: str, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     good = sum(row["good"] for row in rows)
     low, high = exact_interval(good, len(rows))
     return {

@@ -48,16 +48,16 @@ class Scene:
                 self.obstacles.append(Obstacle.sphere("ball", centre, radius))
 
     def field(self, start: HarmonicField | None = None) -> HarmonicField:
-        """The solution, with all that belongs to it."""
+        """Return the solution, as a complete field."""
         return HarmonicField(self.grid, self.obstacles, GOAL, start)
 
     def moved_goal(self) -> Floats:
-        """The goal one cell on."""
+        """Return the goal one cell farther."""
         moved: Floats = GOAL + np.array([self.grid.spacing, 0.0, 0.0])
         return moved
 
     def moved_obstacles(self) -> list[Obstacle]:
-        """The obstacles, one of them one cell on."""
+        """Return the obstacles, one of them shifted by one cell."""
         first, *others = self.obstacles
         shift = np.array([0.0, self.grid.spacing, 0.0])
         return [first._replace(lower=first.lower + shift, upper=first.upper + shift), *others]
@@ -86,7 +86,7 @@ class Scene:
 
 
 def seconds(work: Callable[[], object]) -> float:
-    """How long something takes."""
+    """Return the duration of a call, s."""
     start = perf_counter()
     work()
     return perf_counter() - start
@@ -134,14 +134,14 @@ def warm(cells: int, repeats: int) -> dict[str, Any]:
 def direct(
     cells: int, repeats: int, orderings: list[str], limit: float, memory: float
 ) -> dict[str, Any]:
-    """The direct solutions between ours, with the largest difference.
+    """Compare direct solutions with ours, measured before and after them.
 
     Args:
-        cells: along each axis.
-        repeats: how often ours is measured, before and after.
-        orderings: of the unknowns, as SuperLU names them.
-        limit: most time for each direct solution, s.
-        memory: most memory for it, GB.
+        cells: Number of cells along each axis.
+        repeats: Number of measurements of ours, before and after.
+        orderings: Orderings of the unknowns, by SuperLU's names.
+        limit: Most time for each direct solution, s.
+        memory: Most memory for it, GB.
     """
     scene = Scene(cells)
     matrix, source = scene.equations()
@@ -165,7 +165,7 @@ def direct(
 def factorized(
     matrix: Any, source: Floats, ordering: str, limit: float, memory: float
 ) -> tuple[float, Floats | None]:
-    """How long a direct solution took, and what it is, or ``None`` where it did not get there."""
+    """Return the time of a direct solution, and the solution, or ``None`` if it failed."""
     context = multiprocessing.get_context("fork")
     receiving, sending = context.Pipe(duplex=False)
     given = (matrix, source, ordering, int(memory * 1e9), sending)
@@ -207,7 +207,7 @@ def solve_directly(
 
 
 def algebraic(matrix: Any, source: Floats) -> dict[str, Any]:
-    """The same by pyamg's smoothed aggregation, where it is installed."""
+    """Measure pyamg's smoothed aggregation on the same equations, if it is installed."""
     try:
         import pyamg
     except ImportError:

@@ -36,12 +36,12 @@ _LOST = 0.06
 
 
 class Setting(NamedTuple):
-    """A way to carry things.
+    """Way to carry objects.
 
     Attributes:
-        program: a file or a name; its ``arm`` and ``hand`` carry.
-        values: of its parameters.
-        backend: the engine.
+        program: File or name; its ``arm`` and ``hand`` carry.
+        values: Values of the program's parameters.
+        backend: Name of the engine.
         cameras: ``rendered`` or ``ideal``.
     """
 
@@ -52,18 +52,18 @@ class Setting(NamedTuple):
 
 
 class Episode(NamedTuple):
-    """One thing, picked and carried.
+    """Episode with one object, picked and carried.
 
     Attributes:
-        seed: of the episode.
-        taken: whether the grip was rewarded.
-        kept: whether the program ended with the thing in the hand.
-        lifted, carried: upwards and sideways, m.
-        drift: of the thing in the hand's frame, mm.
-        tilt: of the thing's upright axis in the hand's frame, deg.
-        force: the largest on a finger of the hand, in any direction, N.
-        seconds: simulated.
-        ending: of the program.
+        seed: Seed of the episode.
+        taken: True if the grip was rewarded.
+        kept: True if the program ended with the object in the hand.
+        lifted, carried: Displacement upwards and sideways, m.
+        drift: Drift of the object in the hand's frame, mm.
+        tilt: Tilt of the object's upright axis in the hand's frame, deg.
+        force: Largest force on a finger of the hand, in any direction, N.
+        seconds: Simulated time.
+        ending: Ending of the program.
     """
 
     seed: int
@@ -133,7 +133,7 @@ class _Judge:
         )
 
     def _in_hand(self) -> tuple[Floats, Floats]:
-        """The thing's position, m, and upright axis in the hand's frame, shape (3,) each."""
+        """Return the object's position, m, and upright axis in the hand's frame, each (3,)."""
         palm, thing = self._truth.link_pose(self._palm), self._truth.pose(self._thing)
         return (
             palm.rotation.T @ (thing.position - palm.position),
@@ -142,7 +142,7 @@ class _Judge:
 
 
 def summarise(thing: str, episodes: Sequence[Episode], most_drift: float) -> dict[str, Any]:
-    """One row of the table; steady are things that drift by no more than so much, mm."""
+    """Return one row of the table; objects are steady up to a drift ``most_drift``, mm."""
     kept = [each for each in episodes if each.kept]
     steady = [each for each in kept if each.drift <= most_drift and each.tilt <= MOST_TILT]
     force = max(each.force for each in episodes)

@@ -66,7 +66,7 @@ def run_episodes(cameras: str, first: int, episodes: int) -> list[dict[str, Any]
 
         with suppress(_OverError):
             runner.run(stage, seed, on_tick=measure)
-        # What an episode that ended early has not done counts as missed.
+        # The remaining ticks of an episode that ended early count as missed.
         due = (LAST - FIRST) / backend.control_period
         near = sum(error <= WITHIN for error in errors)
         rows.append({"seed": seed, "share": min(1.0, near / due), "errors": errors})
@@ -75,7 +75,7 @@ def run_episodes(cameras: str, first: int, episodes: int) -> list[dict[str, Any]
 
 
 def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """The result."""
+    """Return the result."""
     good = sum(row["share"] >= TARGET for row in rows)
     low, high = exact_interval(good, len(rows))
     errors = np.concatenate([row["errors"] for row in rows])

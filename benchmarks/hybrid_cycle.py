@@ -27,7 +27,7 @@ HERE = Path(__file__).parents[1]
 
 
 def measured(folder: Path, script: Path, *options: str) -> tuple[str, float]:
-    """The action and the median of whole cycles, us, as a benchmark of a checkout has them."""
+    """Return the action and the median of whole cycles, us, by a benchmark of a checkout."""
     command = [sys.executable, str(script), "--json", *options]
     done = subprocess.run(
         command, cwd=folder, env={**os.environ, "PYTHONPATH": str(folder)},
@@ -38,7 +38,7 @@ def measured(folder: Path, script: Path, *options: str) -> tuple[str, float]:
 
 
 def hybrid(restarts: int) -> dict[str, object]:
-    """The hybrid cycle, in this process."""
+    """Measure the hybrid cycle, in this process."""
     cycle = DexterCycle.of(str(Path(__file__).parent / "hybrid.yaml"))
     times = whole(cycle, restarts)
     return {

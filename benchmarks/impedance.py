@@ -30,7 +30,7 @@ TARGET = 0.8
 
 
 def summarise(name: str, trials: Sequence[ImpedanceTrial]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     pair = ALL_PAIRS[name]
     whole = [each.profile for each in trials if each.profile.is_whole]
     rights = [pair.right(profile.tracked()) for profile in whole]

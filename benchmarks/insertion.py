@@ -26,20 +26,20 @@ from cbdsl.reproduction.thing_pairs import PAIRS
 
 #: Least share by clearance, mm; others have none.
 TARGETS = {10: 0.8, 20: 0.95}
-# Contexts of the stage with what has the hole, and the halves of what goes in, m.
+# Contexts of the stage with the object that has the hole, and half sizes of the inserted one, m.
 HOLES = {"cylinder_in_cylinder": "tube", "box_in_box": "tray"}
 HALF, WALL, RIM = 0.04, 0.01, 0.05
 TALL, DEEP, UPRIGHT = 0.08, 0.02, math.radians(10.0)
 
 
 class Insertion(NamedTuple):
-    """One episode.
+    """Episode with one insertion.
 
     Attributes:
-        seed: of the episode.
-        inside: whether the thing is in the hole at the end.
-        deep: how far below the rim its lower end is, mm.
-        ending: of the program.
+        seed: Seed of the episode.
+        inside: True if the object is in the hole at the end.
+        deep: Depth of its lower end below the rim, mm.
+        ending: Ending of the program.
     """
 
     seed: int
@@ -49,7 +49,7 @@ class Insertion(NamedTuple):
 
 
 def widened(stage: StageDocument, clearance: float) -> StageDocument:
-    """The stage with holes that leave so much on every side, m."""
+    """Return the stage with holes that leave a clearance on every side, m."""
     outer = HALF + clearance + WALL
     tube, tray = (stage.things[name] for name in HOLES.values())
     edges = ((2 * outer,) * 2, (2 * outer,) * 2, (2 * RIM,) * 2)
@@ -82,7 +82,7 @@ def run_insertions(
 
 
 def summarise(context: str, clearance: int, trials: Sequence[Insertion]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     inside = sum(each.inside for each in trials)
     return {
         "things": context,

@@ -48,12 +48,12 @@ for line in sys.stdin:
 
 
 class Block(NamedTuple):
-    """Some episodes.
+    """Block of episodes.
 
     Attributes:
-        seconds: of the processor, an episode.
-        ticks: of all episodes.
-        rewarded: how many episodes were.
+        seconds: Processor time of an episode.
+        ticks: Ticks of all episodes.
+        rewarded: Number of rewarded episodes.
     """
 
     seconds: float
@@ -78,7 +78,7 @@ class Checkout:
         )  # fmt: skip
 
     def run(self, program: str, seed: int, episodes: int) -> Block:
-        """One block; one more episode comes before those that count."""
+        """Run one block; one uncounted episode comes first."""
         command = ["run", program, "--backend", "kinematic", "--json"]
         command += ["--seed", str(seed), "--episodes", str(episodes + 1)]
         assert self.process.stdin is not None

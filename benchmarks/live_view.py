@@ -32,7 +32,7 @@ def main() -> None:
     seeds = range(given.seed, given.seed + given.episodes)
     live_view._PAUSE = 0.0  # a frame in every tick
     with cbdsl.open_robot("reachtouch", backend="kinematic") as robot:
-        robot.run(given.seed)  # what is done once is not measured
+        robot.run(given.seed)  # one-time work is not measured
         for name, pages in (("nobody looks", 0), ("a page looks", 1)):
             own, whole = measured(robot, seeds, pages)
             print(

@@ -52,7 +52,7 @@ def by_pinocchio(robot: RobotDocument, model: UrdfModel) -> Placing:
 
     try:
         reference = pinocchio.buildModelFromUrdf(str(model.path), mimic=True)
-    except ValueError:  # a joint comes before the one that it mimics
+    except ValueError:  # a joint precedes the joint that it mimics
         reference = pinocchio.buildModelFromUrdf(str(model.path))
     data, names = reference.createData(), Joints(robot).names
     frames = {link: reference.getFrameId(link, pinocchio.FrameType.BODY) for link in model.links}

@@ -25,7 +25,7 @@ _WIDTH, _HEIGHT = 960, _TOP + _SIZE + _BOTTOM
 
 
 def svg(done: Sequence[MountTrial]) -> str:
-    """The map as the text of an SVG file: two panels and a legend."""
+    """Return the map as the text of an SVG file: two panels and a legend."""
     best = best_of(done, 1)[0]
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
@@ -83,7 +83,7 @@ def _marks(
     best: MountTrial,
     place: Callable[[MountTrial], tuple[float, float]],
 ) -> Iterator[str]:
-    """A dot for each mount from which most places can be taken, the nearest hands on top."""
+    """Yield a dot for each mount that takes most places, the nearest hands on top."""
     shown = [trial for trial in done if 2 * len(trial.apart) > len(GRASPS)]
     for trial in sorted(shown, key=lambda trial: -trial.distance):
         x, y = place(trial)

@@ -1,4 +1,4 @@
-"""One mount judged: whether the hands come together there, what they reach, and what is in view."""
+"""Judgement of one mount: the meeting of the hands, their reach, and the view."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ _WORSE = 0.02
 
 
 class MountTrial(NamedTuple):
-    """What became of one mount; grasps are in the order of ``GRASPS``.
+    """Outcome of one mount; grasps are in the order of ``GRASPS``.
 
     Attributes:
-        number: of the trial.
-        jacobian: that the manipulability was of.
-        mount: of the arms.
-        apart: distances of the tips after each grasp, m.
-        aims: distances of the thing from where the other hand would close, m.
-        possible: whether no arm went into the table or into the other one.
-        seen: whether both cameras see the thing past the arms.
-        phis: localizability of the thing, m^2/rad^2; NaN where it is not in both images.
-        reach: share of ``PLACES`` that a hand reaches with the palm down.
-        view: share of ``PLACES`` that both cameras see past the resting arms.
-        tried: how many grasps were.
+        number: Number of the trial.
+        jacobian: Jacobian of the manipulability.
+        mount: Mount of the arms.
+        apart: Distances of the tips after each grasp, m.
+        aims: Distances of the object from the place where the other hand would close, m.
+        possible: True if no arm went into the table or into the other one.
+        seen: True if both cameras see the object past the arms.
+        phis: Localizability of the object, m^2/rad^2; NaN if it is not in both images.
+        reach: Share of ``PLACES`` that a hand reaches with the palm down.
+        view: Share of ``PLACES`` that both cameras see past the resting arms.
+        tried: Number of grasps tried.
     """
 
     number: int
@@ -91,7 +91,7 @@ class MountTrial(NamedTuple):
         return _median(self.aims)
 
     def score(self, today: MountTrial) -> float:
-        """What a search climbs: nearness of the hands, less what is lost of reach and view."""
+        """Return the objective: nearness of the hands, less the losses of reach and view."""
         total = sum(map(_nearness, self.apart, self.aims, self.possible, self.seen)) / self.tried
         for kept, before in ((self.reach, today.reach), (self.view, today.view)):
             total -= 2.0 * max(0.0, before - _WORSE - kept)
@@ -107,16 +107,16 @@ def judge(
     places: Sequence[Place] = PLACES,
     hands: Sequence[str] = ("right",),
 ) -> MountTrial:
-    """Take, bring together, reach and look.
+    """Take objects, bring the hands together, and measure reach and view.
 
     Args:
-        number: of the trial.
-        mount: that is tried.
-        jacobian: that the manipulability is of.
-        robot: Dexter.
-        grasps: where things are taken, m.
-        places: where they may stand, m.
-        hands: whose reach counts; one is the other's mirror image.
+        number: Number of the trial.
+        mount: Mount to judge.
+        jacobian: Jacobian of the manipulability.
+        robot: Robot document of Dexter.
+        grasps: Places at which objects are taken, m.
+        places: Places at which they may stand, m.
+        hands: Hands whose reach counts; one is the other's mirror image.
     """
     arms = MountedArms(robot, mount)
     trial = MountTrial(number, jacobian, asdict(mount), tried=len(grasps))

@@ -27,14 +27,14 @@ JACOBIANS = "position", "pose", "relative", "chain"
 RADIUS, STANDOFF = 0.07, 0.09
 TABLE = -0.42
 EDGES = (0.30, 0.90), (-0.60, 0.60)
-#: Tips that are so near touch what the other one holds, m.
+#: Tips within this distance touch the object that the other hand holds, m.
 TOGETHER = 0.15
 
 # Ticks are long: where the arms come to rest does not depend on them.
 _PERIOD, _TICKS = 0.1, 60
 _JOINT_STEP, _TIP_STEP = 0.1, 0.035
 # The robot file's rest of MANIPULABILITY, d phi / dt = 2e-5 /s at a gain of 8 /s, for the
-# logarithm of the measure, whose way is the same: at most what a measure of 0.05 makes of it.
+# logarithm of the measure, whose way is the same: at most the rate at a measure of 0.05.
 _RATE, _STEEP, _LONGEST = 0.5, 0.03, 400
 _ARRIVED, _TILTED = 0.01, math.radians(10)
 _DOWN = np.array((0.0, 0.0, -1.0))
@@ -44,13 +44,13 @@ _NECK, _EYES = (0.24, 0.0, 0.50), (0.04, 0.06)
 
 
 class Reach(NamedTuple):
-    """Where a reach came to rest.
+    """Resting state of a reach.
 
     Attributes:
-        posture: of the arm, rad, shape (7,).
-        error: of the tip's position, m.
-        tilt: of the palm from looking down, rad.
-        clear: whether elbow and wrist are above the table.
+        posture: Posture of the arm, rad, shape (7,).
+        error: Error of the tip's position, m.
+        tilt: Angle of the palm from straight down, rad.
+        clear: True if elbow and wrist are above the table.
     """
 
     posture: Floats
@@ -60,21 +60,21 @@ class Reach(NamedTuple):
 
     @property
     def arrived(self) -> bool:
-        """Whether a hand can take what stands there."""
+        """True if a hand can take an object at the goal."""
         return self.error < _ARRIVED and self.tilt < _TILTED and self.clear
 
 
 class Meeting(NamedTuple):
-    """Where manipulability has brought both arms.
+    """Final state of both arms after the ascent of manipulability.
 
     Attributes:
-        apart: distance of the palms' tips, m.
-        aim: of the thing from where the other hand would close, m.
-        place: of the thing, m.
-        clear: whether neither the thing nor an elbow nor a wrist went into the table.
-        free: distance of one forearm's axis from the other's, m.
-        seen: whether both cameras see the thing past the arms.
-        phi: localizability of the thing, m^2/rad^2; NaN where a camera does not see it.
+        apart: Distance of the palms' tips, m.
+        aim: Distance of the object from the place where the other hand would close, m.
+        place: Place of the object, m.
+        clear: True if neither the object nor an elbow nor a wrist went into the table.
+        free: Distance of one forearm's axis from the other's, m.
+        seen: True if both cameras see the object past the arms.
+        phi: Localizability of the object, m^2/rad^2; NaN if a camera does not see it.
     """
 
     apart: float
@@ -87,7 +87,7 @@ class Meeting(NamedTuple):
 
     @property
     def near(self) -> bool:
-        """Whether the other hand reaches what the first one holds."""
+        """True if the other hand reaches the object that the first one holds."""
         return self.apart < TOGETHER
 
     @property
@@ -102,11 +102,11 @@ class Meeting(NamedTuple):
 
 
 class MountedArms:
-    """Both arms on a mount; ``posture`` is that of all joints of the robot, rad.
+    """Both arms on a mount; ``posture`` is the posture of all joints of the robot, rad.
 
     Args:
-        robot: Dexter.
-        mount: of its arms.
+        robot: Robot document of Dexter.
+        mount: Mount of its arms.
     """
 
     def __init__(self, robot: RobotDocument, mount: ArmMount) -> None:
@@ -131,7 +131,7 @@ class MountedArms:
         }
         self.limits = lower[self.own["right"]], upper[self.own["right"]]
         self.posture: Floats = np.zeros(len(joints))
-        # How far the posture at rest is from the one that the mount wants, m and a tenth of rad.
+        # Distance of the posture at rest from the mount's requested one, m and a tenth of rad.
         self.unfit = 0.0
         if mount is TODAY:
             postures = robot.effectors["right_arm"].postures
@@ -146,7 +146,7 @@ class MountedArms:
             self.posture[self.own[side]] = self._of(side, self.rests)
 
     def reach(self, place: Sequence[float], side: str = "right") -> Reach:
-        """Take what stands at a place of the table, from rest: posture ◁ orient ◁ approach."""
+        """Take an object at a place of the table, from rest: posture ◁ orient ◁ approach."""
         self.rest()
         goal = np.array((*place, TABLE + RADIUS + STANDOFF))
         ready, own = self._of(side, self.ready), self.own[side]
@@ -177,11 +177,11 @@ class MountedArms:
         return self._meeting(clear)
 
     def sees(self, place: Floats, held: Iterable[str]) -> tuple[bool, float]:
-        """Whether both cameras see a place past the arms, and its localizability.
+        """Return True if both cameras see a place past the arms, and its localizability.
 
         Args:
-            place: m, shape (3,).
-            held: sides whose hands are there.
+            place: Position, m, shape (3,).
+            held: Sides whose hands are there.
         """
         level = math.hypot(place[0] - _NECK[0], place[1])
         pan, rise = math.atan2(place[1], place[0] - _NECK[0]), _NECK[2] + _EYES[1] - place[2]
@@ -201,11 +201,11 @@ class MountedArms:
         return clear, phi
 
     def _of(self, side: str, right: Floats) -> Floats:
-        """A posture of the right arm, or its mirror image."""
+        """Return a posture of the right arm, or its mirror image."""
         return right if side == "right" else mirrored(right, self.limits)
 
     def _find_rest(self) -> Floats:
-        """The resting posture nearest to the middle of the joints' limits, of several that fit."""
+        """Return the fitting resting posture nearest to the middle of the joints' limits."""
         lower, upper = self.limits
         rng = np.random.default_rng(0)
         starts = rng.uniform(0.7 * lower + 0.3 * upper, 0.3 * lower + 0.7 * upper, (6, 7))
@@ -214,12 +214,12 @@ class MountedArms:
         return min(found, key=lambda each: max(each[1], 0.02) * (1 + self._off_middle(each[0])))[0]
 
     def _find_ready(self) -> Floats:
-        """The posture that reaches pull to: above the right half's middle, elbow as at rest."""
+        """Return the posture that pulls reaches: above the right half, elbow as at rest."""
         goal = np.array((0.5, -0.2, TABLE + RADIUS + STANDOFF))
         return self._settle(self.rests, goal)[0]
 
     def _settle(self, start: Floats, goal: Floats) -> tuple[Floats, float]:
-        """A posture with the palm down at a goal and the elbow where the mount has it."""
+        """Return a posture with the palm down at a goal and the mount's elbow, and its error."""
         own, middle = self.own["right"], np.mean(self.limits, axis=0)
         self.posture[own] = start
         for _ in range(_TICKS):
@@ -235,7 +235,7 @@ class MountedArms:
         return float(np.mean(((2 * posture - lower - upper) / (upper - lower)) ** 4))
 
     def _elbow(self, goal: Floats) -> Level:
-        """The elbow about the line from shoulder to hand."""
+        """Return the level that turns the elbow about the line from shoulder to hand."""
         shoulder = self.mount.shoulder
         line = (goal - shoulder) / np.linalg.norm(goal - shoulder)
         below = _across(np.array((0.0, 0.0, -1.0)), line)
@@ -253,7 +253,7 @@ class MountedArms:
         return Level("elbow", row[None], _bounded(np.array([0.5 * turn]), 0.2))
 
     def _palm_down(self, side: str, goal: Floats) -> list[Level]:
-        """The tip at a goal, and the palm looking down."""
+        """Return the levels that keep the tip at a goal, and the palm down."""
         self.kinematics.update(self.posture)
         own = self.own[side]
         tip = self.kinematics.point(*self.tips[side])
@@ -286,7 +286,7 @@ class MountedArms:
         return Reach(self.posture[self.own[side]].copy(), error, tilt, self._is_clear())
 
     def _is_clear(self) -> bool:
-        """Whether elbows, wrists and the thing in the right hand are above the table."""
+        """Return True if elbows, wrists and the object in the right hand are above the table."""
         self.kinematics.update(self.posture)
         points = [(self._origin(f"{side}_link_{n}"), _FORE) for side in SIDES for n in (4, 6)]
         points.append((self._grasped("right"), RADIUS))
@@ -300,7 +300,7 @@ class MountedArms:
         return self.kinematics.frame(link).position
 
     def _grasped(self, side: str) -> Floats:
-        """Where the middle of what a hand holds is, m, shape (3,)."""
+        """Return the middle of the object in a hand, m, shape (3,)."""
         link, offset = self.tips[side]
         place: Floats = self.kinematics.point(
             link, (offset[0], offset[1], offset[2] + STANDOFF)
@@ -308,7 +308,7 @@ class MountedArms:
         return place
 
     def _bones(self, holding: frozenset[str]) -> list[tuple[Floats, Floats, float]]:
-        """Upper arms and forearms, and the hands that do not hold what is looked at."""
+        """Return upper arms and forearms, and the hands that do not hold the observed object."""
         bones = []
         for side in SIDES:
             shoulder, elbow, wrist, palm = (
@@ -333,7 +333,7 @@ class MountedArms:
         return Meeting(apart, aim, tuple(thing.tolist()), clear, free, *self.sees(thing, SIDES))
 
     def gradient(self, jacobian: str) -> Floats:
-        """The gradient of the measure's logarithm by the joints of both arms, shape (14,)."""
+        """Return the gradient of the measure's logarithm by both arms' joints, shape (14,)."""
         self.kinematics.update(self.posture)
         rows = 6 if jacobian == "pose" else 3
         own = [self.own[side] for side in SIDES]
@@ -363,7 +363,7 @@ class MountedArms:
 
 
 def mirrored(right: Floats, limits: tuple[Floats, Floats]) -> Floats:
-    """The left arm's posture for one of the right arm, rad, within the limits."""
+    """Return the left arm's posture for one of the right arm, rad, within the limits."""
     left = right * np.array((-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0))
     # The hands are alike, not mirror images: half a turn puts the thumb where it belongs.
     left[6] += math.pi
@@ -375,7 +375,7 @@ def mirrored(right: Floats, limits: tuple[Floats, Floats]) -> Floats:
 
 
 def _slope(jacobian: Floats, bend: Floats) -> Floats:
-    """The gradient of log sqrt(det(J J^T)): J (k, n), its change per joint (k, n, n)."""
+    """Return the gradient of log sqrt(det(J J^T)): J (k, n), its change per joint (k, n, n)."""
     rows, joints = jacobian.shape
     phi, _, slope = of_jacobian(rows, joints).evaluate(
         np.ascontiguousarray(jacobian).ravel(), np.zeros(0), rows * joints
@@ -385,7 +385,7 @@ def _slope(jacobian: Floats, bend: Floats) -> Floats:
 
 
 def _spring(name: str, error: Floats) -> Level:
-    """A posture's spring, at 2 /s."""
+    """Return a posture's spring, at 2 /s."""
     return Level(name, np.eye(len(error)), _bounded(_PERIOD * error, 0.08))
 
 
@@ -395,13 +395,13 @@ def _bounded(step: Floats, size: float) -> Floats:
 
 
 def _across(vector: Floats, line: Floats) -> Floats:
-    """The unit vector of what of a vector is at right angles to a line."""
+    """Return the direction of the part of a vector at right angles to a line."""
     rest = vector - (vector @ line) * line
     return rest / max(float(np.linalg.norm(rest)), 1e-9)
 
 
 def _clears(eye: Floats, place: Floats, bone: tuple[Floats, Floats, float]) -> bool:
-    """Whether a line of sight goes past a link, given by its ends and its radius."""
+    """Return True if a line of sight passes a link, given by its ends and its radius."""
     start, end, radius = bone
     along = end - start
     sight = eye + np.linspace(0.0, 1.0, 40)[:, None] * (place - eye)

@@ -43,17 +43,17 @@ Postures = Mapping[str, Mapping[str, Sequence[float]]]
 
 
 class Episode(NamedTuple):
-    """One thing.
+    """Episode with one object.
 
     Attributes:
-        seed: of the episode.
-        taken: whether the right hand was rewarded for taking it.
-        apart: least distance of the palms after that, m.
-        met: whether both hands touched it in the same tick.
-        rewarded: whether the left hand was.
-        both: whether both hands touched it at the end.
-        seconds: simulated.
-        ending: of the program.
+        seed: Seed of the episode.
+        taken: True if the right hand was rewarded for taking it.
+        apart: Least distance of the palms after that, m.
+        met: True if both hands touched it in the same tick.
+        rewarded: True if the left hand was rewarded.
+        both: True if both hands touched it at the end.
+        seconds: Simulated time.
+        ending: Ending of the program.
     """
 
     seed: int
@@ -72,13 +72,13 @@ def write_robot(
     turns: Sequence[float] = (0.0, 0.0),
     postures: Postures | None = None,
 ) -> None:
-    """Write Dexter with its arms mounted so, and the documents that run on it.
+    """Write Dexter with its arms on a mount, and the documents that run on it.
 
     Args:
-        mount: of the arms.
-        folder: that is written to.
-        turns: by which the left and the right hand rest turned about their palms' normals, rad.
-        postures: of the arms, instead of those that are found for the mount.
+        mount: Mount of the arms.
+        folder: Folder to write to.
+        turns: Turns of the resting left and right hand about their palms' normals, rad.
+        postures: Postures of the arms, instead of those found for the mount.
     """
     for part in ("robots", "programs", "knowledge"):
         shutil.copytree(ROOT / part, folder / part)
@@ -98,7 +98,7 @@ def write_robot(
 
 
 def _postures_of(robot: RobotDocument, mount: ArmMount, turns: Sequence[float]) -> Postures:
-    """The postures that ``MountedArms`` finds for a mount."""
+    """Return the postures that ``MountedArms`` finds for a mount."""
     arms = MountedArms(robot, mount)
     postures: dict[str, dict[str, Sequence[float]]] = {}
     for side, turn in zip(("left", "right"), turns, strict=True):
@@ -111,7 +111,7 @@ def _postures_of(robot: RobotDocument, mount: ArmMount, turns: Sequence[float]) 
 
 
 def with_posture(text: str, arm: str, name: str, posture: Sequence[float]) -> str:
-    """A robot file with another posture of an arm."""
+    """Return the text of a robot file with another posture of an arm."""
     angles = ", ".join(f"{angle:.4f}" for angle in posture)
     pattern = rf"(  {arm}:\n(?:    .*\n)*?      {name}: )\[[^\]]*\]"
     changed, count = re.subn(pattern, rf"\g<1>[{angles}]", text, count=1)
@@ -170,13 +170,13 @@ def _run(runner: Runner, engine: Any, own: Kinematics, stage: StageDocument, see
 
 
 def _hands_on(engine: Any, stage: StageDocument) -> set[str]:
-    """The hands that touch a thing, as the engine has it."""
+    """Return the hands that touch an object, by the engine."""
     names = [name for name in engine.truth.objects if name not in stage.fixtures]
     return {hand for name in names for hand, _ in engine.truth.touching(name)}
 
 
 def summarise(episodes: Sequence[Episode]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     near = [each.apart for each in episodes if each.taken]
     return {
         "episodes": len(episodes),
@@ -190,11 +190,11 @@ def summarise(episodes: Sequence[Episode]) -> dict[str, Any]:
 
 
 def read_mount(file: Path, number: int) -> tuple[ArmMount, Postures | None]:
-    """A mount, and its postures if they are given with it.
+    """Return a mount, and its postures if they are given with it.
 
     Args:
-        file: rows of ``search_mounts.py``, or a JSON file of one mount.
-        number: of the row.
+        file: Rows of ``search_mounts.py``, or a JSON file of one mount.
+        number: Number of the row.
     """
     if file.suffix == ".json":
         given = json.loads(file.read_text(encoding="utf-8"))

@@ -53,11 +53,11 @@ PATH_STAGES: Stages = {
 
 
 def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
-    """The control law for one stack, allocated once, as a running program has it.
+    """Return the control law for one stack, allocated once, as in a running program.
 
     Args:
-        sizes: the number of task coordinates of each level, highest priority first.
-        joints: n.
+        sizes: Number of task coordinates of each level, highest priority first.
+        joints: Number of joints n.
 
     Returns:
         A function of the levels and the joint positions (n,), which returns the displacement (n,).
@@ -108,15 +108,15 @@ def law_with_hessians(
 
 
 class TwoArms:
-    """The control path of a program, from joint positions to joint references.
+    """Control path of a program, from joint positions to joint references.
 
     Args:
-        folder: of the documents.
-        period: of a tick, s.
+        folder: Folder of the documents.
+        period: Control period, s.
 
     Attributes:
-        ready: the posture to keep, rad, shape (14,).
-        lower, upper: joint limits, rad, shape (14,).
+        ready: Posture to keep, rad, shape (14,).
+        lower, upper: Joint limits, rad, shape (14,).
     """
 
     def __init__(self, folder: Path, period: float) -> None:
@@ -157,13 +157,13 @@ class DexterCycle:
 
     @classmethod
     def of(cls, program: str) -> DexterCycle:
-        """The cycle of a program of Dexter."""
+        """Return the cycle of a program of Dexter."""
         library = Library(ROOT)
         robot = library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
         return cls(robot, check_program(program, {}, library))
 
     def following(self) -> Observation:
-        """The next tick's observation; after ``CYCLES`` of them it begins again."""
+        """Return the next tick's observation; after ``CYCLES`` of them restart."""
         self._tick += 1
         if self._tick >= CYCLES:
             self.restart()
@@ -191,7 +191,7 @@ class DexterCycle:
         self._run.activate()
 
     def observation(self, tick: int) -> Observation:
-        """The observation after the joints have reached their references."""
+        """Return the observation after the joints have reached their references."""
         return self._observation(tick * self._period, LOAD)
 
     def _observation(self, time: float, load: Floats) -> Observation:
@@ -203,7 +203,7 @@ class DexterCycle:
         return Observation(time, positions, np.zeros(len(positions)), loads, {})
 
     def tick(self, observation: Observation) -> None:
-        """One control cycle, as an episode has it."""
+        """Run one control cycle, as in an episode."""
         self._signals.update(observation)
         self._actuation.move(self._run.active())
         self._run.advance()

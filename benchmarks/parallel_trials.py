@@ -86,12 +86,12 @@ def learn(
 
 
 def documents(folder: Path) -> dict[str, bytes]:
-    """The learned policies, file by file."""
+    """Return the learned policies, file by file."""
     return {file.name: file.read_bytes() for file in folder.glob("*.yaml")}
 
 
 def measured(options: argparse.Namespace) -> list[Round]:
-    """All rounds."""
+    """Return all rounds."""
     with tempfile.TemporaryDirectory() as place:
         # It compiles, and files that are read are in memory.
         learn([Path(place) / "compiled"], 1, 1, 1, options)
@@ -99,7 +99,7 @@ def measured(options: argparse.Namespace) -> list[Round]:
 
 
 def turn(place: Path, options: argparse.Namespace) -> Round:
-    """One round, in a folder of its own."""
+    """Run one round, in a folder of its own."""
     trials, episodes = options.trials, options.episodes
     one = learn([place / "one"], 1, trials, episodes, options)
     two = learn([place / "two"], 2, trials, episodes, options)
@@ -124,7 +124,7 @@ def summary(rounds: Sequence[Round], trials: int) -> dict[str, object]:
 
 
 def row(runs: Sequence[Measurement], trials: int) -> dict[str, float]:
-    """Medians of what was measured."""
+    """Return medians of the measurements."""
     user = statistics.median(each.user for each in runs)
     return {
         "wall": round(statistics.median(each.wall for each in runs), 2),

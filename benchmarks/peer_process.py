@@ -19,10 +19,10 @@ from peers import Floats, Scene, load
 
 
 class RemotePeer:
-    """A peer that solves in another process.
+    """Peer that solves in another process.
 
     Attributes:
-        name, solves: as of any peer.
+        name, solves: Name and objectives, as for any peer.
     """
 
     def __init__(self, process: subprocess.Popen[str], name: str, solves: str) -> None:
@@ -38,15 +38,15 @@ class RemotePeer:
 
 @contextmanager
 def remote_peers(module: str, python: str, scene: Scene) -> Iterator[list[RemotePeer]]:
-    """The peers of a library, in a process that ends with the context.
+    """Yield the peers of a library, in a process that ends with the context.
 
     Args:
-        module: of the library.
-        python: the interpreter of its environment.
-        scene: what they solve.
+        module: Name of the library's module.
+        python: Interpreter of its environment.
+        scene: Scene to solve.
 
     Raises:
-        ImportError: the library cannot be imported there, or the process has died.
+        ImportError: The library cannot be imported there, or the process has died.
     """
     command = [python, str(Path(__file__)), module]
     pipe = subprocess.PIPE

@@ -40,13 +40,13 @@ class Scene:
 
 @dataclass(frozen=True)
 class Peer:
-    """A way to solve a tick.
+    """Way to solve a tick.
 
     Attributes:
-        name: with the solver, if there is a choice.
-        tick: from joint positions (14,) to a displacement or velocity.
-        solves: the objectives that it leaves out, or how it ranks them.
-        prepare: makes of joint positions what ``tick`` takes, before the clock runs.
+        name: Name of the library, with the solver, if there is a choice.
+        tick: Function from joint positions (14,) to a displacement or velocity.
+        solves: Objectives that it leaves out, or their ranking.
+        prepare: Function that converts joint positions for ``tick``, before the clock runs.
     """
 
     name: str
@@ -138,7 +138,7 @@ def mink(scene: Scene) -> Iterator[Peer]:
 
 
 def drake(scene: Scene) -> Iterator[Peer]:
-    """A reach with a posture below it, in one quadratic program."""
+    """Yield a reach with a posture below it, in one quadratic program."""
     from pydrake.multibody.inverse_kinematics import (
         DifferentialInverseKinematicsParameters,
         DoDifferentialInverseKinematics,
@@ -183,10 +183,10 @@ PEERS: dict[str, Callable[[Scene], Iterator[Peer]]] = {
 
 
 def load(module: str, scene: Scene) -> list[Peer]:
-    """The peers of a library.
+    """Return the peers of a library.
 
     Raises:
-        ImportError: it cannot be imported here.
+        ImportError: It cannot be imported here.
     """
     importlib.import_module(module)
     return list(PEERS[module](scene))

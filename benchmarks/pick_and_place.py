@@ -37,12 +37,12 @@ BEFORE = 6
 
 
 class Setting(NamedTuple):
-    """A way to place things.
+    """Way to place objects.
 
     Attributes:
-        thing: which one; the context of the stage is called like it.
-        stage: where it is; ``None`` for the program's own.
-        backend: the engine.
+        thing: Name of the object; the context of the stage has the same name.
+        stage: Stage of the object; ``None`` for the program's own.
+        backend: Name of the engine.
         cameras: ``rendered`` or ``ideal``.
     """
 
@@ -53,20 +53,20 @@ class Setting(NamedTuple):
 
 
 class Episode(NamedTuple):
-    """One thing, taken and placed.
+    """Episode with one object, taken and placed.
 
     Attributes:
-        seed: of the episode.
-        thing: which one.
-        placed: whether it stands where it should.
-        rewarded: whether the place was felt to bear it.
-        false: whether it touched nothing but the hand then.
-        error: distance on the level from the pad's centre at the end, mm.
-        drop: the same when it was rewarded, mm; negative without a reward.
-        tilt: of its upright axis, deg; of balls 0.
-        lift: most height above where it stood, mm.
-        seconds: simulated.
-        ending: of the program.
+        seed: Seed of the episode.
+        thing: Name of the object.
+        placed: True if it stands at its goal.
+        rewarded: True if the robot felt that the place bears it.
+        false: True if it touched nothing but the hand then.
+        error: Horizontal distance from the pad's centre at the end, mm.
+        drop: The same distance at the reward, mm; negative without a reward.
+        tilt: Tilt of its upright axis, deg; 0 for balls.
+        lift: Most height above its first place, mm.
+        seconds: Simulated time.
+        ending: Ending of the program.
     """
 
     seed: int
@@ -115,11 +115,11 @@ class _Judge:
         return math.dist(self._truth.pose(self._thing).position[:2], pad[:2])
 
     def touches(self) -> bool:
-        """Whether the thing presses on anything but the robot."""
+        """Return True if the object presses on anything but the robot."""
         return bool(self._truth.neighbours(self._thing))
 
     def conclude(self, seed: int, result: Any) -> Episode:
-        """What became of it."""
+        """Return the outcome of an episode."""
         pose = self._truth.pose(self._thing)
         cosine = min(1.0, float(pose.rotation[:, 2] @ self._upright))
         tilt = 0.0 if self._thing == "ball" else math.degrees(math.acos(cosine))
@@ -154,7 +154,7 @@ def run_episodes(setting: Setting, seeds: Iterable[int]) -> list[Episode]:
 
 
 def summarise(thing: str, episodes: Sequence[Episode]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     placed = [each for each in episodes if each.placed]
     low, high = exact_interval(len(placed), len(episodes))
     false = [each.seed for each in episodes if each.false]

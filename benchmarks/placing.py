@@ -38,11 +38,11 @@ BEFORE, LONG = 6, 60
 
 
 class Setting(NamedTuple):
-    """A way to put things down.
+    """Way to put objects down.
 
     Attributes:
-        stage: where they are; ``None`` for the program's own.
-        values: of the program's parameters.
+        stage: Stage of the objects; ``None`` for the program's own.
+        values: Values of the program's parameters.
         cameras: ``rendered`` or ``ideal``.
     """
 
@@ -52,21 +52,21 @@ class Setting(NamedTuple):
 
 
 class Episode(NamedTuple):
-    """One thing, taken, lifted and put down.
+    """Episode with one object, taken, lifted and put down.
 
     Attributes:
-        seed: of the episode.
-        thing: its form.
-        held: whether it was in the hand when it was to be put down.
-        placed: whether it stands where it should.
-        reported: whether contact was reported.
-        false: whether it touched nothing then.
-        missed: whether it touched something for long without a report.
-        idle_ticks: ticks of a report in which it touched nothing.
-        error: distance on the level from where it was held, mm.
-        tilt: of its upright axis, deg; of balls 0.
-        seconds: simulated.
-        ending: of the program.
+        seed: Seed of the episode.
+        thing: Form of the object.
+        held: True if it was in the hand when it was to be put down.
+        placed: True if it stands at its goal.
+        reported: True if contact was reported.
+        false: True if it touched nothing then.
+        missed: True if it touched something for long without a report.
+        idle_ticks: Ticks of a report in which it touched nothing.
+        error: Horizontal distance from the place above which it was held, mm.
+        tilt: Tilt of its upright axis, deg; 0 for balls.
+        seconds: Simulated time.
+        ending: Ending of the program.
     """
 
     seed: int
@@ -127,13 +127,13 @@ class _Judge:
         self.idle_ticks += not touches
 
     def touches(self) -> bool:
-        """Whether the thing presses on anything but the robot."""
+        """Return True if the object presses on anything but the robot."""
         truth = self._truth
         points = pybullet.getContactPoints(truth.bodies[self.thing], physicsClientId=truth.client)
         return any(point[2] != truth.robot.id and point[9] > 0.0 for point in points)
 
     def conclude(self, seed: int, result: Any) -> Episode:
-        """What became of it."""
+        """Return the outcome of an episode."""
         pose = self._truth.pose(self.thing)
         held = self.held is not None
         error = math.nan if self.held is None else math.dist(pose.position[:2], self.held[:2])
@@ -169,7 +169,7 @@ def run_episodes(setting: Setting, seeds: Iterable[int]) -> list[Episode]:
 
 
 def summarise(episodes: Sequence[Episode]) -> dict[str, Any]:
-    """The result; of the things that were held when they were to be put down."""
+    """Return the result, for the objects that were held when they were to be put down."""
     held = [each for each in episodes if each.held]
     placed = [each for each in held if each.placed]
     reported = [each for each in held if each.reported]

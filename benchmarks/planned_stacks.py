@@ -25,7 +25,7 @@ TARGET = 0.5
 
 
 def summarise(trials: Sequence[PlannedStack]) -> dict[str, object]:
-    """One row."""
+    """Return one row."""
     stand = sum(each.stands for each in trials)
     return {
         "trials": len(trials),

@@ -72,7 +72,7 @@ MODELS = {
 
 
 def folder_of(package: str) -> Path | None:
-    """Where a package keeps its models, if it is installed."""
+    """Return the folder of a package's models, if it is installed."""
     if package == "pybullet_data":
         found = find_spec(package)
         return Path(found.origin).parent if found and found.origin else None
@@ -87,7 +87,7 @@ def folder_of(package: str) -> Path | None:
 
 
 def models() -> Iterator[tuple[str, Path | None]]:
-    """All models by name, with their files where the package is installed."""
+    """Yield all models by name, with their files if the package is installed."""
     for package, names in MODELS.items():
         folder = folder_of(package)
         for name in names.split():
@@ -134,10 +134,10 @@ def moved(urdf: Path, engine: str) -> dict[str, Any]:
 
 
 def proposed(urdf: Path) -> RobotDocument:
-    """The robot file that ``cb new robot`` writes for a model.
+    """Return the robot file that ``cb new robot`` writes for a model.
 
     Raises:
-        UsageError: it writes none, or one with errors.
+        UsageError: It writes no robot file, or one with errors.
     """
     import typer
 
@@ -157,7 +157,7 @@ def proposed(urdf: Path) -> RobotDocument:
 
 
 def _answer(urdf: Path, engine: str, answers: Any) -> None:
-    # What the simulators and the proposal print is not asked for here.
+    # The output of the simulators and of the proposal is discarded.
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     os.dup2(silence, 2)
@@ -165,7 +165,7 @@ def _answer(urdf: Path, engine: str, answers: Any) -> None:
 
 
 def tried(urdf: Path, engine: str) -> dict[str, Any]:
-    """The same in a process of its own, which an engine may end."""
+    """Run the same in a process of its own, which an engine may end."""
     context = multiprocessing.get_context("fork")
     answers = context.Queue()
     process = context.Process(target=_answer, args=(urdf, engine, answers))

@@ -27,11 +27,11 @@ TARGET = 0.9
 
 
 def read(files: Sequence[Path]) -> list[ImpedanceTrial]:
-    """All trials of some files.
+    """Return all trials of some files.
 
     Raises:
-        OSError: one of them cannot be read.
-        ValueError: it holds no trials; says which and why.
+        OSError: One of them cannot be read.
+        ValueError: A file holds no trials; names the file and the reason.
     """
     trials = []
     for file in files:
@@ -46,7 +46,7 @@ def read(files: Sequence[Path]) -> list[ImpedanceTrial]:
 
 
 def summarise(known: Sequence[ImpedanceTrial], others: Sequence[ImpedanceTrial]) -> dict[str, Any]:
-    """The tree, and how it names the others."""
+    """Return the tree, and its names of the others."""
     whole = [each for each in known if each.profile.is_whole]
     tree = grow_relations(
         [NamedProfile(each.profile, ALL_PAIRS[each.things].relation) for each in whole]

@@ -55,7 +55,7 @@ _TOP = -0.42  # of the table, m
 _COLORS = {"hue_1": [1, 0, 0], "hue_7": [0, 0.4, 1]}
 _TABLE = {"form": {"shape": "box", "size": [0.6, 1.2, 0.04]}, "position": [0.6, 0, -0.44]}
 _RIGHT = 0.01  # largest error of a right position, m
-_RUN = 0.05  # least displacement of what has run away, m
+_RUN = 0.05  # least displacement of an object that has run away, m
 _SWAY = 0.02  # by how much the head turns to both sides, rad
 _AWAY = {"pan": 1.4, "tilt": -0.3}
 _CARRYING = {"pan": -0.25, "tilt": 1.1}
@@ -136,11 +136,11 @@ class Rig:
 
     @property
     def renderer(self) -> str:
-        """What makes the images."""
+        """Renderer of the images."""
         return str(self.backend.renderer)
 
     def frames(self, **joints: float) -> list[Frame]:
-        """Where the cameras are at some joints of the head."""
+        """Return the frames of the cameras at some joints of the head."""
         positions = np.clip(0.0, self._kinematics.lower, self._kinematics.upper)
         for name, angle in joints.items():
             positions[self._kinematics.joints.index[name]] = angle
@@ -148,7 +148,7 @@ class Rig:
         return [self._kinematics.frame(camera.link) for camera in self.robot.cameras.values()]
 
     def are_whole(self, balls: list[Ball], **joints: float) -> bool:
-        """Whether both cameras see all of each ball, with a margin, and none before another."""
+        """Return True if both cameras see all of each ball, with a margin and unoccluded."""
         for camera, frame in zip(self.robot.cameras.values(), self.frames(**joints), strict=True):
             lines = [ball.centre - frame.position for ball in balls]
             for ball, line in zip(balls, lines, strict=True):
@@ -195,11 +195,11 @@ class Rig:
             yield (tick + 1) * period
 
     def instances(self, channel: str) -> Instances:
-        """What is remembered of a channel."""
+        """Return the remembered instances of a channel."""
         return self.signals.vision.instances[channel]
 
     def place(self, ball: Ball) -> tuple[int, float] | None:
-        """Number of what is remembered nearest to a ball, and how far it is off, m."""
+        """Return the number of the memory nearest to a ball, and its distance, m."""
         memories = self.instances(ball.channel).memories
         errors = [
             (math.dist(memory.position, ball.centre), number)
@@ -214,7 +214,7 @@ class Rig:
         return [None if place is None or place[1] > _RIGHT else place[0] for place in places]
 
     def _strangers(self) -> Iterator[PositionMemory]:
-        """What is remembered outside of every ball of its hue."""
+        """Yield the memories outside of every ball of their hue."""
         for channel in _COLORS:
             own = [ball for ball in self.balls if ball.channel == channel]
             for memory in self.instances(channel).memories:
@@ -225,7 +225,7 @@ class Rig:
                     yield memory
 
     def shows(self, ball: Ball) -> bool:
-        """Whether both cameras are turned to a ball's place now."""
+        """Return True if both cameras are turned to a ball's place now."""
         return all(
             within_view(camera, pose.rotation.T @ (ball.centre - pose.position), 1.05 * ball.radius)
             for camera in self.robot.cameras.values()
@@ -272,7 +272,7 @@ def drawn_in_view(rig: Rig, rng: np.random.Generator) -> tuple[list[Ball], dict[
 
 
 def in_view(rig: Rig, rng: np.random.Generator) -> Outcome:
-    """One scene."""
+    """Run one scene."""
     balls, joints = drawn_in_view(rig, rng)
     rig.show(balls, rng, **joints)
     _exhaust(rig.look(1.0))
@@ -281,7 +281,7 @@ def in_view(rig: Rig, rng: np.random.Generator) -> Outcome:
 
 
 def anywhere(rig: Rig, rng: np.random.Generator) -> Outcome:
-    """One scene, at which the head looks from one end to the other."""
+    """Run one scene, at which the head looks from one end to the other."""
     rig.show(drawn(rng, wide=True), rng, pan=rng.uniform(-0.5, 0.5), tilt=rng.uniform(0.8, 1.3))
     for pan in rng.uniform(-0.5, 0.5, 4):
         _exhaust(rig.look(0.5, pan=pan))
@@ -289,7 +289,7 @@ def anywhere(rig: Rig, rng: np.random.Generator) -> Outcome:
 
 
 def remembered(rig: Rig, rng: np.random.Generator) -> Outcome:
-    """One scene."""
+    """Run one scene."""
     balls, joints = drawn_in_view(rig, rng)
     rig.show(balls, rng, **joints)
     _exhaust(rig.look(1.0))
@@ -301,7 +301,7 @@ def remembered(rig: Rig, rng: np.random.Generator) -> Outcome:
 
 
 def removed(rig: Rig, rng: np.random.Generator) -> Outcome:
-    """One scene."""
+    """Run one scene."""
     balls, joints = drawn_in_view(rig, rng)
     rig.show(balls, rng, **joints)
     _exhaust(rig.look(1.0))
@@ -321,7 +321,7 @@ def removed(rig: Rig, rng: np.random.Generator) -> Outcome:
 
 
 def carried(rig: Rig, runner: Runner, channel: str, rng: np.random.Generator) -> Outcome | None:
-    """One scene; ``None`` where nothing was carried to above the goal, and nothing ran away."""
+    """Run a scene; return ``None`` if nothing was carried to above the goal or ran away."""
     balls = _drawn_for_carrying(rig, channel, rng)
     things = {
         name: {
@@ -365,11 +365,11 @@ def _level(centre: Floats) -> dict[str, list[float]]:
 
 
 class _GoalWatch:
-    """Compares what is remembered of a goal that lies still with where it is, tick by tick.
+    """Comparison of the memory of a fixed goal with its true place, tick by tick.
 
     Attributes:
-        carried: whether a ball was carried to above the goal.
-        ran: whether the goal's remembered place has left the goal.
+        carried: True if a ball was carried to above the goal.
+        ran: True if the goal's remembered place has left the goal.
     """
 
     def __init__(self, rig: Rig, channel: str) -> None:
@@ -390,7 +390,7 @@ class _GoalWatch:
         known = [m.position for m in memories.memories if m.position is not None]
         errors = [math.dist(position, places[goal]) for position in known]
         held = [math.dist(position, places[moved]) for position in known]
-        # What is neither where the goal is nor where the other ball is has left one of them.
+        # A memory that is neither at the goal nor at the other ball has left one of them.
         strays = [min(e, h) for e, h in zip(errors, held, strict=True)]
         if errors:
             self.ran = self.ran or min(errors) > _RUN or max(strays) > 2 * _RUN
@@ -410,7 +410,7 @@ _SCENES: Mapping[str, tuple[Callable[[Rig, np.random.Generator], Outcome], float
 
 
 def measure(name: str, options: argparse.Namespace) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     rig = Rig(options.backend, options.cameras)
     outcomes = list(_outcomes(rig, name, options))
     renderer = rig.renderer

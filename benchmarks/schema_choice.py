@@ -27,7 +27,7 @@ DEPTH = 8
 
 
 def tree(depth: int, leaf: Callable[[], Any], rng: random.Random) -> Tree[Any]:
-    """A full tree of random questions."""
+    """Return a full tree of random questions."""
     if not depth:
         return Leaf(leaf())
     parts = (tree(depth - 1, leaf, rng) for _ in range(2))

@@ -48,23 +48,23 @@ from cbdsl.training.trial import Trial
 from cbdsl.types.decision_tree import decide
 from cbdsl.yaml_text.library import Library
 
-# Least share of right choices where several allocations work and where one does, and of what is out
-# of reach and said to be; largest share of what is in reach and said not to be.
+# Least share of right choices where several allocations work and where one does, and of objects
+# out of reach and reported so; largest share of objects in reach and reported out of reach.
 POSSIBLE, ALONE, OUT_OF_REACH, FALSE_ALARMS = 0.95, 0.9, 0.95, 0.02
 # Of the trials.
 LEAST_SHARE = 0.8
-#: What is counted in a trial, with an aim each but for the last.
+#: Counts of a trial, with an aim each but for the last.
 COUNTS = ("possible", "alone", "out_of_reach", "false_alarms", "touched_in_vain")
 
 
 class Case(NamedTuple):
-    """A held-out context: what was sensed when it was allocated, and what came of it.
+    """Held-out context: its features at the allocation, and its outcome.
 
     Attributes:
-        context: its name.
-        features: as sensed.
-        works: the allocations that were rewarded.
-        touched: whether the robot touched the thing with any allocation.
+        context: Name of the context.
+        features: Features as sensed.
+        works: Allocations that were rewarded.
+        touched: True if the robot touched the object with any allocation.
     """
 
     context: str
@@ -74,12 +74,12 @@ class Case(NamedTuple):
 
 
 class TouchWatcher:
-    """Watcher of whether the robot touches what is shown, by the simulator's truth.
+    """Watcher of the robot's touches of shown objects, by the simulator's truth.
 
-    Of bodies without physics it knows the touches of fingertips alone.
+    For bodies without physics it knows the touches of fingertips alone.
 
     Attributes:
-        touched: whether it did, since this was set to false.
+        touched: True if it did, since this was set to false.
     """
 
     def __init__(self, backend: Backend, stage: StageDocument) -> None:
@@ -88,24 +88,24 @@ class TouchWatcher:
         self.touched = False
 
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
-        """See ``EpisodeWatcher``."""
+        """Begin an episode; see ``EpisodeWatcher``."""
 
     def note_transition(self, transition: Transition) -> None:
-        """See ``EpisodeWatcher``."""
+        """Ignore a transition; see ``EpisodeWatcher``."""
 
     def note_tick(self, tick: Tick) -> None:
-        """See ``EpisodeWatcher``."""
+        """Note the touches of a tick; see ``EpisodeWatcher``."""
         truth = self._truth
         self.touched = self.touched or any(map(truth.touched, shown(truth, self._stage)))
 
     def note_end(self, result: EpisodeResult) -> None:
-        """See ``EpisodeWatcher``."""
+        """Ignore the end; see ``EpisodeWatcher``."""
 
 
 def prepared(
     options: argparse.Namespace, backend: str, cameras: str | None
 ) -> tuple[CheckedProgram, BackendEpisodeRunner, TouchWatcher]:
-    """The program with all its allocations, what runs it on a backend, and the watcher of that."""
+    """Return the program with all its allocations, its runner on a backend, and its watcher."""
     library = Library()
     policy = library.read(library.locate(PolicyDocument, options.policy), PolicyDocument)
     path = library.locate(ProgramDocument, options.program)
@@ -155,7 +155,7 @@ def _always(name: str) -> Any:
 def learned(
     program: CheckedProgram, runner: BackendEpisodeRunner, number: int, options: argparse.Namespace
 ) -> Assimilate:
-    """What a trial learns."""
+    """Return the learner after a trial."""
     trial = Trial(program, AssimilateConstants(), options.seed, number, ASSIMILATE)
     for _ in range(options.episodes):
         trial.run(runner)
@@ -164,7 +164,7 @@ def learned(
 
 
 def judged(learner: Assimilate, held_out: Sequence[Case]) -> dict[str, list[int]]:
-    """Counts of what is right, and of what could be, by aim."""
+    """Return counts of right and of possible answers, by aim."""
     choice, reward = learner.choice(), learner.reward()
     counts = {name: [0, 0] for name in COUNTS}
     for case in held_out:
@@ -186,7 +186,7 @@ def _count(counts: list[int], is_so: bool) -> None:
 
 
 def holds(counts: Mapping[str, Sequence[int]]) -> bool:
-    """Whether a trial reaches all its aims."""
+    """Return True if a trial reaches all its aims."""
     share = {aim: some / most if most else 1.0 for aim, (some, most) in counts.items()}
     return (
         share["possible"] >= POSSIBLE

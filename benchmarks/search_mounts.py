@@ -37,15 +37,15 @@ _PARENTS, _WIDTHS = 12, (0.12, 0.01)
 def search(
     file: Path, jacobian: str, spread: int, trials: int, seed: int, seconds: float
 ) -> list[MountTrial]:
-    """Go on with a search; the first row is today's mount.
+    """Continue a search; the first row is today's mount.
 
     Args:
-        file: of the rows, which may be none.
-        jacobian: one of ``JACOBIANS``.
-        spread: how many mounts all over the bounds.
-        trials: how many in all, without today's.
-        seed: of the mounts.
-        seconds: after which no other is begun.
+        file: File of the rows, which may not exist.
+        jacobian: One of ``JACOBIANS``.
+        spread: Number of mounts all over the bounds.
+        trials: Number of all mounts, without today's.
+        seed: Seed of the mounts.
+        seconds: Time after which no other mount is begun.
     """
     robot = _dexter()
     done = read(file) if file.exists() else []
@@ -82,13 +82,13 @@ def judge_again(
 
 
 def read(file: Path) -> list[MountTrial]:
-    """The rows of a file."""
+    """Return the rows of a file."""
     rows = file.read_text(encoding="utf-8").splitlines()
     return [read_record(MountTrial, json.loads(row)) for row in rows]
 
 
 def best_of(done: Sequence[MountTrial], count: int) -> list[MountTrial]:
-    """The best of those after today's mount, which is the first."""
+    """Return the best mounts after today's mount, which is the first."""
     return sorted(done[1:], key=lambda trial: -trial.score(done[0]))[:count]
 
 

@@ -28,7 +28,7 @@ FLAT, TARGET = "purple_box_on_blue_box", 0.95
 
 
 def summarise(name: str, trials: Sequence[StackTrial]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     stand = sum(each.stands for each in trials)
     released = [each for each in trials if each.released]
     return {

@@ -14,16 +14,16 @@ Stages = Mapping[str, Sequence[Method]]
 
 
 class Stopwatch:
-    """Time spent in the methods of each stage, without that in stages they call.
+    """Time spent in the methods of each stage, without the stages that they call.
 
     The clocks themselves cost a fraction of a microsecond a call.
 
     Args:
-        stages: classes and names of methods, by stage.
-        clock: that tells the time, s.
+        stages: Classes and names of methods, by stage.
+        clock: Function that returns the time, s.
 
     Attributes:
-        seconds: by stage; clear it to begin anew.
+        seconds: Time by stage; clear it to restart.
     """
 
     def __init__(self, stages: Stages, clock: Callable[[], float] = perf_counter) -> None:

@@ -100,7 +100,7 @@ def run_episodes(condition: Condition, body: Body, seeds: Iterable[int]) -> list
 
 
 def summarise(condition: Condition, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     rewarded = [row for row in rows if row["rewarded"]]
     low, high = exact_interval(len(rewarded), len(rows))
     target, share = condition.target, len(rewarded) / len(rows)

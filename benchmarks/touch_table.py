@@ -76,7 +76,7 @@ def run_episodes(
 
 
 def summarise(hand: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """One row of the table."""
+    """Return one row of the table."""
     rewarded = [row for row in rows if row["rewarded"]]
     low, high = exact_interval(len(rewarded), len(rows))
     return {

@@ -34,7 +34,7 @@ from cbdsl.yaml_text.library import Library, shipped
 Floats = NDArray[np.float64]
 
 # Edge of the table to beyond its middle, both halves, the table's top to above the hands' ready
-# posture, m. What would reach into the table is put on it.
+# posture, m. An object that would reach into the table is put on it.
 _PLACES = tuple(product((0.35, 0.55, 0.75), (-0.4, -0.2, 0.0, 0.2, 0.4), (-0.37, -0.3, -0.1, 0.2)))
 _QUICK_PLACES = _PLACES[::7]
 _TOP = -0.42  # of the table, m
@@ -107,7 +107,7 @@ class SimulatedRobot:
         self.size = "x".join(str(s) for s in _size(self._robot))
 
     def look(self, condition: Condition, place: tuple[float, ...], seed: int) -> Sighting | None:
-        """Centre a thing, and tell where the robot takes it to be."""
+        """Centre an object, and return the robot's estimate of its place."""
         last: list[Tick] = []
 
         def note(tick: Tick) -> None:
@@ -172,7 +172,7 @@ def _aim(point: Floats) -> Floats:
 
 
 def summarise(condition: Condition, size: str, sightings: list[Sighting | None]) -> dict[str, Any]:
-    """One row of the table; lengths in mm."""
+    """Return one row of the table; lengths in mm."""
     seen = [sighting for sighting in sightings if sighting is not None]
     row: dict[str, Any] = asdict(condition) | {"size": size}
     row |= {"places": len(sightings), "positions": len(seen)}
@@ -204,7 +204,7 @@ def _spread(values: list[float]) -> list[float]:
 
 
 def rows(only: str | None, places: tuple[tuple[float, ...], ...]) -> Iterator[dict[str, Any]]:
-    """The table, row by row."""
+    """Yield the table, row by row."""
     for times in (1, 2):
         simulated = SimulatedRobot(times)
         for condition in CONDITIONS:

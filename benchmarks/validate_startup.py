@@ -33,14 +33,14 @@ COMMANDS = {
 
 
 def seconds(command: list[str], bytecode: str) -> tuple[float, float]:
-    """Wall-clock and processor time of a process.
+    """Return wall-clock and processor time of a process.
 
     Args:
-        command: what it runs.
-        bytecode: the folder of its bytecode.
+        command: Command that it runs.
+        bytecode: Folder of its bytecode.
 
     Raises:
-        CalledProcessError: it failed.
+        CalledProcessError: It failed.
     """
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     environment["PYTHONPYCACHEPREFIX"] = bytecode

@@ -134,7 +134,7 @@ def mutants_of(file: Path) -> Iterator[Mutant]:
 
 
 def sample_of(packages: Sequence[str], size: int, seed: int) -> list[Mutant]:
-    """Return random mutants of some packages, without those that are the same program."""
+    """Return random mutants of some packages, without mutants that leave the program unchanged."""
     files = [file for name in packages for file in sorted((ROOT / "cbdsl" / name).rglob("*.py"))]
     every = [mutant for file in files for mutant in mutants_of(file)]
     random.Random(seed).shuffle(every)

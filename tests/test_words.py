@@ -29,7 +29,7 @@ class Finding(NamedTuple):
 
 
 def findings(source: str) -> list[Finding]:
-    """Return the faults of a module, except for those that take several modules."""
+    """Return the faults of a module, except for faults between several modules."""
     tree = ast.parse(source)
     return sorted({*identifiers(tree), *prose(tree, source), *openings(tree), *signatures(tree)})
 

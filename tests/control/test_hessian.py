@@ -154,7 +154,7 @@ def test_hessian_of_some_axes_is_that_of_these_rows(rng: np.random.Generator) ->
 def test_hessian_of_a_carried_object_is_that_of_a_point_of_the_hand(
     rng: np.random.Generator,
 ) -> None:
-    """Its row has no chain of joints, only a Jacobian."""
+    """Use a row without a chain of joints, with a Jacobian alone."""
     it = Spring("dexter", Tip("right_arm", "position"), spring("position", 3), "position")
     q = rng.uniform(-1.0, 1.0, it.joints)
     expected = it.hessian(q)
