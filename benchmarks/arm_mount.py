@@ -65,7 +65,7 @@ class ArmMount:
         return np.stack((along, np.cross(axis, along), axis), axis=1)
 
     def urdf(self) -> str:
-        """Dexter's model with its arms mounted so."""
+        """Return Dexter's model with its arms on the mount."""
         roll, pitch, yaw = angles_of(self.axes)
         made = runpy.run_path(str(SCRIPT))["dexter"]
         text: str = made((self.forward, self.half, self.up), (-roll, pitch, -yaw))
@@ -83,7 +83,7 @@ TODAY = ArmMount(0.07, 0.17, 0.21, 0.0, -math.pi / 2, math.pi / 2, 0.0, 0.10, 0.
 
 
 def angles_of(axes: Floats) -> tuple[float, float, float]:
-    """Roll, pitch and yaw, rad, of axes as columns, shape (3, 3), as URDF has them."""
+    """Return roll, pitch and yaw, rad, of axes as columns, shape (3, 3), as in URDF."""
     pitch = math.asin(min(1.0, max(-1.0, -axes[2, 0])))
     if abs(axes[2, 0]) > 1.0 - 1e-9:
         return 0.0, pitch, math.atan2(-axes[0, 1], axes[1, 1])
@@ -95,7 +95,7 @@ def angles_of(axes: Floats) -> tuple[float, float, float]:
 
 
 def spread_over(count: int, rng: np.random.Generator) -> list[ArmMount]:
-    """Mounts all over the bounds, one in each of ``count`` slices of every number."""
+    """Return mounts all over the bounds, one in each of ``count`` slices of every number."""
     low, high = (np.array(astuple(bound)) for bound in BOUNDS)
     slices = np.stack([rng.permutation(count) for _ in NAMES], axis=1)
     values = low + (high - low) * (slices + rng.random(slices.shape)) / count

@@ -70,7 +70,7 @@ class Spent:
         return sum(self.seconds) / len(self.seconds)
 
     def per_tick(self) -> float:
-        """Microseconds."""
+        """Return the time per tick, us."""
         return 1e6 * sum(self.seconds) / self.ticks
 
 

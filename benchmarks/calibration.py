@@ -77,7 +77,7 @@ def judge_body(body: int, seeds: Sequence[int], backend_name: str) -> dict[str, 
 
 
 def errors_of(true: Any, correction: Any) -> dict[str, float]:
-    """Errors of position, mm, and rotation, deg, before and after calibration."""
+    """Return errors of position, mm, and rotation, deg, before and after calibration."""
     from cbdsl.sensing.forward import rotation_of
 
     found = rotation_of(np.array(correction.rotation))
@@ -90,18 +90,18 @@ def errors_of(true: Any, correction: Any) -> dict[str, float]:
 
 
 def _stated(estimate: Any) -> tuple[float, float]:
-    """Standard deviations that a calibration states, mm and deg."""
+    """Return the standard deviations that a calibration states, mm and deg."""
     position, rotation = estimate.deviations
     return 1000 * position, float(np.rad2deg(rotation))
 
 
 def angle(rotation: Floats) -> float:
-    """Angle of a rotation matrix, deg."""
+    """Return the angle of a rotation matrix, deg."""
     return float(np.rad2deg(np.arccos(np.clip((np.trace(rotation) - 1) / 2, -1.0, 1.0))))
 
 
 def table_errors(robot: Any, true: Mapping[str, Any], believed: Any, model: Any) -> list[float]:
-    """Distances between places on the table and where the robot triangulates them, mm."""
+    """Return distances of places on the table from their triangulated positions, mm."""
     from cbdsl.sensing.stereo import Ray, triangulate
 
     errors = []
@@ -126,7 +126,7 @@ def table_errors(robot: Any, true: Mapping[str, Any], believed: Any, model: Any)
 
 
 def episodes(request: Any, robot: Any, backend: Any, seeds: Iterable[int]) -> Any:
-    """Outcomes of episodes: seed, whether rewarded, and how many fingertips touch the thing."""
+    """Return outcomes of episodes: seed, reward, and the number of fingertips on the object."""
     from cbdsl.runtime.episode import Runner
     from cbdsl.sensing.kinematics import Kinematics
 
@@ -143,7 +143,7 @@ def episodes(request: Any, robot: Any, backend: Any, seeds: Iterable[int]) -> An
 
 
 def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Errors of all bodies, and rates of all episodes."""
+    """Return errors of all bodies, and rates of all episodes."""
     fine = [row for row in rows if "cameras" in row]
     cameras = [camera for row in fine for camera in row["cameras"].values()]
     summary: dict[str, Any] = {

@@ -187,7 +187,7 @@ _CHANNELS = {"blue_box": "blue", "purple_box": "hue_9", "basketball": "red", "fo
 
 
 def _pair(context: str) -> Mapping[str, str]:
-    """Channels of two objects of the stage ``stacking``."""
+    """Return channels of two objects of the stage ``stacking``."""
     upper, _, lower = context.partition("_on_")
     return {"feature": _CHANNELS[upper], "goal": _CHANNELS[lower]}
 
@@ -275,7 +275,7 @@ def _names(stage: Any, context: str) -> list[str]:
 
 
 def contexts_of(claim: Claim) -> Sequence[str]:
-    """Contexts in which a claim is judged."""
+    """Return contexts in which a claim is judged."""
     from cbdsl.api.run_request import read_request
 
     return claim.contexts or list(read_request(claim.program, claim.stage, None, {}).stage.contexts)

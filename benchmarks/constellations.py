@@ -41,7 +41,7 @@ PAIRS = [f"{a}_on_{b}" for a in CHANNELS for b in CHANNELS if a != b and a != "b
 
 
 def vector(catalog: MetaCatalogDocument, pair: str, seen: Features, names: Sequence[str]) -> Any:
-    """Components of some features, in the order of a pair's model; ``None`` where one lacks."""
+    """Return some features' components, in the order of a pair's model; ``None`` if one lacks."""
     own = [name for name in catalog.pairs[pair].features if name in names]
     if not own or any(name not in seen for name in own):
         return None
@@ -49,7 +49,7 @@ def vector(catalog: MetaCatalogDocument, pair: str, seen: Features, names: Seque
 
 
 def models(catalog: MetaCatalogDocument, names: Sequence[str]) -> dict[str, AffordanceModel]:
-    """Models of the pairs that ever stayed, over some of their features."""
+    """Return models of the pairs that ever stayed, over some of their features."""
     found = {}
     for pair, model in pair_models(catalog).items():
         place, chosen = 0, list[int]()

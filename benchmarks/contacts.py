@@ -17,5 +17,5 @@ def shown(truth: Engine, stage: StageDocument) -> list[str]:
 
 
 def touching(truth: Engine, names: Iterable[str]) -> frozenset[Cell]:
-    """Fingertips, as (hand, finger), that touch any of some things, each counted once."""
+    """Return fingertips, as (hand, finger), that touch any of some objects, each counted once."""
     return frozenset(cell for name in names for cell in truth.touching(name))

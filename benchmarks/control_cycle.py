@@ -40,14 +40,14 @@ def run_cycles(cycle: DexterCycle, restarts: int, before: Callable[[], None],
 
 
 def whole(cycle: DexterCycle, restarts: int) -> list[float]:
-    """Times of whole cycles, us."""
+    """Return times of whole cycles, us."""
     times: list[float] = []
     run_cycles(cycle, restarts, lambda: None, times.append)
     return times
 
 
 def split(cycle: DexterCycle, restarts: int) -> dict[str, list[float]]:
-    """Times by stage, us."""
+    """Return times by stage, us."""
     times: dict[str, list[float]] = {stage: [] for stage in CYCLE_STAGES}
     with Stopwatch(CYCLE_STAGES) as watch:
 

@@ -91,7 +91,7 @@ def gather(
 def interleaved(
     peers: Sequence[Peer | RemotePeer], postures: list[Floats], rounds: int, block: int
 ) -> dict[str, float]:
-    """Median times, us, by name; everyone, in any order, solves a block of postures."""
+    """Return median times, us, by name; all solve a block of postures, in any order."""
     times: dict[str, list[float]] = {peer.name: [] for peer in peers}
     rng = np.random.default_rng(1)
     for number in range(rounds + 1):
@@ -104,7 +104,7 @@ def interleaved(
 
 
 def table(mode: str, medians: dict[str, float], solves: dict[str, str]) -> list[str]:
-    """Lines of medians, also as parts of that of Pink's fastest solver, where there is one."""
+    """Return lines of medians, also as parts of Pink's fastest solver, if there is one."""
     fastest = min((time for name, time in medians.items() if "pink" in name), default=math.nan)
     lines = [f"{mode}: median of a tick, and per that of Pink's fastest solver"]
     for name, time in medians.items():
@@ -113,7 +113,7 @@ def table(mode: str, medians: dict[str, float], solves: dict[str, str]) -> list[
 
 
 def split(tick: Callable[[Floats], object], postures: list[Floats]) -> dict[str, float]:
-    """Median times of our stages, us, with the clocks' own share."""
+    """Return the median times of our stages, us, with the clocks' own share."""
     times: dict[str, list[float]] = {stage: [] for stage in PATH_STAGES}
     with Stopwatch(PATH_STAGES) as watch:
         for q in postures:
@@ -125,7 +125,7 @@ def split(tick: Callable[[Floats], object], postures: list[Floats]) -> dict[str,
 
 
 def main() -> None:
-    """Time everyone and print medians and ratios."""
+    """Time all peers and print medians and ratios."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--postures", type=int, default=100)
     parser.add_argument("--rounds", type=int, default=6)

@@ -31,14 +31,14 @@ ROUNDS = 20
 
 
 def stack(rng: np.random.Generator) -> Rows:
-    """Reach and posture on the first seven joints, the last row on all of them."""
+    """Return reach and posture on the first seven joints, the last row on all of them."""
     arm = np.eye(7, JOINTS)
     jacobians = rng.uniform(-0.6, 0.6, (3, 7)) @ arm, arm, rng.normal(size=(1, JOINTS))
     return [(rows, rng.normal(size=len(rows)) * 1e-3) for rows in jacobians]
 
 
 def textbook(levels: Rows, q: Floats) -> Floats:
-    """J^# and I - J^# J, level by level; without limits, bounds or damping."""
+    """Apply J^# and I - J^# J, level by level; without limits, bounds or damping."""
     displacement, projector = np.zeros(len(q)), np.eye(len(q))
     for jacobian, wanted in levels:
         rows = jacobian @ projector
@@ -49,7 +49,7 @@ def textbook(levels: Rows, q: Floats) -> Floats:
 
 
 def microseconds(solve: Callable[[Rows, Floats], object], levels: Rows) -> float:
-    """Time of one call."""
+    """Return the time of one call."""
     q = np.zeros(JOINTS)
     start = perf_counter()
     solve(levels, q)

@@ -98,7 +98,7 @@ class Simulation:
             self._spent[name] += seconds
 
     def summary(self) -> dict[str, Any]:
-        """Speed, and percent of the time by stage."""
+        """Return the speed, and percent of the time by stage."""
         self._backend.close()
         shares = {name: 100 * self._spent[name] / self._wall for name in STAGES}
         shares["other"] = 100 - sum(shares.values())

@@ -91,12 +91,12 @@ def run(folder: Path, words: Sequence[str]) -> str:
 
 
 def _body(backend: str, cameras: str | None) -> list[str]:
-    """Words for ``cb`` that choose backend and cameras."""
+    """Return the words for ``cb`` that choose backend and cameras."""
     return ["--backend", backend, *(["--cameras", cameras] if cameras else [])]
 
 
 def _tried(options: argparse.Namespace) -> tuple[str, str | None]:
-    """Backend and cameras of held-out episodes: those of learning, unless others are named."""
+    """Return backend and cameras of held-out episodes, by default those of learning."""
     backend = options.try_on or options.backend
     cameras = options.cameras if backend == options.backend else None
     return backend, options.try_with or cameras

@@ -63,7 +63,7 @@ class _Judge:
         self.begin()
 
     def begin(self) -> None:
-        """Forget the episode before."""
+        """Forget the previous episode."""
         self._sliding = False
         self.forces: list[float] = []
         self.places: list[Floats] = []
@@ -115,7 +115,7 @@ def run_episodes(backend: str, side: str, seeds: Iterable[int]) -> list[Episode]
 
 
 def _draw(seed: int, side: str) -> tuple[dict[str, str], Floats]:
-    """Parameters of a slide, and by how much it is to go, m, shape (2,)."""
+    """Return the parameters of a slide, and its displacement, m, shape (2,)."""
     rng = np.random.default_rng([seed, 7])
     x, y, angle = rng.uniform(0.40, 0.55), rng.uniform(-0.35, -0.15), rng.uniform(0, 2 * np.pi)
     by = WAY * np.array([np.cos(angle), np.sin(angle)])

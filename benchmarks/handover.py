@@ -101,7 +101,7 @@ class _Judge:
         }  # fmt: skip
 
     def _hands(self) -> list[str]:
-        """Hands whose fingertips touch the thing."""
+        """Return hands whose fingertips touch the object."""
         return sorted({hand for hand, _ in self._truth.touching(self._thing)})
 
     def _in_hand(self) -> Floats:

@@ -63,7 +63,7 @@ class Scene:
         return [first._replace(lower=first.lower + shift, upper=first.upper + shift), *others]
 
     def equations(self) -> tuple[Any, Floats]:
-        """Matrix and right side of the same problem, for the vertices that are free."""
+        """Return matrix and right side of the same problem, for the free vertices."""
         from scipy import sparse
 
         free = self.grid.owners(self.obstacles) == FREE
@@ -93,7 +93,7 @@ def seconds(work: Callable[[], object]) -> float:
 
 
 def growth(sizes: list[int], repeats: int) -> dict[str, Any]:
-    """Medians over rounds that each solve every size, and the exponent of their growth."""
+    """Return medians over rounds that each solve every size, and the exponent of their growth."""
     scenes = {cells: Scene(cells) for cells in sizes}
     times: dict[int, list[float]] = {cells: [] for cells in sizes}
     for _ in range(repeats):
@@ -109,7 +109,7 @@ def growth(sizes: list[int], repeats: int) -> dict[str, Any]:
 
 
 def warm(cells: int, repeats: int) -> dict[str, Any]:
-    """Seconds and cycles from zero, and from the solution before something moved by one cell."""
+    """Return seconds and cycles from zero, and from a solution with one object a cell elsewhere."""
     scene = Scene(cells)
     before, goal, obstacles = scene.field(), scene.moved_goal(), scene.moved_obstacles()
     cases = {

@@ -172,7 +172,7 @@ def _interval(successes: int, count: int) -> list[float]:
 
 
 def _quantiles(values: Sequence[float]) -> list[float]:
-    """Median, nine of ten, largest."""
+    """Return median, nine of ten, largest."""
     if not values:
         return []
     return [round(float(each), 3) for each in np.quantile(values, [0.5, 0.9, 1.0])]

@@ -60,7 +60,7 @@ def summarise(name: str, trials: Sequence[ImpedanceTrial]) -> dict[str, Any]:
 
 
 def _most(values: Any) -> float:
-    """Largest size, in thousandths."""
+    """Return the largest size, in thousandths."""
     return round(1e3 * max((abs(value) for value in values), default=0.0), 1)
 
 

@@ -101,7 +101,7 @@ class Checkout:
 
 
 def summary(blocks: list[Block]) -> dict[str, float]:
-    """Medians over the blocks of a checkout, and sums."""
+    """Return medians over the blocks of a checkout, and sums."""
     return {
         "episodes_per_second": round(1 / statistics.median(b.seconds for b in blocks), 1),
         "ticks": sum(block.ticks for block in blocks),

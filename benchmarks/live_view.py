@@ -42,7 +42,7 @@ def main() -> None:
 
 
 def measured(robot: OpenRobot, seeds: range, pages: int) -> tuple[list[float], float]:
-    """Seconds that the view takes of each tick, and mean seconds of whole ticks."""
+    """Return seconds that the view takes of each tick, and mean seconds of whole ticks."""
     feed, backend = Feed(), robot.backend
     assert isinstance(backend, GroundTruthProvider)
     view = LiveView(feed, Transport(math.inf), lambda: backend.truth, Composer())

@@ -139,7 +139,7 @@ def judge(
 
 
 def anywhere(count: int, sides: tuple[float, float], rng: np.random.Generator) -> list[Place]:
-    """Places of the table between two distances to the left of its middle, m."""
+    """Return places of the table between two distances to the left of its middle, m."""
     xs, ys = rng.uniform(0.35, 0.75, count), rng.uniform(*sides, count)
     return list(zip(xs.tolist(), ys.tolist(), strict=True))
 
@@ -149,7 +149,7 @@ def _median(values: Sequence[float]) -> float:
 
 
 def _nearness(apart: float, aim: float, possible: bool, seen: bool) -> float:
-    """2 where the hands are together, the thing is where the other one closes, and it is seen."""
+    """Return 2 if the hands are together, the object is at the other's grasp, and it is seen."""
     near = min(1.0, max(0.0, (_FAR - apart) / (_FAR - TOGETHER)))
     aimed = min(1.0, max(0.0, (_WIDE - aim) / (_WIDE - _IN_HAND)))
     return (1.0 if possible else 0.5) * (0.8 * near + aimed + 0.2 * seen)

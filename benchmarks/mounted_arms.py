@@ -141,7 +141,7 @@ class MountedArms:
             self.ready = self._find_ready()
 
     def rest(self) -> None:
-        """Both arms where they rest."""
+        """Move both arms to rest."""
         for side in SIDES:
             self.posture[self.own[side]] = self._of(side, self.rests)
 

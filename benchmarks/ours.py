@@ -139,7 +139,7 @@ class TwoArms:
         self.lower, self.upper = kinematics.lower, kinematics.upper
 
     def tick(self, q: Floats) -> Floats:
-        """Joint references for joint positions."""
+        """Return joint references for joint positions."""
         self._actuation.reference[:] = q
         self._signals.update(Observation(0.0, q, self._still, {}, {}))
         self._actuation.move(self._active)

@@ -111,7 +111,7 @@ def turn(place: Path, options: argparse.Namespace) -> Round:
 
 
 def summary(rounds: Sequence[Round], trials: int) -> dict[str, object]:
-    """Medians by number of workers, ratios, and the bound."""
+    """Return medians by number of workers, ratios, and the bound."""
     runs = {"workers_1": [each.one for each in rounds], "workers_2": [each.two for each in rounds]}
     ratios, bounds = [each.ratio for each in rounds], [each.bound for each in rounds]
     return {

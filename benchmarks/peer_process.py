@@ -30,7 +30,7 @@ class RemotePeer:
         self.name, self.solves = name, solves
 
     def times(self, postures: Sequence[Floats]) -> list[float]:
-        """Times of a tick for each posture, us, by the other process's clock."""
+        """Return times of a tick for each posture, us, by the other process's clock."""
         block = {"peer": self.name, "postures": [q.tolist() for q in postures]}
         times: list[float] = _ask(self._process, block)["times"]
         return times

@@ -55,7 +55,7 @@ class Peer:
     prepare: Callable[[Floats], Any] = np.copy
 
     def times(self, postures: Sequence[Floats]) -> list[float]:
-        """Times of a tick for each posture, us."""
+        """Return times of a tick for each posture, us."""
         times = []
         for q in postures:
             prepared = self.prepare(q)
@@ -66,7 +66,7 @@ class Peer:
 
 
 def pink(scene: Scene) -> Iterator[Peer]:
-    """Weighted tasks in one quadratic program."""
+    """Yield weighted tasks in one quadratic program."""
     import pinocchio  # noqa: TID251 -- as Pink's users do
     from pink import Configuration, solve_ik
     from pink.exceptions import NoSolutionFound
@@ -91,7 +91,7 @@ def pink(scene: Scene) -> Iterator[Peer]:
 
 
 def placo(scene: Scene) -> Iterator[Peer]:
-    """Weighted tasks in one quadratic program, in C++."""
+    """Yield weighted tasks in one quadratic program, in C++."""
     import placo as library
 
     robot = library.RobotWrapper(str(scene.urdf), library.Flags.ignore_collisions)
@@ -115,7 +115,7 @@ def placo(scene: Scene) -> Iterator[Peer]:
 
 
 def mink(scene: Scene) -> Iterator[Peer]:
-    """Weighted tasks in one quadratic program, on MuJoCo."""
+    """Yield weighted tasks in one quadratic program, on MuJoCo."""
     import mink as library
     import mujoco  # noqa: TID251 -- as Mink's users do
 

@@ -110,7 +110,7 @@ class _Judge:
             self._drop = 1e3 * self._distance()
 
     def _distance(self) -> float:
-        """On the level, from the pad's centre, m."""
+        """Return the horizontal distance from the pad's centre, m."""
         pad = self._truth.pose("pad").position
         return math.dist(self._truth.pose(self._thing).position[:2], pad[:2])
 
@@ -176,7 +176,7 @@ def summarise(thing: str, episodes: Sequence[Episode]) -> dict[str, Any]:
 
 
 def _quantiles(values: Sequence[float]) -> list[float]:
-    """Median, nine of ten, largest."""
+    """Return median, nine of ten, largest."""
     if not values:
         return []
     return [round(float(each), 1) for each in np.quantile(values, [0.5, 0.9, 1.0])]

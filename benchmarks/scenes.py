@@ -209,7 +209,7 @@ class Rig:
         return min(((number, error) for error, number in errors), key=lambda e: e[1], default=None)
 
     def numbers(self) -> list[int | None]:
-        """Numbers of the balls that are remembered at the right place."""
+        """Return numbers of the balls that are remembered at the right place."""
         places = [self.place(ball) for ball in self.balls]
         return [None if place is None or place[1] > _RIGHT else place[0] for place in places]
 
@@ -233,7 +233,7 @@ class Rig:
         )
 
     def runner(self, goal: str, folder: Path) -> Runner:
-        """Runs the program that carries a ball above another."""
+        """Return the runner of the program that carries a ball above another."""
         file = folder / "carry.yaml"
         file.write_text(_CARRY, encoding="utf-8")
         program = check_program(file, {"goal": goal}, self._library)
@@ -250,7 +250,7 @@ def _stage(**sections: Any) -> StageDocument:
 
 
 def drawn(rng: np.random.Generator, wide: bool = False) -> list[Ball]:
-    """Three balls, two of one hue, with 2 cm or more between them."""
+    """Return three balls, two of one hue, with 2 cm or more between them."""
     balls: list[Ball] = []
     aside = 0.4 if wide else 0.22
     while len(balls) < 3:
@@ -262,7 +262,7 @@ def drawn(rng: np.random.Generator, wide: bool = False) -> list[Ball]:
 
 
 def drawn_in_view(rig: Rig, rng: np.random.Generator) -> tuple[list[Ball], dict[str, float]]:
-    """Balls that both cameras see the whole of while the head sways, and its joints."""
+    """Return balls that both cameras see whole while the head sways, and its joints."""
     while True:
         balls = drawn(rng)
         joints = {"pan": rng.uniform(-0.1, 0.1), "tilt": rng.uniform(0.85, 1.2)}
@@ -346,7 +346,7 @@ def carried(rig: Rig, runner: Runner, channel: str, rng: np.random.Generator) ->
 
 
 def _drawn_for_carrying(rig: Rig, channel: str, rng: np.random.Generator) -> dict[str, Ball]:
-    """Two balls within reach that both cameras see the whole of, 10 cm or more apart."""
+    """Return two balls within reach that both cameras see whole, 10 cm or more apart."""
     while True:
         balls = []
         for each in ("hue_1", channel):

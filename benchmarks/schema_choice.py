@@ -35,7 +35,7 @@ def tree(depth: int, leaf: Callable[[], Any], rng: random.Random) -> Tree[Any]:
 
 
 def large_schema() -> CheckedProgram:
-    """REACHTOUCH as a schema that has as many allocations and features."""
+    """Return REACHTOUCH as a schema that has as many allocations and features."""
     library, rng = Library(), random.Random(1)
     policy = library.read(library.locate(PolicyDocument, "reachtouch"), PolicyDocument)
     path = library.locate(ProgramDocument, "reachtouch")

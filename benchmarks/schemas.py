@@ -126,7 +126,7 @@ def cases(
     watcher: TouchWatcher,
     seeds: Sequence[int],
 ) -> Iterator[Case]:
-    """Held-out contexts in which the features were defined, by trying every allocation."""
+    """Yield held-out contexts in which the features were defined, by trying every allocation."""
     assert program.schema is not None
     names, components = tuple(program.schema.allocations), program.schema.components
     policies = {name: SchemaPolicy(program, _always(name), gives_up=False) for name in names}
@@ -197,7 +197,7 @@ def holds(counts: Mapping[str, Sequence[int]]) -> bool:
 
 
 def main() -> int:
-    """Learn, try, print; the exit code."""
+    """Learn, try, and print; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--episodes", type=int, default=50)
@@ -235,7 +235,7 @@ def main() -> int:
 
 
 def _share(some: int, most: int) -> list[float]:
-    """Share with its 95 % interval, nothing of nothing."""
+    """Return the share with its 95 % interval, nothing of nothing."""
     if not most:
         return []
     low, high = exact_interval(some, most)

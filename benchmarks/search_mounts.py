@@ -70,7 +70,7 @@ def _dexter() -> RobotDocument:
 def judge_again(
     done: Sequence[MountTrial], numbers: Sequence[int], grasps: int, seed: int
 ) -> Iterator[MountTrial]:
-    """Mounts of some rows, judged at places that no search has seen."""
+    """Yield mounts of some rows, judged at places that no search has seen."""
     robot = _dexter()
     for number in numbers:
         row = next(trial for trial in done if trial.number == number)
@@ -93,7 +93,7 @@ def best_of(done: Sequence[MountTrial], count: int) -> list[MountTrial]:
 
 
 def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, seed: int) -> ArmMount:
-    """Today's mount, then those all over the bounds, then those near the best so far."""
+    """Return today's mount, then mounts all over the bounds, then some near the best so far."""
     if number == 0:
         return TODAY
     if number <= spread:
@@ -107,7 +107,7 @@ def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, see
 
 
 def lines(shown: Sequence[MountTrial], today: MountTrial) -> Iterator[str]:
-    """Trials, for people."""
+    """Yield lines about trials, for people."""
     yield (
         "number  score  grasps  near  together  apart, m  aim, m  reach  view  seen  phi   "
         "forward half up swing lift roll elbow rest"

@@ -46,7 +46,7 @@ def summarise(name: str, trials: Sequence[StackTrial]) -> dict[str, Any]:
 
 
 def _median(values: Sequence[float]) -> float | None:
-    """In thousandths."""
+    """Return the median in thousandths."""
     return round(1e3 * float(np.median(values)), 1) if values else None
 
 

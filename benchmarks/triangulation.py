@@ -166,7 +166,7 @@ def _size(robot: RobotDocument) -> tuple[int, int]:
 
 
 def _aim(point: Floats) -> Floats:
-    """Pan and tilt that look at a point, roughly."""
+    """Return pan and tilt that look roughly at a point."""
     x, y, z = point - _CAMERAS
     return np.array([np.arctan2(y, x), np.arctan2(-z, np.hypot(x, y))])
 
@@ -199,7 +199,7 @@ def summarise(condition: Condition, size: str, sightings: list[Sighting | None])
 
 
 def _spread(values: list[float]) -> list[float]:
-    """Least, mean and largest."""
+    """Return least, mean and largest."""
     return [round(float(each), 1) for each in (min(values), np.mean(values), max(values))]
 
 

@@ -78,7 +78,7 @@ def scene(seed: int, nearest: float, farthest: float) -> Scene:
 
 
 def ours(case: Scene, order: int) -> Solver:
-    """Strict priorities, of first or second order."""
+    """Return a solver with strict priorities, of first or second order."""
     data, tip = case.model.createData(), case.model.getFrameId("tip")
     joints = case.model.nq
     solve = law_with_hessians((2, 1, joints), FRACTION, curved=order == 2)
@@ -112,7 +112,7 @@ def ours(case: Scene, order: int) -> Solver:
 
 
 def pink(case: Scene) -> Solver:
-    """Weighted tasks in one quadratic program."""
+    """Return a solver of weighted tasks in one quadratic program."""
     from pink import Configuration, solve_ik
     from pink.tasks import FrameTask, PostureTask
 

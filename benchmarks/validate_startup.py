@@ -50,13 +50,13 @@ def seconds(command: list[str], bytecode: str) -> tuple[float, float]:
 
 
 def _processor() -> float:
-    """Processor time of all processes that have ended so far, s."""
+    """Return the processor time of all processes that have ended so far, s."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
 
 
 def measure(rounds: int) -> dict[str, list[tuple[float, float]]]:
-    """Wall-clock and processor time by process and round, s; the first round is not counted."""
+    """Return wall-clock and processor time by process and round, s, without the first round."""
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in COMMANDS}
     with tempfile.TemporaryDirectory() as bytecode:
         for _ in range(rounds + 1):
@@ -66,7 +66,7 @@ def measure(rounds: int) -> dict[str, list[tuple[float, float]]]:
 
 
 def row(own: list[tuple[float, float]], validate: list[tuple[float, float]]) -> dict[str, float]:
-    """Medians of a process, and of how many times as long validating took in the same round."""
+    """Return a process's medians, and its multiple of the validation's time in the same round."""
     wall, processor = (statistics.median(column) for column in zip(*own, strict=True))
     pairs = list(zip(validate, own, strict=True))
     return {
@@ -78,7 +78,7 @@ def row(own: list[tuple[float, float]], validate: list[tuple[float, float]]) -> 
 
 
 def main() -> None:
-    """Time the processes and print medians and how many times as long validating takes."""
+    """Time the processes and print medians and the multiples of validation."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=10)
     parser.add_argument("--json", action="store_true", help="print one JSON object")

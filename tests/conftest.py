@@ -80,7 +80,7 @@ def kinematics(dexter: RobotDocument, urdf: Path) -> Kinematics:
 
 @pytest.fixture(scope="session")
 def checked(library: Library) -> Checked:
-    """Shipped programs by name, with values of their parameters."""
+    """Return a function for shipped programs by name, with values of their parameters."""
 
     def check(name: str, **values: str) -> CheckedProgram:
         return check_program(name, values, library)
@@ -90,7 +90,7 @@ def checked(library: Library) -> Checked:
 
 @pytest.fixture(scope="session")
 def stage(library: Library) -> Callable[[str], StageDocument]:
-    """Shipped stages by name."""
+    """Return a function for shipped stages by name."""
 
     def read(name: str) -> StageDocument:
         return library.read(library.locate(StageDocument, name), StageDocument).document

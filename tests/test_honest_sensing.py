@@ -47,7 +47,7 @@ def test_an_observation_has_sensors_only() -> None:
 def test_what_bullet_observes_is_exactly_that(
     bullet: BulletBackend, dexter: RobotDocument, stage: Callable[[str], StageDocument]
 ) -> None:
-    """Return no subclass, and no additional attribute."""
+    """Observations are of no subclass, and have no additional attribute."""
     bullet.reset(stage("table_right"), "in_view", np.random.default_rng(0))
     observation = bullet.observe()
     assert type(observation) is Observation
@@ -62,7 +62,7 @@ def test_what_bullet_observes_is_exactly_that(
 def test_what_the_kinematic_backend_observes_is_exactly_that(
     dexter: RobotDocument, urdf: Path, stage: Callable[[str], StageDocument]
 ) -> None:
-    """Return of its cameras' view only information that a channel's pixels contain."""
+    """Regions hold only information that a channel's pixels contain."""
     backend = KinematicBackend(dexter, urdf)
     backend.reset(stage("table_right"), "in_view", np.random.default_rng(0))
     observation = backend.observe()
@@ -105,7 +105,7 @@ def test_the_runtime_needs_nothing_but_the_protocol(
 
 @pytest.mark.parametrize("layer", ["runtime", "control", "robot", "program"])
 def test_what_controls_never_mentions_the_simulator(layer: str) -> None:
-    """Nor the truth that only tests and the experimenter may ask for."""
+    """Exclude also the truth, which only tests and the experimenter may read."""
     package = Path(cbdsl.__file__).parent / layer
     for file in package.rglob("*.py"):
         text = file.read_text(encoding="utf-8")

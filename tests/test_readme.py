@@ -29,7 +29,7 @@ def blocks(page: Path, language: str) -> list[str]:
 
 
 def commands(page: Path) -> Iterator[str]:
-    """Everything to type that begins with ``cb``, in code blocks and within sentences."""
+    """Yield all commands that begin with ``cb``, in code blocks and within sentences."""
     lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
     quoted = QUOTED.findall(BLOCK.sub("", page.read_text("utf-8")))
     for text in (*lines, *quoted):

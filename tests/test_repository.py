@@ -58,7 +58,7 @@ def test_citation_has_the_version_of_the_project() -> None:
 
 
 def required(extras: Iterable[str], python: str) -> Iterator[Requirement]:
-    """Requirements of extras on a version of Python, those of nested extras too."""
+    """Yield requirements of extras on a version of Python, with nested extras."""
     place = {
         "python_version": python, "python_full_version": f"{python}.9", "sys_platform": "linux",
         "platform_machine": "x86_64",

@@ -16,7 +16,7 @@ NUMBER = re.compile(r"(?<![\w.])\d[\d_]{6,}(?![\w.])")
 
 
 def numbers(text: str) -> Iterator[int]:
-    """Whole numbers of seven digits or more in a text."""
+    """Yield whole numbers of seven digits or more in a text."""
     return (int(each.replace("_", "")) for each in NUMBER.findall(text))
 
 

@@ -58,7 +58,7 @@ def bound(node: ast.AST) -> Iterable[str]:
 
 
 def prose(tree: ast.AST, source: str) -> Iterator[Finding]:
-    """Banned words of docstrings and comments."""
+    """Yield banned words of docstrings and comments."""
     texts = [(line, text) for line, text in docstrings(tree)]
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type == tokenize.COMMENT:
@@ -71,7 +71,7 @@ def prose(tree: ast.AST, source: str) -> Iterator[Finding]:
 
 
 def openings(tree: ast.AST) -> Iterator[Finding]:
-    """Docstrings that do not begin with a noun or a verb."""
+    """Yield docstrings that do not begin with a noun or a verb."""
     for line, text in docstrings(tree):
         if re.match(r"what\b", text, re.I):
             yield Finding(line, "a docstring begins with 'What': say what it is or does")
@@ -86,7 +86,7 @@ def docstrings(tree: ast.AST) -> Iterator[tuple[int, str]]:
 
 
 def signatures(tree: ast.AST) -> Iterator[Finding]:
-    """Functions with too many positional parameters; compiled ones have no others."""
+    """Yield functions with too many positional parameters; compiled ones have no others."""
     for node in ast.walk(tree):
         if not isinstance(node, ast.FunctionDef) or is_compiled(node):
             continue

@@ -22,7 +22,7 @@ def robot() -> Iterator[cbdsl.OpenRobot]:
 
 
 def ticked(tree: py_trees.behaviour.Behaviour, most: int = 3000) -> int:
-    """Tick a tree until it has ended; how often."""
+    """Tick a tree until it has ended; return the number of ticks."""
     for count in range(1, most):
         tree.tick_once()
         if tree.status is not Status.RUNNING:

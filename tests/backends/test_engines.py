@@ -53,7 +53,7 @@ def test_remedy_proposes_no_engine_without_wheels(monkeypatch: pytest.MonkeyPatc
 
 
 def required(extras: Iterable[str], python: str) -> set[str]:
-    """Distributions that extras install on a version of Python, those of nested extras too."""
+    """Return distributions that extras install on a version of Python, with nested extras."""
     found: set[str] = set()
     for extra in extras:
         for requirement in map(Requirement, EXTRAS[extra]):

@@ -76,7 +76,7 @@ GUTTER = {
 
 
 def gutter_with_a_ball(colour: tuple[float, ...] = (0, 0.4, 1)) -> StageDocument:
-    """Something composed on a fixture, and a ball that is let go of in it."""
+    """Return a stage with a composed object on a fixture, and a ball that is released in it."""
     bench = {"form": {"shape": "box", "size": [0.6, 1.2, 0.04]}, "position": [0.6, 0, -0.44]}
     ball = {"form": {"shape": "ball", "radius": 0.03}, "mass": 0.1}
     place = {"on": "bench", "x": [0.6, 0.6], "y": [-0.1, -0.1], "yaw": [0.3, 0.3]}

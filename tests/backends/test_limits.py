@@ -30,7 +30,7 @@ def _limits(robot: RobotDocument) -> list[UrdfJoint]:
 
 
 def _driven(backend: Backend, limits: list[UrdfJoint]) -> tuple[np.ndarray, np.ndarray | None]:
-    """Largest speeds and torques while references jump as far as the joints go, and farther."""
+    """Return the largest speeds and torques while references jump up to and past the limits."""
     ends = np.array([(joint.upper + 1, joint.lower - 1) for joint in limits]).T
     speeds, torques = np.zeros(len(limits)), None
     for reference in (*ends, *ends):

@@ -192,7 +192,7 @@ def test_programs_pass_the_same_states_on_both(
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(70001, 70007))
 def test_probing_fingers_are_rewarded_on_both(play: Play, seed: int) -> None:
-    """In other states now and then: where a finger is stopped short of its sampled posture, and
+    """Allow different states: where a finger is stopped short of its sampled posture, and
     for how long that counts as rest, depends on how much the fingers and the object give way.
     """
     both = play("tactileprobe", "held_right", seed)
@@ -228,7 +228,7 @@ def test_both_hands_are_rewarded_on_both(play: Play, seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(70001, 70005))
 def test_what_is_thrown_away_earns_nothing_on_either(play: Play, seed: int) -> None:
-    """In other states now and then: a ball that leaves the table flies by centimetres otherwise
+    """Allow different states: a ball that leaves the table flies by centimetres otherwise
     after it has bounced, and then may be remembered behind a hand on one and not on the other.
     """
     both = play("reachtouch", "thrown", seed)

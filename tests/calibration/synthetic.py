@@ -26,7 +26,7 @@ _LOOK = np.array((-0.63, 0.93))
 def draw_corrections(
     rng: np.random.Generator, distance: float, angle: float, names: tuple[str, ...]
 ) -> dict[str, Correction]:
-    """Displacements of cameras by a distance and an angle in random directions."""
+    """Return displacements of cameras by a distance and an angle in random directions."""
 
     def vector(length: float) -> tuple[float, float, float]:
         direction = rng.standard_normal(3)

@@ -68,7 +68,7 @@ def test_a_ball_that_is_taken_anew_may_lie_otherwise(
     anew = showing(9, in_hand=elsewhere).views(true, 30, noise=0.1)
 
     def error(hold: int) -> float:
-        """Largest error where the second half is taken to be of a hold, m."""
+        """Return the largest error if the second half is taken to be of a hold, m."""
         found = estimate(dexter.cameras, views + [view._replace(hold=hold) for view in anew])
         return max(
             float(np.linalg.norm(np.subtract(found[name].correction.position, true[name].position)))

@@ -20,7 +20,7 @@ class Chain:
 
     @classmethod
     def planar(cls, joints: int, length: float = 1.0) -> Chain:
-        """Joints about z and links along x, ``length`` in all."""
+        """Return a chain with joints about z and links along x, ``length`` in all."""
         return cls(
             np.tile([0.0, 0.0, 1.0], (joints, 1)), np.tile([length / joints, 0.0, 0.0], (joints, 1))
         )
@@ -38,7 +38,7 @@ class Chain:
         return len(self.axes)
 
     def pose(self, q: Floats) -> tuple[Floats, Floats, Floats]:
-        """Tip position (3,), tip rotation (3, 3) and Jacobian (6, n), linear above angular."""
+        """Return tip position (3,), tip rotation (3, 3) and Jacobian (6, n), linear above angular."""
         rotation, point = np.eye(3), np.zeros(3)
         origins, directions = [], []
         for axis, link, angle in zip(self.axes, self.links, q, strict=True):
@@ -51,7 +51,7 @@ class Chain:
         return point, rotation, np.vstack((linear.T, angular.T))
 
     def hessian(self, q: Floats) -> Floats:
-        """Second derivatives of the tip's position and rotation by the joints, (6, n, n)."""
+        """Return second derivatives of the tip's position and rotation by the joints, (6, n, n)."""
         _, _, jacobian = self.pose(q)
         linear, angular = jacobian[:3].T, jacobian[3:].T
         # A joint turns the levers and axes of those behind it.

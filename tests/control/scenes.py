@@ -24,7 +24,7 @@ class Scene:
         return HarmonicField(self.grid, self.obstacles, self.goal, start)
 
     def starts(self, count: int, rng: np.random.Generator) -> Floats:
-        """Random points of the cells that are connected with the goal."""
+        """Return random points of the cells that are connected with the goal."""
         vertex = self.grid.nearest(self.goal)
         assert vertex is not None
         cells = np.argwhere(self.grid.connected(self.grid.owners(self.obstacles) == FREE, vertex))
@@ -39,7 +39,7 @@ def cube(n: int, cells: int) -> Grid:
 
 
 def cluttered(n: int, cells: int, seed: int) -> Scene:
-    """Balls and boxes, and a goal beside them."""
+    """Return a scene of balls and boxes, and a goal beside them."""
     rng = np.random.default_rng([n, seed])
     goal = rng.uniform(0.2, 0.8, n)
     obstacles: list[Obstacle] = []
@@ -53,7 +53,7 @@ def cluttered(n: int, cells: int, seed: int) -> Scene:
 
 
 def maze(n: int, cells: int, walls: int = 4) -> Scene:
-    """Walls without thickness that are open on one side and the other in turn."""
+    """Return a scene of thin walls that are open on one side and the other in turn."""
     obstacles = []
     for i in range(1, walls + 1):
         lower, upper = np.zeros(n), np.ones(n)

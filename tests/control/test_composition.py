@@ -13,7 +13,7 @@ FREE = 1e300
 
 
 def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats]:
-    """Displacement and singular values of levels without limits, bounds or damping."""
+    """Return the displacement and singular values of levels without limits, bounds or damping."""
     joints = blocks[0].shape[1]
     limits = np.array([np.full(joints, -FREE), np.full(joints, FREE)])
     ends = np.cumsum([len(rows) for rows in blocks])

@@ -40,7 +40,7 @@ def prepared(
     obstacles: tuple[Obstacle, ...] = (),
     jacobian: Floats | None = None,
 ) -> Evaluation:
-    """Solved for, and then evaluated."""
+    """Solve the field, and then evaluate the potential."""
     assert potential.prepare is not None
     potential.prepare(value, goal, obstacles, potential.parameters)
     rows = np.eye(len(value)) if jacobian is None else jacobian
@@ -98,7 +98,7 @@ def test_steps_lower_phi_and_end_at_the_goal(name: str, rng: np.random.Generator
 
 
 def walk(law: Potential, start: Floats, goal: Floats, box: Obstacle) -> Iterator[Floats]:
-    """Joint positions under the control law, from the measured posture, rad."""
+    """Yield joint positions under the control law, from the measured posture, rad."""
     bounds = Law(np.full(2, -1.5), np.full(2, 1.5), LawSettings(joint_step=0.02))
     q = start
     for _ in range(600):
@@ -196,7 +196,7 @@ def test_before_it_is_solved_for_it_has_no_potential() -> None:
 
 
 def test_the_way_out_of_an_obstacle_lowers_phi() -> None:
-    """Else a motion that begins inside of one would read as being at rest."""
+    """Otherwise a motion that begins inside of one would count as being at rest."""
     goal, box = np.array([0.8, 0.8]), Obstacle("box", np.array([0.1, 0.1]), np.array([0.5, 0.5]))
     field = Harmonic(np.zeros(2), np.ones(2), 0.02, SCALE)
     parameters = np.full(3, np.nan)

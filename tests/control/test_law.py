@@ -29,7 +29,7 @@ def compiled() -> None:
 
 
 def rows_of(rng: np.random.Generator, count: int, joints: int) -> Floats:
-    """Rows of a level: dense, or reading some joints, with dependent rows now and then."""
+    """Return rows of a level: dense, or reading some joints, with dependent rows now and then."""
     rows = rng.normal(size=(count, joints))
     if rng.random() < 0.3:
         rows = np.eye(joints)[rng.permutation(joints)[:count]]
@@ -41,7 +41,7 @@ def rows_of(rng: np.random.Generator, count: int, joints: int) -> Floats:
 
 
 def random_stack(rng: np.random.Generator, joints: int) -> list[Level]:
-    """Two to six levels; some repeat or mix the rows of the levels above them, some nearly so."""
+    """Return two to six levels; some repeat or mix the rows of the levels above, some nearly so."""
     levels: list[Level] = []
     for i in range(rng.integers(2, 7)):
         rows = rows_of(rng, int(rng.integers(1, min(joints, 7) + 1)), joints)
@@ -82,7 +82,7 @@ def test_lower_levels_do_not_disturb_higher_ones(seed: int, joints: int) -> None
 
 
 def test_no_level_of_ten_thousand_stacks_moves_those_above() -> None:
-    """With dependent rows within a level and among levels, by a tick's velocities."""
+    """Use dependent rows within a level and among levels, by a tick's velocities."""
     rng, worst, dependent = np.random.default_rng(17), 0.0, 0
     for _ in range(STACKS):
         joints = int(rng.integers(3, 15))
@@ -203,7 +203,7 @@ def test_damping_is_exact_away_from_singularities_and_continuous_where_it_sets_i
 
 
 def reach(chain: Chain, q: Floats, goal: Floats) -> tuple[Floats, Floats]:
-    """Planar rows of a spring on the tip, and its residual."""
+    """Return planar rows of a spring on the tip, and its residual."""
     evaluation = evaluate(spring("position", 3), chain.signal("position", q), goal)
     return evaluation.jacobian[:2], evaluation.residual[:2]
 
@@ -306,7 +306,7 @@ def test_recovery_at_full_speed_leaves_the_other_joints_their_task(
 
 
 def test_a_joint_at_full_speed_does_not_stop_the_levels_below() -> None:
-    """Give the lower level a share in that joint that is only rounding."""
+    """Lower levels have a share in that joint that is only rounding."""
     high = Level("high", np.array([[0.3, 0.1, 0.0, 0.0], [0.1, -0.2, 0.0, 0.0]]), np.ones(2))
     low = Level("low", np.array([[0.7, 0.9, 0.6, 0.8]]), np.array([0.001]))
     first, both = prefixes(law_of(4, DEXTER), [high, low], np.zeros(4))

@@ -28,7 +28,7 @@ class Arms:
         self._configurations = [self.kinematics.joints.of(name) for name in robot.effectors]
 
     def posture(self, rng: np.random.Generator) -> Floats:
-        """Anywhere between the limits, or stretched out straight."""
+        """Return a posture anywhere between the limits, or stretched out straight."""
         lower, upper = self.kinematics.lower, self.kinematics.upper
         q = rng.uniform(lower, upper)
         return np.clip(q * rng.choice([0.0, 1e-6, 1.0], p=[0.05, 0.05, 0.9]), lower, upper)

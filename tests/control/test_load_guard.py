@@ -56,14 +56,14 @@ class Pressing:
         return np.array([moved @ self.way, moved @ self.sideways])
 
     def kept(self) -> float:
-        """Share of the references' lead along the motion that a tick leaves."""
+        """Return the share of the references' lead along the motion that a tick leaves."""
         self.bench.tick()
         moved = self.bench.references[JOINTS] - self.bench.step.displacement
         return float((moved @ self.before[JOINTS]) / (self.before @ self.before))
 
 
 def alone(size: float) -> np.ndarray:
-    """Forces of one cell."""
+    """Return forces of one cell."""
     return size * np.array([[0.36, -0.48, 0.8]])
 
 

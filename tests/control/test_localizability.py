@@ -22,14 +22,14 @@ Cameras = tuple[Frame, Frame]
 
 
 def ahead(baseline: float) -> Cameras:
-    """Two cameras that look along x."""
+    """Return two cameras that look along x."""
     return tuple(  # type: ignore[return-value]
         Frame(np.array([0.0, side, 0.0]), np.eye(3)) for side in (baseline / 2, -baseline / 2)
     )
 
 
 def turned(rng: np.random.Generator) -> Cameras:
-    """Two cameras anywhere, each turned by a fraction of a right angle about any axis."""
+    """Return two cameras anywhere, each turned by a fraction of a right angle about any axis."""
     return tuple(  # type: ignore[return-value]
         Frame(camera.position + rng.normal(size=3) * 0.02, exp(rng.normal(size=3) * 0.1))
         for camera in ahead(0.35)
@@ -43,7 +43,7 @@ def headings(cameras: Cameras, point: Floats) -> Floats:
 
 
 def look(cameras: Cameras, angles: Floats) -> Evaluation:
-    """With the headings themselves for joints."""
+    """Evaluate the potential with the headings themselves for joints."""
     return evaluate(seen_by(cameras), Signal(angles, np.eye(4)))
 
 
@@ -52,7 +52,7 @@ def points(rng: np.random.Generator, number: int) -> Floats:
 
 
 def full(cameras: Cameras, point: Floats) -> float:
-    """Eq 3.6 with azimuth and elevation of both cameras, J of shape (4, 3)."""
+    """Compute Eq 3.6 with azimuth and elevation of both cameras, J of shape (4, 3)."""
     jacobian = np.vstack([sighting_jacobian(point - camera.position) for camera in cameras])
     return float(1 / np.sqrt(np.linalg.det(jacobian.T @ jacobian)))
 
@@ -69,7 +69,7 @@ def ratios(phi: Callable[[Cameras, Floats], float], baseline: float) -> Floats:
 
 
 def test_equals_its_definition_by_one_angle_a_camera(rng: np.random.Generator) -> None:
-    """J by finite differences, in the plane through the cameras and the point."""
+    """Compute J by finite differences, in the plane through the cameras and the point."""
     for point in points(rng, 20):
         cameras = turned(rng)
         along = cameras[1].position - cameras[0].position

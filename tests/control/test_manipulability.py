@@ -23,7 +23,7 @@ def of(jacobian: Floats, curvature: Floats) -> Evaluation:
 
 
 def orthonormal(rows: int, columns: int, rng: np.random.Generator) -> Floats:
-    """Rows at right angles to each other."""
+    """Return rows at right angles to each other."""
     return np.linalg.qr(rng.normal(size=(columns, rows)))[0].T
 
 

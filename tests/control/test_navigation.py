@@ -48,7 +48,7 @@ class Function(NamedTuple):
 
 
 def springs(rng: np.random.Generator) -> Iterator[Function]:
-    """On every type; errors are no longer than ``longest``, turns shorter than half a turn."""
+    """Yield springs on every type; errors are at most ``longest``, turns less than half a turn."""
     longest = 3.0
     for kind in sorted(POTENTIALS["spring"].accepts):
         typed = feedback_type(POTENTIALS["spring"], kind, 5)
@@ -96,7 +96,7 @@ def ranges(rng: np.random.Generator) -> Iterator[Function]:
 
 
 def chains(rng: np.random.Generator) -> Iterator[Function]:
-    """Postures at a distance from singularities."""
+    """Yield manipulabilities with postures at a distance from singularities."""
     for joints in (4, 7):
         chain = Chain.random(joints, rng)
 
@@ -119,7 +119,7 @@ def chains(rng: np.random.Generator) -> Iterator[Function]:
 
 
 def sights(rng: np.random.Generator) -> Iterator[Function]:
-    """Lines of sight that nearly meet, ahead of the cameras."""
+    """Yield lines of sight that nearly meet, ahead of the cameras."""
 
     def at(angles: Floats) -> tuple[float, Floats]:
         evaluation = evaluate(seen_by(CAMERAS), Signal(angles, np.eye(4)))
@@ -150,7 +150,7 @@ def view(pose: Floats, point: Floats) -> tuple[float, Floats]:
 
 
 def views(rng: np.random.Generator) -> Iterator[Function]:
-    """Tips at some distance from the point, and turned from it by less than half a turn."""
+    """Yield views by tips at a distance from the point, turned from it by less than half a turn."""
     point = rng.uniform(-1, 1, 3)
 
     def draw() -> Floats:
@@ -192,7 +192,7 @@ def hessian(function: Function, point: Floats) -> Floats:
 
 
 def descend(function: Function, point: Floats) -> Floats:
-    """Down the gradient, in steps that lower phi, to where it vanishes."""
+    """Descend the gradient, in steps that lower phi, to its zero."""
     for _ in range(400):
         phi, slope = function.at(point)
         share = 4.0
@@ -225,7 +225,7 @@ def critical(function: Function, point: Floats) -> Floats | None:
 
 
 def is_analytic(function: Function, rng: np.random.Generator) -> bool:
-    """Differences of phi give its gradient, and those of the gradient converge as smooth ones."""
+    """Return True if differences of phi give its gradient, and those of the gradient converge."""
     smooth = True
     for _ in range(10):
         point = function.draw()
@@ -300,7 +300,7 @@ def test_claims_hold(potential: str, condition: str, rng: np.random.Generator) -
 
 
 def flat(chain: Chain, coupling: Floats) -> Callable[[Floats], tuple[float, Floats]]:
-    """Manipulability in the plane of a chain whose joints follow actuated ones."""
+    """Return the manipulability in the plane of a chain whose joints follow actuated ones."""
 
     def at(q: Floats) -> tuple[float, Floats]:
         jacobian, curvature = curved(chain, coupling @ q)
@@ -338,7 +338,7 @@ def manipulability_morse(rng: np.random.Generator) -> None:
 
 
 def at_point(point: Floats) -> tuple[float, Floats]:
-    """Localizability as a function of the seen point."""
+    """Return the localizability as a function of the seen point."""
     phi = evaluate(seen_by(CAMERAS), Signal(headings(CAMERAS, point), np.eye(4))).phi
     return phi, np.array([slope_along(point, axis) for axis in np.eye(3)])
 
@@ -389,7 +389,7 @@ def looking_along(line: Floats) -> Floats:
 
 
 def look_at_polar(rng: np.random.Generator) -> None:
-    """Tips look at a point from anywhere."""
+    """Turn tips to a point from anywhere."""
     point = np.array([1.0, 0.2, 0.3])
     for share in (0.0, 0.5, 2.0):
         pose = looking_along(point)
@@ -408,7 +408,7 @@ def look_at_admissible(rng: np.random.Generator) -> None:
 
 
 def look_at_morse(rng: np.random.Generator) -> None:
-    """About the line of sight the tip may turn, and along it it may move."""
+    """Turn the tip about the line of sight, and move it along that line."""
     point = np.array([1.0, 0.2, 0.3])
     function = Function(lambda pose: view(pose, point), lambda: np.eye(4), np.inf, moved)
     values = np.linalg.eigvalsh(hessian(function, looking_along(point)))

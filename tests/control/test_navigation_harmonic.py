@@ -61,7 +61,7 @@ def polar(rng: np.random.Generator) -> None:
 
 
 def not_admissible(rng: np.random.Generator) -> None:
-    """Towards the goal it steepens without end, as far as the grid resolves it."""
+    """Steepen towards the goal without bound, as far as the grid resolves it."""
     steepness = [
         solved.slope(GOAL + np.array([spacing, 0.0]), GOAL).potential / spacing
         for spacing in (0.1, 0.05, 0.025)
@@ -72,7 +72,7 @@ def not_admissible(rng: np.random.Generator) -> None:
 
 
 def not_morse(rng: np.random.Generator) -> None:
-    """Two saddles merge where a gap has just the width at which its lee disappears.
+    """Merge two saddles at a gap of just the width at which its lee disappears.
 
     Through a narrow gap less comes than around, so that phi has two saddles on the axis of
     symmetry behind it; through a wide gap it falls all along. At the width between, both are one
@@ -83,7 +83,7 @@ def not_morse(rng: np.random.Generator) -> None:
 
 
 def saddles_behind(gap: float) -> int:
-    """On the axis through the goal and the middle of a gap between two boxes."""
+    """Count saddles on the axis through the goal and the middle of a gap between two boxes."""
     boxes = [
         Obstacle(f"box {side}", np.array([0.0, low]), np.array([0.1, high]))
         for side, low, high in (("left", gap / 2, 0.2), ("right", -0.2, -gap / 2))
@@ -111,7 +111,7 @@ def test_claims_are_those_that_hold(condition: str, rng: np.random.Generator) ->
 
 
 def test_displacements_are_bounded_where_the_gradient_is_not(rng: np.random.Generator) -> None:
-    """Bound displacements, because the gradient gives only their direction (Eq 7.1)."""
+    """Displacements are bounded because the gradient gives only their direction (Eq 7.1)."""
     potential = Harmonic(LOWER, UPPER, spacing=0.05, scale=0.05).potential
     for _ in range(50):
         found = prepared(potential, free(rng, 0.02), GOAL, OBSTACLES)

@@ -34,7 +34,7 @@ class Waiting:
         self._rng = np.random.default_rng(4)
 
     def ticks(self, load: Floats, seconds: float, speed: float = 0.05) -> float | None:
-        """When the load was found to have changed, s; ``None`` if it was not."""
+        """Return the time at which a change of the load was found, s; ``None`` if it was not."""
         for tick in range(round(seconds / PERIOD)):
             self._tip = self._tip - [0.0, 0.0, speed * PERIOD]
             noisy = load + self._rng.normal(0, 0.03 * 3**0.5, 3)

@@ -48,7 +48,7 @@ class Monitor:
 
 
 def watch(monitor: Monitor, values: Sequence[float], fresh: Callable[[int], bool]) -> str:
-    """States for values in ticks, some of which bring a measurement with a stamp of its own."""
+    """Return states for values in ticks, some of which bring a measurement with its own stamp."""
     stamps = np.cumsum([fresh(tick) for tick, _ in enumerate(values)])
     return "".join(
         monitor.update(phi, int(stamp)) for phi, stamp in zip(values, stamps, strict=True)

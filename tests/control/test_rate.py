@@ -45,7 +45,7 @@ def task_of(controller: Controller, size: int | None = None) -> Task:
 
 
 def rate(task: Task, residual: Floats, jacobian: Floats | None = None) -> Floats:
-    """Task displacement per second of a Newton step towards a residual of 0."""
+    """Return task displacement per second of a Newton step towards a residual of 0."""
     rows = np.eye(len(residual)) if jacobian is None else jacobian
     assert task.move(0.5 * residual, residual, rows)
     return task.displacement / TICK

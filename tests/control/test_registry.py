@@ -111,7 +111,7 @@ def sighting(tip: Signal) -> Signal:
 def evaluations(
     potential: str, kind: str, axis: str | None, rng: np.random.Generator
 ) -> Iterator[tuple[Callable[[Floats], Evaluation], Floats]]:
-    """phi over the joints of random chains, and a random posture of each."""
+    """Yield phi over the joints of random chains, and a random posture of each."""
     for _ in range(8):
         chain = Chain.random(int(rng.integers(3, 9)), rng)
         typed = feedback_type(POTENTIALS[potential], kind, chain.joints)

@@ -133,7 +133,7 @@ def test_planar_arm_at_the_end_of_its_reach_rests_at_the_nearest_point(share: fl
 
 
 def test_first_order_alone_swings_where_the_second_rests() -> None:
-    """Else the tests above would pass by themselves."""
+    """Otherwise the tests above would pass by themselves."""
     chain, turned = Chain.planar(3, 0.7), exp(np.array([0.0, 0.0, 0.5]))
     aim = np.array([0.9, 0.4, 0.0])
     case = Stretched(chain, np.array([0.3, 0.4, 0.2]), aim, turned, "pr", 10.0)

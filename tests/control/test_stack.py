@@ -23,7 +23,7 @@ def test_levels_that_act_are_those_that_are_seen() -> None:
 
 
 def test_what_rested_begins_anew() -> None:
-    """Clear the past of a level that comes back, for every past of its neighbours."""
+    """Levels that come back have no past, even if their neighbours have one."""
     stack = Stack([("high", 2), ("low", 1)], 3)
     for tick in range(5):
         # The next of three ticks, as ``tick`` begins it.

@@ -148,7 +148,7 @@ class Alone:
         self.monitor = Monitor(1e-3, window, TICK)
 
     def tick(self, reading: Reading, reference: Floats, stamp: int) -> tuple[float, float, Floats]:
-        """phi, error and rows."""
+        """Return phi, error and rows."""
         assert reading.jacobian is not None
         jacobian = np.where(self.columns >= 0, reading.jacobian[:, self.columns], 0.0)
         found = evaluate(self.case.potential, Signal(reading.value, jacobian), reference)
@@ -205,7 +205,7 @@ def test_references_move_by_the_laws_displacement(bench: Bench, rng: np.random.G
 
 
 def test_modes(rng: np.random.Generator) -> None:
-    """Idle if undefined, or search if the slot has a search."""
+    """Undefined slots are idle, or search if there is something to move for."""
     searching = [case._replace(search=SEARCHING) for case in CASES[:4]]
     bench = Bench([CASES[0], *searching], rng)
     for now in range(2):

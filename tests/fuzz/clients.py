@@ -53,7 +53,7 @@ def _edits(data: bytes) -> None:
 
 
 def _ask(buffers: Buffers, path: Path, text: str, at: int, *, rename: bool) -> None:
-    """Everything that an editor asks at a place."""
+    """Send all requests that an editor makes at a place."""
     buffers.change(path, text)
     lines = text.splitlines()
     fixed(text, buffers.findings(path))

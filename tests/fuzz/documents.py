@@ -28,7 +28,7 @@ _LARGEST = 24_000
 
 
 def _reader(kind: str) -> Callable[[bytes], None]:
-    """Reader of bytes that stand in for a file in the folder of a kind."""
+    """Return a reader of bytes that stand in for a file in the folder of a kind."""
     path = ROOT / KINDS.get(kind).folder / "any.yaml"
     sessions: list[Session] = []
 
@@ -52,7 +52,7 @@ def _reader(kind: str) -> Callable[[bytes], None]:
 
 
 def _seeds(kind: str) -> Callable[[], Iterator[bytes]]:
-    """Documents of a kind: shipped ones, bad ones, those of the docs, and of all findings."""
+    """Return a function for documents of a kind: shipped, bad, of the docs, and of all findings."""
     line = re.compile(rf"^kind: {kind}\b", re.MULTILINE)
 
     def seeds() -> Iterator[bytes]:

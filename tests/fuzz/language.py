@@ -52,7 +52,7 @@ def _scalar(data: bytes) -> None:
 
 
 def _pattern(data: bytes) -> None:
-    """Two patterns of states, of which the algebra has to be that of the sets of their states."""
+    """Check the algebra of two patterns of states against the sets of their states."""
     texts = data.decode("ascii", "replace").split("\n")[:2]
     length = min(map(len, texts))
     if len(texts) < 2 or not 0 < length <= _MEMBERS:

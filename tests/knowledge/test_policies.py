@@ -66,7 +66,7 @@ def play(
     checked: Checked,
     stage: StageNamed,
 ) -> Play:
-    """Runs an episode of a policy in the context that it was learned in."""
+    """Return a function that runs an episode of a policy in the context of its learning."""
 
     def run(backend: Backend, name: str, seed: int) -> EpisodeResult:
         loaded = library.read(library.locate(PolicyDocument, name), PolicyDocument)
@@ -128,7 +128,7 @@ def test_a_skill_that_uses_another_uses_it_as_it_was_learned(
 
 
 def require_sense(result: EpisodeResult) -> None:
-    """Rewarded where something can be won, and nowhere else."""
+    """Require reward where something can be won, and nowhere else."""
     assert result.rewarded == (result.context not in HOPELESS), result.ending
 
 
@@ -166,7 +166,7 @@ def test_a_policy_passes_the_same_states_on_both_backends(
 def test_probing_fingers_are_rewarded_on_both_backends(
     bullet: BulletBackend, kinematic: KinematicBackend, play: Play
 ) -> None:
-    """In other states: how far fingers and objects give way differs, and rarely they get stuck."""
+    """Allow different states: how far fingers and objects give way differs, and rarely they get stuck."""
     for backend in (bullet, kinematic):
         rewarded = [play(backend, "tactileprobe", seed).rewarded for seed in SEEDS]
         assert sum(rewarded) >= len(rewarded) - 2
@@ -177,7 +177,7 @@ def test_probing_fingers_are_rewarded_on_both_backends(
 def test_hands_that_hold_are_rewarded_on_both_backends(
     bullet: BulletBackend, kinematic: KinematicBackend, play: Play, name: str
 ) -> None:
-    """In other states now and then: how far fingers and things give way differs."""
+    """Allow different states: how far fingers and objects give way differs."""
     for backend in (bullet, kinematic):
         rewarded = [play(backend, name, seed).rewarded for seed in SEEDS]
         assert sum(rewarded) >= len(rewarded) - 1

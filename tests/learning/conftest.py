@@ -13,7 +13,7 @@ Made = Callable[..., Transition]
 
 @pytest.fixture(scope="session")
 def made() -> Made:
-    """Transitions of a program of two members, rewarded where the second comes to rest."""
+    """Return a function for transitions of a program, rewarded at the second member's rest."""
 
     def make(state: str, action: str, after: str) -> Transition:
         earned = ("track",) if after[1] == "1" != state[1] else ()

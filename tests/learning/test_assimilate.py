@@ -37,7 +37,7 @@ def features(schema: CheckedProgram, x: float, y: float) -> dict[str, float]:
 
 
 def episode(schema: CheckedProgram, rng: np.random.Generator, allocation: str) -> Experience:
-    """In a world in which either arm reaches its own side, and nothing beyond 1 m."""
+    """Run an episode in which either arm reaches its own side, and nothing beyond 1 m."""
     x, y = rng.uniform(0.3, 1.5), rng.uniform(-0.7, 0.7)
     tried = [allocation, "left_arm" if allocation == "right_arm" else "right_arm"]
     context, made = features(schema, x, y), []
@@ -222,7 +222,7 @@ def test_a_threshold_lies_between_its_neighbours() -> None:
 
 
 def rightly_chosen(rng: np.random.Generator) -> int:
-    """For how many of 141 places the tree of 60 contexts has an arm first that reaches."""
+    """Count the places, of 141, for which the tree of 60 contexts has a reaching arm first."""
     contexts = []
     for _ in range(60):
         y = float(rng.uniform(-0.7, 0.7))
@@ -240,7 +240,7 @@ def rightly_chosen(rng: np.random.Generator) -> int:
 
 
 def test_what_was_not_tried_is_no_failure() -> None:
-    """Find each arm's reach of 0.3 m on the other's side, although only one was tried."""
+    """Either arm reaches 0.3 m into the other's side, where only one was tried."""
     right = sum(rightly_chosen(np.random.default_rng(seed)) for seed in range(5))
     assert right >= 0.95 * 5 * 141
 

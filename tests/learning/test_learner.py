@@ -28,7 +28,7 @@ LEARNER = pytest.mark.parametrize("learner", CLASSES.values(), ids=CLASSES)
 
 @st.composite
 def episodes(draw: st.DrawFn) -> Experience:
-    """Episodes of a program of two members; the last transition may be rewarded."""
+    """Return episodes of a program of two members; the last transition may be rewarded."""
     states = draw(st.lists(st.text("X-01", min_size=2, max_size=2), min_size=2, max_size=6))
     actions = [draw(st.sampled_from(ACTIONS)) for _ in states[1:]]
     rewarded = draw(st.booleans())

@@ -127,7 +127,7 @@ def test_variance_spread_does_not_depend_on_origin_and_axis_signs(
 
 @pytest.mark.parametrize("measure", ["sum", "trace", "determinant"])
 def test_variance_of_the_other_measures_depends_on_the_origin(measure: str) -> None:
-    """Keep the prior's mean at the origin."""
+    """Their prior's mean is at the origin."""
     fresh = AffordanceModel.fresh(np.full(3, 0.03))
     near, far = (fresh.updated(np.full(3, x), rewarded=True) for x in (0.0, 1.0))
     assert far.variance(measure) > 10 * near.variance(measure)

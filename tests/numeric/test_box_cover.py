@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 
 def cuboid(low: tuple[float, ...], high: tuple[float, ...], *, inward: bool = False) -> Floats:
-    """Triangles of a cuboid's surface, shape (12, 3, 3)."""
+    """Return triangles of a cuboid's surface, shape (12, 3, 3)."""
     ends, faces = np.array([low, high]), []
     for axis, end in itertools.product(range(3), range(2)):
         square = np.empty((4, 3))
@@ -28,7 +28,7 @@ def cuboid(low: tuple[float, ...], high: tuple[float, ...], *, inward: bool = Fa
 
 
 def ball(radius: float, steps: int = 24) -> Floats:
-    """Triangles of a ball's surface, shape (n, 3, 3)."""
+    """Return triangles of a ball's surface, shape (n, 3, 3)."""
     down, around = np.linspace(0, np.pi, steps), np.linspace(0, 2 * np.pi, 2 * steps + 1)
     at = radius * np.stack(
         [

@@ -52,7 +52,7 @@ def test_compiled_functions_are_those_of_the_source() -> None:
 def test_an_edit_of_a_callee_in_another_file_is_seen(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Recompile only the edited code."""
+    """Unedited code is not compiled again."""
     package = tmp_path / "kernels"
     package.mkdir()
     (package / "__init__.py").write_text("", encoding="utf-8")

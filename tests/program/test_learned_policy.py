@@ -29,7 +29,7 @@ ROUND = ("X0-", "X1-", "0XX", "1XX")
 
 @pytest.fixture
 def learned(checked: Checked) -> CheckedProgram:
-    """REACHTOUCH under a table that always tries again."""
+    """Return REACHTOUCH under a table that always tries again."""
     return checked("reachtouch")._replace(policy=TABLE, is_learned=True)
 
 

@@ -26,7 +26,7 @@ UNSEEN = {"place.x": math.nan, "place.y": math.nan}
 
 @pytest.fixture(scope="module")
 def schema() -> CheckedProgram:
-    """REACHTOUCH with either limb, by the side that a thing is on."""
+    """Return REACHTOUCH with either limb, by the side of the object."""
     library = Library(ROOT)
     path: Path = library.locate(ProgramDocument, "reachtouch")
     policy = library.read(library.locate(PolicyDocument, "reachtouch"), PolicyDocument)

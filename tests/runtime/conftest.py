@@ -52,7 +52,7 @@ Watch = Callable[[Tick], None]
 
 @pytest.fixture(scope="session")
 def play(dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> Play:
-    """Runs an episode; ``begin``, ``direct`` are the synthetic backend's."""
+    """Return a function that runs an episode; ``begin``, ``direct`` are the synthetic backend's."""
 
     def run(
         program: CheckedProgram,
@@ -96,7 +96,7 @@ def made_stage(joints: Mapping[str, float]) -> StageDocument:
 
 @pytest.fixture
 def written(tmp_path: Path) -> Callable[..., CheckedProgram]:
-    """Checked programs from the texts of their controllers, actions, policy and so on."""
+    """Return a function that checks programs from the texts of their sections."""
 
     def write(body: str, name: str = "own") -> CheckedProgram:
         path = tmp_path / "programs" / f"{name}.yaml"

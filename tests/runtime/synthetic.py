@@ -157,7 +157,7 @@ class SyntheticBackend:
 
 
 def _sights(camera: Camera) -> Floats:
-    """Unit vectors along all pixels' lines of sight, camera frame, shape (height, width, 3)."""
+    """Return unit vectors along all pixels' lines of sight, camera frame, shape (h, w, 3)."""
     corner, far = sight(camera, 0.5, 0.5), sight(camera, camera.width - 0.5, camera.height - 0.5)
     across = np.linspace(corner[1], far[1], camera.width)
     down = np.linspace(corner[2], far[2], camera.height)

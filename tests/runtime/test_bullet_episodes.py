@@ -185,7 +185,7 @@ def test_a_box_is_held_in_both_hands_and_brought_to_where_it_is_seen_best(
 
 
 def palm_of(judged: Judged, hand: str) -> np.ndarray:
-    """From a palm to the thing, by the simulator, m."""
+    """Return the vector from a palm to the object, by the simulator, m."""
     palm = judged.backend.truth.link_pose(f"{hand}_palm").position
     return judged.backend.truth.pose(thing_of(judged)).position - palm
 

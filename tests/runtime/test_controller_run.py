@@ -49,7 +49,7 @@ def signals(
     reachtouch: CheckedProgram,
     backend: SyntheticBackend,
 ) -> Signals:
-    """After one look at the ball on the table."""
+    """Return signals after one look at the ball on the table."""
     signals = Signals(dexter, kinematics, resources_of(reachtouch))
     look_at(Ball(TABLE_BALL), signals, backend)
     return signals

@@ -64,7 +64,7 @@ def go(
 
 
 def turn(axis: int, angle: float) -> np.ndarray:
-    """Rotation matrix about an axis of the world."""
+    """Return the rotation matrix about an axis of the world."""
     one, other = (axis + 1) % 3, (axis + 2) % 3
     matrix = np.eye(3)
     matrix[one, one] = matrix[other, other] = math.cos(angle)

@@ -81,7 +81,7 @@ Drive = Callable[..., Driven]
 def drive(
     written: Callable[..., CheckedProgram], dexter: RobotDocument, kinematics: Kinematics
 ) -> Drive:
-    """Drives a program that is given by its text, or checked."""
+    """Return a function that drives a program given by its text, or checked."""
 
     def made(program: str | CheckedProgram) -> Driven:
         checked = written(program) if isinstance(program, str) else program

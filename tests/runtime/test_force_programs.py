@@ -22,7 +22,7 @@ def test_the_force_stays_while_the_hand_slides() -> None:
         step = truth.step
 
         def sample(targets: NDArray[np.float64]) -> None:
-            """Fingertips that rub lose contact for single physics steps."""
+            """Sample rubbing fingertips, which lose contact for single physics steps."""
             step(targets)
             if sliding[0]:
                 forces.append(-truth.wrenches()[:, 2].sum())

@@ -91,7 +91,7 @@ def test_the_weight_is_the_slope_of_the_potential_energy(kinematics: Kinematics)
 
 
 def _energy(kinematics: Kinematics, q: np.ndarray) -> float:
-    """Potential energy, J, of the links by where their joints are."""
+    """Return the potential energy, J, of the links by the places of their joints."""
     kinematics.update(q)
     model, energy = kinematics._model, 0.0
     joints = tuple(name for name in model.names if name != "universe")

@@ -22,7 +22,7 @@ def test_a_hand_that_closed_on_nothing_opens_before_it_tries_again(
         flexions.append((tick.run.state, float(tick.observation.positions[joints].min())))
 
     def direct(world: World, time: float) -> None:
-        """There is something to be felt once the hand has closed in vain."""
+        """Provide a contact once the hand has closed without success."""
         if flexions and flexions[-1][0] == "-XXXXX":
             world.contact_angle = GRIP
 

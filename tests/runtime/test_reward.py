@@ -35,7 +35,7 @@ class Always(Policy):
 
 @pytest.fixture
 def step(checked: Checked, dexter: RobotDocument, kinematics: Kinematics) -> Step:
-    """Lets a running SEARCH ◁ TRACK read a state, given its controllers' errors."""
+    """Return a function by which a running SEARCH ◁ TRACK reads a state, given its errors."""
     program = checked("searchtrack")
     signals, plan = Signals(dexter, kinematics, resources_of(program)), ControllerPlan()
     signals.reset()

@@ -44,7 +44,7 @@ def test_what_runs_never_uses_stale_arrays(name: str, checked: Checked, play: Pl
 
 
 def fill(signals: Signals, row: int) -> None:
-    """Numbers that would be noticed anywhere else."""
+    """Write numbers that would be noticed anywhere else."""
     rows = signals.table.rows(row)
     signals.table.write(row, Reading(np.full(len(rows), 1e3), np.full(rows.shape, 1e3), 0))
 

@@ -47,7 +47,7 @@ def sighting(eye: np.ndarray, ball: Ball, noise: float = 0.0) -> Sighting | None
 
 
 def seen(balls: list[Ball], noise: float = 0.0) -> list[list[Sighting]]:
-    """Sightings of both cameras, the largest region first."""
+    """Return sightings of both cameras, the largest region first."""
     return [
         sorted(
             (each for ball in balls if (each := sighting(eye, ball, sign * noise)) is not None),

@@ -86,7 +86,7 @@ def test_what_is_measured_first_is_taken_for_bias(
 
 
 def test_encoders_of_a_hand_are_fine_enough_for_its_zeros(dexter: RobotDocument) -> None:
-    """Turn a cell's bias by less than its noise in one encoder step."""
+    """Encoder steps turn a cell's bias by less than its noise."""
     assert Encoders(dexter, PERIOD)._steps.max() * 3 * dexter.contact.bias < dexter.contact.noise
 
 
@@ -108,7 +108,7 @@ def at_rest(
 def test_weight_and_bias_turn_with_their_cells(
     dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
-    """Measure them in one posture, and subtract them in any other."""
+    """Known in one posture, they are subtracted in any other."""
     zeros, rng = zeros_of(dexter, kinematics, threshold=50.0), np.random.default_rng(3)
     bias = rng.normal(size=6)
     cells = sum(len(hand) for hand in dexter.load_cells.values())

@@ -16,7 +16,7 @@ FAR = np.array([0.0, 0.0, 50.0])
 
 @pytest.fixture
 def field(dexter: RobotDocument, kinematics: Kinematics) -> FieldOfView:
-    """With one camera at the origin, and one far above it."""
+    """Return a field with one camera at the origin, and one far above it."""
     made = FieldOfView(dexter, kinematics)
     for row, (name, place) in enumerate(zip(dexter.cameras, (np.zeros(3), FAR), strict=True)):
         made.place(row, name, Frame(place, np.eye(3)))
@@ -58,7 +58,7 @@ def test_before_any_image_nothing_hides_anything(
 
 
 def hand_points(dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray) -> np.ndarray:
-    """Wrists, palms and fingertips in a posture, m, shape (k, 3)."""
+    """Return wrists, palms and fingertips in a posture, m, shape (k, 3)."""
     kinematics.update(posture)
     tips = [each.tip.link for each in dexter.effectors.values() if each.tip is not None]
     cells = [cell.link for hand in dexter.load_cells.values() for cell in hand.values()]

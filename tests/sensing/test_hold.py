@@ -45,7 +45,7 @@ def random_posture(kinematics: Kinematics, rng: np.random.Generator) -> np.ndarr
 
 
 def motions(signals: Signals, arms: Sequence[str]) -> np.ndarray:
-    """Joint displacements that take all tips of some arms along alike, as rows."""
+    """Return joint displacements that move all tips of some arms alike, as rows."""
     jacobians = [signals.tips.point(arm).jacobian[:3] for arm in arms]
     if len(jacobians) == 1:
         return np.eye(jacobians[0].shape[1])
@@ -84,7 +84,7 @@ def test_a_hand_that_goes_on_alone_slips_along_what_several_hold() -> None:
 
 
 def test_hands_that_tremble_lose_nothing_of_the_way() -> None:
-    """They take the thing as far as if they did not."""
+    """They take the object as far as hands at rest."""
     begun = before = between_hands((0.5, 0.2, 0.0), (0.5, -0.2, 0.0))
     place, rng = np.zeros(3), np.random.default_rng(5)
     before_it = np.array([(0.5, 0.2, 0.0), (0.5, -0.2, 0.0)])

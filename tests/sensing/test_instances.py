@@ -80,7 +80,7 @@ class Scene:
         return self.signals.vision.instances[RED]
 
     def places(self) -> dict[int, Floats]:
-        """Remembered positions by number."""
+        """Return remembered positions by number."""
         return {
             number: memory.position
             for number, memory in enumerate(self.red.memories)
@@ -88,7 +88,7 @@ class Scene:
         }
 
     def value(self, name: str) -> Floats | None:
-        """Value of a resource, also of an instance's."""
+        """Return the value of a resource, also of an instance's."""
         resource = self._named.get(name)
         if resource is None:
             parsed = parse_instance(name, self._named)

@@ -145,7 +145,7 @@ def test_a_posture_stays_what_it_was_when_it_was_set(
 
 
 def test_origins_are_those_of_the_links(kinematics: Kinematics, posture: np.ndarray) -> None:
-    """Begin the link that a joint turns at the joint."""
+    """Joints are at the origins of the links that they turn."""
     for change in (0.0, 0.1):
         kinematics.update(posture + change)
         *joints, first, second = kinematics.origins(("right_arm_3",), tuple(LINKS[:2]))

@@ -25,7 +25,7 @@ PERIOD = 0.05
 
 
 def swings(backend: KinematicBackend, pan: int) -> Iterator[Observation]:
-    """Observations while the head turns past a thing, at 0.6 rad/s."""
+    """Yield observations while the head turns past an object, at 0.6 rad/s."""
     stage = made_stage({**SHOWN, "joints": AHEAD}, things={"ball": BALL})
     backend.reset(stage, None, np.random.default_rng(0))
     x, y, _ = place_of_thing(backend)
@@ -46,7 +46,7 @@ def place_of_thing(backend: KinematicBackend) -> np.ndarray:
 def test_a_head_that_turns_sees_a_thing_stand_still(
     dexter: RobotDocument, kinematics: Kinematics, latency: float
 ) -> None:
-    """Avoid an error of 4 cm at 70 cm, which an image taken for new would cause."""
+    """Late images taken for new would cause an error of 4 cm at 70 cm."""
     robot = with_vision(exact(dexter), latency=latency)
     backend = KinematicBackend(robot, URDF)
     feature = resources(robot)[f"stereo.{FEATURE}"]
@@ -62,7 +62,7 @@ def test_a_head_that_turns_sees_a_thing_stand_still(
 
 
 def test_a_heading_is_that_of_now(dexter: RobotDocument, kinematics: Kinematics) -> None:
-    """Turn the heading by the 0.06 rad that the head has turned since the image was taken.
+    """Head and heading have turned by 0.06 rad since the image was taken.
 
     The camera is not on the axis: how far it has moved aside shows by the thing's distance alone.
     """

@@ -47,7 +47,7 @@ def look(signals: Signals, time: float, **seen: Region) -> np.ndarray | None:
 
 
 def test_the_jacobian_is_its_derivative_by_the_head(signals: Signals) -> None:
-    """Keep the point of the heading still while the cameras turn."""
+    """Marked points stand still while the cameras turn."""
     assert look(signals, 0.0, sat_10=BALL, hue_7=region(170, 125, 3)) is not None
     source = resources(signals.robot)[f"mark.{THING}"]
     here = signals.read(source)

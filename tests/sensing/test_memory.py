@@ -165,7 +165,7 @@ def test_a_still_thing_does_not_creep_from_noise(memory: PositionMemory) -> None
 def steady(
     memory: PositionMemory, velocity: np.ndarray, sightings: int, first: float = 0.0
 ) -> float:
-    """Sightings of a steady motion without errors; when the last one was, s."""
+    """Show sightings of a steady motion without errors; return the time of the last one, s."""
     for number in range(sightings):
         time = first + number * FRAME
         memory.predict(FRAME, time)

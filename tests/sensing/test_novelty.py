@@ -63,7 +63,7 @@ def signals(dexter: RobotDocument, kinematics: Kinematics, novel: Resource) -> S
 
 
 def test_turns_bring_a_line_of_sight_to_the_middle(signals: Signals) -> None:
-    """Turn the image more by the pan, instead of shifting it, the farther the head is lowered."""
+    """Panning turns the image, instead of shifting it, the more the head is lowered."""
     for tilt in (-0.3, 0.2, 1.0):
         here = np.array((0.4, tilt))
         observe(signals, tuple(here), [], 0.0)

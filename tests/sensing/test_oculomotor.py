@@ -29,13 +29,13 @@ def rng(request: pytest.FixtureRequest) -> np.random.Generator:
 
 
 def slopes(function: Callable[[Floats], Floats], at: Floats) -> Floats:
-    """Central differences, shape (m, n)."""
+    """Return central differences, shape (m, n)."""
     columns = [(function(at + d) - function(at - d)) / (2 * STEP) for d in STEP * np.eye(len(at))]
     return np.column_stack(columns)
 
 
 def cameras(rng: np.random.Generator) -> Cameras:
-    """Two cameras a third of a metre apart, each turned by a few degrees about any axis."""
+    """Return two cameras a third of a metre apart, each turned a few degrees about any axis."""
     left, right = (
         Frame(np.array([0.0, side, 0.0]) + rng.normal(size=3) * 0.02, exp(rng.normal(size=3) * 0.1))
         for side in (0.15, -0.15)
@@ -48,7 +48,7 @@ def point(rng: np.random.Generator) -> Floats:
 
 
 def headings(eyes: Cameras, position: Floats) -> Floats:
-    """Azimuth and elevation in both cameras, shape (4,)."""
+    """Return azimuth and elevation in both cameras, shape (4,)."""
     return np.concatenate([heading(eye.rotation.T @ (position - eye.position)) for eye in eyes])
 
 
@@ -76,7 +76,7 @@ def sightings(eyes: Cameras, at: Floats) -> Floats:
 
 
 def phi(eyes: Cameras, at: Floats) -> Floats:
-    """Localizability of a position, shape (1,)."""
+    """Return the localizability of a position, shape (1,)."""
     return np.array([evaluate(seen_by(eyes), Signal(headings(eyes, at), np.eye(4))).phi])
 
 

@@ -142,7 +142,7 @@ def position(robot: RobotDocument, model: Kinematics, effector: str) -> Floats:
 
 
 def difference(case: Case, ahead: Floats, behind: Floats) -> Floats:
-    """In as many components as the Jacobian has rows: rotations by a rotation vector."""
+    """Return the difference in the Jacobian's components: rotations by a rotation vector."""
     kind = resources(document(case.robot))[case.of].type.name if case.kind == "resource" else ""
     if kind not in ("orientation", "pose"):
         return ahead - behind

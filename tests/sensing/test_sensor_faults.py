@@ -12,7 +12,7 @@ from cbdsl.sensing.sensor_faults import SensorError, require_finite
 
 
 def check(dexter: RobotDocument, kinematics: Kinematics, **wrong: tuple[int, float]) -> None:
-    """Sensors at rest but for one number of some of them."""
+    """Check sensors at rest but for one number of some of them."""
     joints = kinematics.joints.names
     measured = {name: np.zeros(len(joints)) for name in ("positions", "velocities")}
     cells = [(hand, cell) for hand, own in dexter.load_cells.items() for cell in own]

@@ -34,7 +34,7 @@ def test_what_is_behind_or_beside_the_camera_is_infinitely_far() -> None:
 
 
 def test_a_ball_twice_as_far_is_twice_as_large() -> None:
-    """Compute a radius of 10 px for 314 px, which is 1 m at 20 m and with 200 px for 1 m."""
+    """Discs of 314 px have a radius of 10 px, which is 1 m at 20 m and with 200 px for 1 m."""
     near = sighting().radius(ORIGIN + 20.0 * ALONG / 3.0)
     assert near == pytest.approx(math.sqrt(314 / math.pi) / 10)
     assert sighting().radius(ORIGIN + 40.0 * ALONG / 3.0) == pytest.approx(2 * near)

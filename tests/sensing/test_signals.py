@@ -267,7 +267,7 @@ def test_links_have_rows_of_their_own_and_of_their_middle(
 def test_each_observation_is_a_tick_of_its_own(
     dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
 ) -> None:
-    """Refresh each row again in the next tick."""
+    """Rows refreshed for one tick are refreshed again in the next."""
     signals = Signals(dexter, kinematics, ())
     tip = signals.bind(resources(dexter)["right_arm.position"])
     selection = signals.select([tip])

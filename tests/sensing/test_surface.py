@@ -26,7 +26,7 @@ BASELINE = 0.3
 
 
 def turned(pan: float, tilt: float) -> NDArray[np.float64]:
-    """Axes ahead, left and up of a head that looks down by a tilt, as columns."""
+    """Return the axes ahead, left and up of a head that looks down by a tilt, as columns."""
     c, s, d, t = np.cos(pan), np.sin(pan), np.cos(tilt), np.sin(tilt)
     return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array(
         [[d, 0, t], [0, 1, 0], [-t, 0, d]]

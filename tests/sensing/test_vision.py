@@ -30,7 +30,7 @@ def backend(dexter: RobotDocument, urdf: Path) -> SyntheticBackend:
 
 @pytest.fixture
 def signals(dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend) -> Signals:
-    """Looks for red and for green things."""
+    """Return signals that observe red and green objects."""
     named = resources(dexter)
     backend.reset(made_stage({"pan": -0.35, "tilt": 0.9}), None, np.random.default_rng(0))
     return Signals(dexter, kinematics, [named["stereo.red"], named["stereo.green"]])
@@ -99,7 +99,7 @@ def region(signals: Signals, camera: str) -> Any:
 
 
 def headings(signals: Signals) -> list[list[float]]:
-    """To red in both cameras."""
+    """Return the headings to red in both cameras."""
     seen = [signals.vision.heading(camera, "hue_1") for camera in ("left", "right")]
     return [each.angles.tolist() for each in seen if each is not None]
 

@@ -26,7 +26,7 @@ def signals(dexter: RobotDocument, kinematics: Kinematics) -> Signals:
 
 
 def facing(dexter: RobotDocument, signals: Signals) -> np.ndarray:
-    """Both hands face each other in front of the head."""
+    """Return positions at which both hands face each other in front of the head."""
     positions = np.zeros(len(signals.joints))
     for name, effector in dexter.effectors.items():
         posture = "facing" if "facing" in effector.postures else effector.start
@@ -52,7 +52,7 @@ def feel(
 
 
 def see(dexter: RobotDocument, signals: Signals, position: np.ndarray) -> None:
-    """Both cameras see something at a position."""
+    """Show something at a position to both cameras."""
     signals.vision.memories[CHANNEL].position = position
     signals.vision.memories[CHANNEL].radius = 0.1
     for name, camera in dexter.cameras.items():

@@ -20,7 +20,7 @@ from tests.conftest import ROOT
 
 
 def made_tasks(folder: Path, trials: int, episodes: int) -> list[LearningTask]:
-    """Trials of SEARCHTRACK whose policies go to a folder."""
+    """Return trials of SEARCHTRACK whose policies go to a folder."""
     library = Library(ROOT)
     robot = library.locate(RobotDocument, "dexter")
     stage = library.locate(StageDocument, "searchtrack_training")

@@ -30,7 +30,7 @@ Inspect = Callable[..., ActionOutcome]
 
 @pytest.fixture
 def inspection(checked: Checked, dexter: RobotDocument) -> Explorable:
-    """VISUALINSPECT of a mark of any hue."""
+    """Return VISUALINSPECT of a mark of any hue."""
 
     def bind(name: str, values: Any) -> Explorable:
         made = explorable(name, checked("visualinspect", **values), DIGEST, resources(dexter))
@@ -52,7 +52,7 @@ def inspect(
     urdf: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> Inspect:
-    """Runs an open inspection whose episode ends as given."""
+    """Return a function that runs an open inspection whose episode ends as given."""
     backend = KinematicBackend(dexter, urdf)
     runner = ActionRunner(
         dexter,

@@ -188,7 +188,7 @@ def test_a_server_that_is_no_scheduler_is_told(tmp_path: Path) -> None:
 
 
 def certificates(folder: Path) -> dict[str, str]:
-    """Settings of Dask for TLS with a certificate that signs itself."""
+    """Return settings of Dask for TLS with a certificate that signs itself."""
     pem, key = folder / "mine.pem", folder / "mine.key"
     make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2"]
     make += ["-subj", "/CN=localhost", "-keyout", str(key), "-out", str(pem)]
@@ -221,7 +221,7 @@ PAGE = ROOT / "docs" / "how_to" / "learn_on_a_cluster.md"
 
 
 def of_page(word: str) -> list[str]:
-    """Lines of the page's block that has a word."""
+    """Return lines of the page's block that has a word."""
     (found,) = [each for each in blocks(PAGE) if each.language == "sh" and word in each.text]
     return found.text.splitlines()
 

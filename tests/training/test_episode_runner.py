@@ -87,7 +87,7 @@ def test_what_a_controller_moves(
 def test_episodes_of_one_program_are_those_of_fresh_runners(
     dexter: RobotDocument, kinematics: Kinematics, urdf: Path, checked: Checked
 ) -> None:
-    """Keep parts for the next episode, under any policy, without an effect on it."""
+    """State kept for the next episode, under either policy, changes nothing."""
     program = checked("searchtrack")
     written, other = WrittenPolicy(program.policy), WrittenPolicy({"**": "search"})
 

@@ -31,14 +31,14 @@ LEARN += ["--backend", "kinematic", "--out", "p.yaml", "--trials", "3", "--worke
 
 @pytest.fixture(scope="module")
 def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """Documents that the trials of this file write in one process."""
+    """Return documents that the trials of this file write in one process."""
     folder = tmp_path_factory.mktemp("alone")
     run_here(made_tasks(folder, TRIALS, EPISODES))
     return outcome(folder)
 
 
 def at_work() -> list[psutil.Process]:
-    """Child processes that write a journal."""
+    """Return child processes that write a journal."""
     found = []
     for child in psutil.Process().children(recursive=True):
         try:
@@ -163,7 +163,7 @@ def test_run_on_workers_listens_nowhere_and_denies_other_users(tmp_path: Path) -
 
 @contextmanager
 def command(folder: Path) -> Iterator[subprocess.Popen[str]]:
-    """``cb learn`` with two workers in a folder."""
+    """Start ``cb learn`` with two workers in a folder."""
     process = subprocess.Popen(
         [str(Path(sys.executable).parent / "cb"), *LEARN],
         cwd=folder,

@@ -21,7 +21,7 @@ def _words(alphabet: str, length: int) -> list[str]:
 
 
 def _states(pattern: str) -> frozenset[str]:
-    """States of a pattern, spelled out."""
+    """Return states of a pattern, spelled out."""
     choices = [PREDICATES if letter == ANY else letter for letter in pattern]
     return frozenset("".join(letters) for letters in product(*choices))
 

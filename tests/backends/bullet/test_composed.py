@@ -31,7 +31,7 @@ def _stage(color: tuple[float, float, float] = (1, 1, 1), **pattern: Any) -> Sta
 
 
 def _seen(backend: BulletBackend, stage: StageDocument, face: str) -> np.ndarray:
-    """Brightness of the side ``face``, seen straight from outside, shape (300, 400)."""
+    """Return the brightness of the side ``face``, seen straight from outside, shape (300, 400)."""
     backend.reset(stage, None, np.random.default_rng(0))
     turned = Pose.turned(np.array([0.0, 0.0, 1.0]), TURNS[face])
     away = turned.rotation @ np.array([-DISTANCE - EDGE / 2, 0, 0])

@@ -16,7 +16,7 @@ EPISODES = 40
 
 
 def errors(dexter: RobotDocument, cameras: str, radius: float) -> np.ndarray:
-    """Standard deviations of the area, as a share of it, and of column and row, px."""
+    """Return standard deviations of the area, as a share of it, and of column and row, px."""
     backend = BulletBackend(dexter, URDF, cameras=cameras)
     images = ChannelFilter(dexter.vision.channels, (CHANNEL,), 12)
     rng, measured = np.random.default_rng(1), []

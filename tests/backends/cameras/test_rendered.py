@@ -71,7 +71,7 @@ def test_cameras_are_where_the_model_has_them_without_disturbance(
 
 
 def test_image_noise_has_the_stated_deviation(bullet: BulletBackend) -> None:
-    """That of the sensor and that of the stage add up."""
+    """Noise of the sensor and noise of the stage add up."""
     bullet.reset(made_stage({}), None, np.random.default_rng(0))
     clean = bullet.cameras.render(bullet.cameras.views())["left"].astype(float)
     noisy_stage = made_stage({}, disturbance={"image_noise": 4})

@@ -38,7 +38,7 @@ def seen(*solids: Floats, samples: int = 64, patch: Sequence[float] = WHOLE) -> 
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_silhouette_is_where_lines_of_sight_come_through(name: str) -> None:
-    """Against the marching of rays through every pixel."""
+    """Compare with the marching of rays through every pixel."""
     rng = np.random.default_rng(1)
     focal, width, height = LENS
     shape = SHAPES[name]

@@ -91,7 +91,7 @@ def test_two_hands_hold_what_neither_holds_alone(grasp: Grasp, thing: KinematicO
 
 
 def test_who_holds_a_thing_keeps_it_as_long_as_he_can(grasp: Grasp, thing: KinematicObject) -> None:
-    """And a hand that takes it has it once the other lets go."""
+    """Hands that take it have it once the other hand lets go."""
     right = [touch(thing, "right", 0.0), touch(thing, "right", math.pi)]
     left = [touch(thing, "left", 0.5), touch(thing, "left", 0.5 + math.pi)]
     grasp.update(right)

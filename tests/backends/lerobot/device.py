@@ -74,7 +74,7 @@ def cameras(robot: RobotDocument) -> dict[str, np.ndarray]:
 
 
 def backend_of(device: Any, robot: RobotDocument, urdf: Path, time: Time) -> LeRobotBackend:
-    """Backend of a robot, by a subclass as packages define it."""
+    """Return the backend of a robot, by a subclass as packages define it."""
 
     class Own(LeRobotBackend):
         def make(self) -> Any:

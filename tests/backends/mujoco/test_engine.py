@@ -66,7 +66,7 @@ def test_what_is_held_stays_when_something_else_comes(blind: MujocoBackend) -> N
 
 
 def test_friction_is_that_of_the_thing(blind: MujocoBackend) -> None:
-    """On a slope of 25 degrees, whose tangent is 0.47."""
+    """Slide on a slope of 25 degrees, whose tangent is 0.47."""
     slope = Pose.turned(np.array([0.0, 1.0, 0.0]), np.radians(25))
     floor = Fixture.model_validate({**TABLE, "friction": 1.0})
     moved = {}
@@ -89,7 +89,7 @@ def test_friction_is_that_of_the_thing(blind: MujocoBackend) -> None:
 
 
 def nine_things(backend: MujocoBackend, steps: int) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of nine things on a table after a second, and some steps later."""
+    """Return rows of nine objects on a table after a second, and some steps later."""
     backend.reset(made_stage({}, fixtures={"table": TABLE}), None, np.random.default_rng(0))
     engine = backend.truth
     shapes = [BOX, SolidShape.ball(0.05), SolidShape.cylinder(0.04, 0.1)]

@@ -108,7 +108,7 @@ def test_a_link_may_have_the_name_of_the_world(tmp_path: Path) -> None:
 
 
 def test_links_that_overlap_at_first_stay_where_they_are(tmp_path: Path) -> None:
-    """Two links that hang side by side on the base, one inside the other."""
+    """Two links hang side by side on the base, one inside the other."""
     twin = (
         '<joint name="twin" type="fixed"><parent link="base"/><child link="twin"/>'
         '<origin xyz="0.3 0 0.4"/></joint><link name="twin"><collision><geometry>'

@@ -18,7 +18,7 @@ TIP = "right_finger_3_tip"
 
 
 def stiffness_felt(backend: MujocoBackend, mass: float) -> float:
-    """Force over depth, N/m, of a fingertip in a block that is held 4 mm inside it."""
+    """Return force over depth, N/m, of a fingertip in a block that is held 4 mm inside it."""
     backend.reset(made_stage({}), None, np.random.default_rng(0))
     engine = backend.truth
     normal = np.array([0.0, 0.0, -1.0])

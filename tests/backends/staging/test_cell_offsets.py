@@ -20,7 +20,7 @@ def offsets(seed: int = 0, rate: float = 60.0, **contact: float) -> CellOffsets:
 
 
 def placed(rotation: np.ndarray) -> np.ndarray:
-    """Placements of a base and of the tip, turned."""
+    """Return placements of a base and of the tip, turned."""
     tip = np.concatenate([rotation.ravel(), [1.0, 2.0, 3.0]])
     return np.array([np.concatenate([np.eye(3).ravel(), np.zeros(3)]), tip])
 

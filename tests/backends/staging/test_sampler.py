@@ -59,7 +59,7 @@ def test_things_are_as_far_apart_as_asked_for(dexter: RobotDocument, seed: int) 
 
 
 def test_what_fits_is_drawn_evenly(dexter: RobotDocument) -> None:
-    """Two balls on a line, each of which is on each side as often."""
+    """Two balls on a line are on each side equally often."""
     line = {"on": "table", "x": [1.2, 1.6]}
     stage = scene(
         one={"things": ["ball"], "place": line, "apart": 0.1},

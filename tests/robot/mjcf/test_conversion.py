@@ -76,7 +76,7 @@ def urdf_of(conversion: MjcfConversion) -> UrdfModel:
 
 
 def farthest(path: Path, conversion: MjcfConversion, postures: int = 100) -> float:
-    """Largest difference between MuJoCo's and the URDF's placements of bodies and sites."""
+    """Return the largest difference of placements between MuJoCo and the URDF."""
     model = mujoco.MjModel.from_xml_path(str(path))
     data, rng = mujoco.MjData(model), np.random.default_rng(SEED)
     copy = pinocchio.buildModelFromXML(conversion.urdf)

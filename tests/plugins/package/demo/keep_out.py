@@ -37,7 +37,7 @@ def build(controller: Controller, setting: Setting) -> Potential:
 def depth(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the square of the depth in the ball; parameter: its radius, m."""
+    """Return half the square of the depth in the ball; parameter: its radius, m."""
     square = 0.0
     for i in range(3):
         square += (value[i] - reference[i]) ** 2
