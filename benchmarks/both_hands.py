@@ -27,9 +27,9 @@ from cbdsl.numeric.proportion import exact_interval
 Floats = NDArray[np.float64]
 
 THINGS = ("ball", "box")
-# Share of the things for which the robot is rewarded, and by which height a thing is lifted, m.
+# Share of rewarded objects, and the height from which an object counts as lifted, m.
 REWARDED, LIFTED = 0.90, 0.05
-# Ticks of 1/60 s in which a hand has to have pressed on the thing before a reward.
+# Ticks of 1/60 s in which a hand has to have pressed on the object before a reward.
 BEFORE = 6
 
 

@@ -41,7 +41,7 @@ def run_episodes(backend: str, seeds: Iterable[int]) -> list[dict[str, Any]]:
         for seed in seeds:
             result = runner.run(request.stage, seed, "dark")
             there = set(truth.names()).intersection(request.stage.things)
-            # A try that comes to nothing has two transitions: it begins, and ends.
+            # A try without success has two transitions: it begins, and ends.
             states = result.predicates[1:]
             episodes.append(
                 {

@@ -34,7 +34,7 @@ DIRECTIONS: Mapping[str, Mapping[str, str]] = {
     },
 }  # fmt: skip
 OTHER = {"right": "left", "left": "right"}
-# The receiving hand may let the thing slip by as much, m; the thing is as high above the table's
+# The receiving hand may let the object slip by as much, m; it is as high above the table's
 # top, and the other hand's palm as far from its centre.
 DRIFT, HEIGHT, APART = 0.03, 0.15, 0.20
 TABLE_TOP = -0.42

@@ -27,11 +27,11 @@ from cbdsl.numeric.proportion import exact_interval
 Floats = NDArray[np.float64]
 
 THINGS = ("ball", "cube", "cylinder", "light_box")
-# Shares of the things that are kept, and that hardly move in the hand.
+# Shares of objects that are kept, and that hardly move in the hand.
 KEPT, STEADY = 0.97, 0.90
 MOST_DRIFT = {"bullet": 8.0, "mujoco": 4.0}  # mm
 MOST_TILT, MOST_FORCE = 5.0, 15.0  # deg, N
-# Farther from where it was taken hold of, m, a thing is not in the hand any more.
+# Farther from the place of its grasp, m, an object is out of the hand.
 _LOST = 0.06
 
 

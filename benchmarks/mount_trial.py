@@ -16,9 +16,9 @@ from cbdsl.documents.robot import RobotDocument
 
 Place = tuple[float, float]
 
-#: Where things are taken: twelve places of the right half of the table, m.
+#: Places where objects are taken: twelve places of the right half of the table, m.
 GRASPS: tuple[Place, ...] = tuple(product((0.37, 0.49, 0.61, 0.73), (-0.38, -0.21, -0.04)))
-#: Where things may stand: thirty places of both halves, m.
+#: Places where objects may stand: thirty places of both halves, m.
 PLACES: tuple[Place, ...] = tuple(
     product((0.35, 0.45, 0.55, 0.65, 0.75), (-0.40, -0.24, -0.08, 0.08, 0.24, 0.40))
 )

@@ -23,14 +23,14 @@ from cbdsl.sensing.kinematics import Kinematics
 SIDES = "left", "right"
 #: The Jacobians that a manipulability of both arms may be of.
 JACOBIANS = "position", "pose", "relative", "chain"
-#: A thing of this radius stands on the table, and the palm's tip keeps off its middle, m.
+#: Radius of the object on the table, and distance of the palm's tip from its middle, m.
 RADIUS, STANDOFF = 0.07, 0.09
 TABLE = -0.42
 EDGES = (0.30, 0.90), (-0.60, 0.60)
 #: Tips within this distance touch the object that the other hand holds, m.
 TOGETHER = 0.15
 
-# Ticks are long: where the arms come to rest does not depend on them.
+# Ticks are long: the arms' resting postures do not depend on them.
 _PERIOD, _TICKS = 0.1, 60
 _JOINT_STEP, _TIP_STEP = 0.1, 0.035
 # The robot file's rest of MANIPULABILITY, d phi / dt = 2e-5 /s at a gain of 8 /s, for the

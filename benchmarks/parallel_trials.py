@@ -93,7 +93,7 @@ def documents(folder: Path) -> dict[str, bytes]:
 def measured(options: argparse.Namespace) -> list[Round]:
     """Return all rounds."""
     with tempfile.TemporaryDirectory() as place:
-        # It compiles, and files that are read are in memory.
+        # This run compiles, and brings files into memory.
         learn([Path(place) / "compiled"], 1, 1, 1, options)
         return [turn(Path(place) / str(number), options) for number in range(options.rounds)]
 

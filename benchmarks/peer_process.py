@@ -67,7 +67,7 @@ def _ask(process: subprocess.Popen[str], message: dict[str, Any]) -> dict[str, A
         process.stdin.write(json.dumps(message) + "\n")
         process.stdin.flush()
     except BrokenPipeError:
-        # It has ended: there is no answer either, and closing would try to write once more.
+        # The process has ended: it cannot answer, and closing would try to write once more.
         with suppress(BrokenPipeError):
             process.stdin.close()
     line = process.stdout.readline()

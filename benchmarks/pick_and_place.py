@@ -29,7 +29,7 @@ from cbdsl.numeric.proportion import exact_interval
 Floats = NDArray[np.float64]
 
 PROGRAM = "deliver"
-# Shares of all episodes in which the thing is placed.
+# Shares of all episodes in which the object is placed.
 TARGETS: Mapping[str, float] = {"ball": 0.97, "cube": 0.95, "cylinder": 0.95, "box": 0.95}
 CLOSE, FLAT, STILL = 0.02, 10.0, 0.01  # m, deg, m/s
 # Ticks of 1/60 s within which a touch counts as one that was felt.

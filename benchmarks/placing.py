@@ -30,10 +30,10 @@ from cbdsl.numeric.proportion import exact_interval
 Floats = NDArray[np.float64]
 
 PROGRAM = "take_and_put_down"
-# Shares of the things that are put down as they should be, and whose contact may be missed.
+# Shares of objects that are put down correctly, and of contacts that may be missed.
 PLACED, MISSED = 0.95, 0.02
 CLOSE, FLAT, STILL = 0.02, 10.0, 0.01  # m, deg, m/s
-# Ticks of 1/60 s: within how many a touch counts as reported, and how many without are a miss.
+# Ticks of 1/60 s within which a touch counts as reported, and after which it counts as missed.
 BEFORE, LONG = 6, 60
 
 
@@ -89,7 +89,7 @@ class _Judge:
     def __init__(self, truth: Any) -> None:
         self._truth = truth
         self.thing = ""
-        #: Where it was in the hand, off the table, when it was to be put down.
+        #: Place of the object in the hand, off the table, before it is put down.
         self.held: Floats | None = None
         self._begun = False
         self.reported = self.false = self.missed = False

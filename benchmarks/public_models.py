@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from cbdsl.documents.robot import RobotDocument
 
 ENGINES = ("bullet", "mujoco")
-# Of one model on all engines, s.
+# Time limit of one model on all engines, s.
 PATIENCE = 120.0
-# How far joints are sent, rad or m, and how near they are to get.
+# Displacement and tolerance of joint references, rad or m.
 TURN, SLIDE, NEAR = 0.1, 0.01, 0.02
 
 # Folders and files below, by package.

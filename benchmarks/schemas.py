@@ -51,7 +51,7 @@ from cbdsl.yaml_text.library import Library
 # Least share of right choices where several allocations work and where one does, and of objects
 # out of reach and reported so; largest share of objects in reach and reported out of reach.
 POSSIBLE, ALONE, OUT_OF_REACH, FALSE_ALARMS = 0.95, 0.9, 0.95, 0.02
-# Of the trials.
+# Share of the trials that have to reach their aims.
 LEAST_SHARE = 0.8
 #: Counts of a trial, with an aim each but for the last.
 COUNTS = ("possible", "alone", "out_of_reach", "false_alarms", "touched_in_vain")

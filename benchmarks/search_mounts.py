@@ -30,7 +30,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.reproduction.trial_record import plain_data, read_record
 from cbdsl.yaml_text.library import Library, shipped
 
-# How many of the best are parents, and how wide their children stray, of the bounds.
+# Number of best mounts used as parents, and spread of their children, of the bounds.
 _PARENTS, _WIDTHS = 12, (0.12, 0.01)
 
 

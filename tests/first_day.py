@@ -19,7 +19,7 @@ from typing import NamedTuple
 from tests.conftest import ROOT
 from tests.test_docs import blocks
 
-#: How long a first day is, from the clone to a program of one's own, s.
+#: Duration of a first day, from the clone to a user-defined program, s.
 DAY = 600.0
 
 

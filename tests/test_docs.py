@@ -45,7 +45,7 @@ from tests.test_readme import leaves, options
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-#: Written by commands, and held to the code by tests/cli/test_explain.py and the test below.
+#: Pages written by commands, and held to the code by tests/cli/test_explain.py and the test below.
 GENERATED = {DOCS / "diagnostics.md", DOCS / "reference.md"}
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"))]
 WRITTEN = [page for page in PAGES if page not in GENERATED]
@@ -71,7 +71,7 @@ PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")
 LONG = {"run", "replay", "learn", "reproduce", "explore"}
 #: Commands that take hours as the docs name them; they have tests of their own.
 ENDLESS = {"learn", "lsp", "reproduce"}
-#: Options that say how often something is done; where that is often, a command measures.
+#: Options for a number of repetitions; a command with many of them is a measurement.
 COUNTS = {"--episodes", "--actions", "--scenes", "--trials"}
 OFTEN = 50
 

@@ -23,7 +23,7 @@ from tests.mutants import (
 
 LAW = ROOT / "cbdsl" / "control" / "composition.py"
 CONTROL = ROOT / "tests" / "control"
-#: Of the sample that is judged with the slow tests.
+#: Seed of the sample that is judged with the slow tests.
 SEED = 0
 
 

@@ -120,7 +120,7 @@ def test_both_kinds_of_cameras_see_as_much_of_something_composed(dexter: RobotDo
 
 
 def test_both_kinds_of_cameras_see_as_much_of_a_tube(dexter: RobotDocument) -> None:
-    """Show its walls as one region without the bore."""
+    """Walls of a tube are one region without the bore."""
     stage, hue = stage_named("hollow"), "hue_7"
     channels = ChannelFilter(dexter.vision.channels, [hue], least_area=4)
     rendered = BulletBackend(dexter, URDF, cameras="rendered")

@@ -40,7 +40,7 @@ def _driven(backend: Backend, limits: list[UrdfJoint]) -> tuple[np.ndarray, np.n
             simulated = isinstance(backend, SimulatedBackend)
             now = backend.truth.read()[1] if simulated else backend.observe().velocities
             speeds = np.maximum(speeds, np.abs(now))
-            # A kinematic engine has no forces: nothing but speeds to keep.
+            # A kinematic engine has no forces, only speed limits.
             if (
                 isinstance(backend, SimulatedBackend)
                 and (own := backend.truth.efforts()) is not None

@@ -17,9 +17,9 @@ from cbdsl.sensing.kinematics import Frame, Kinematics
 Floats = NDArray[np.float64]
 
 RADIUS = 0.07
-#: Where the ball's centre is in the frame of the palm, m.
+#: Centre of the ball in the frame of the palm, m.
 IN_HAND = np.array((0.002, -0.024, 0.073))
-# Pan and tilt that look at where the hand shows it.
+# Pan and tilt towards the place where the hand shows it.
 _LOOK = np.array((-0.63, 0.93))
 
 

@@ -38,7 +38,7 @@ class Chain:
         return len(self.axes)
 
     def pose(self, q: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return tip position (3,), tip rotation (3, 3) and Jacobian (6, n), linear above angular."""
+        """Return tip position (3,), rotation (3, 3) and Jacobian (6, n), linear above angular."""
         rotation, point = np.eye(3), np.zeros(3)
         origins, directions = [], []
         for axis, link, angle in zip(self.axes, self.links, q, strict=True):

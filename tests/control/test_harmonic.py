@@ -88,7 +88,7 @@ def test_steps_lower_phi_and_end_at_the_goal(name: str, rng: np.random.Generator
         for _ in range(4000):
             found = prepared(law, point, scene.goal, scene.obstacles)
             phis.append(found.phi)
-            # As fast as a speed of 0.3 cells a tick allows.
+            # The speed is bounded by 0.3 cells a tick.
             length = np.linalg.norm(found.step)
             point = point + found.step * min(1.0, 0.3 * scene.grid.spacing / max(length, 1e-12))
             if found.phi < 1e-9:

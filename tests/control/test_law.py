@@ -286,7 +286,7 @@ def test_whatever_is_wanted_joints_beyond_their_limits_come_back(seed: int, join
     needed = np.clip(inside - q, -DEXTER.joint_step, DEXTER.joint_step)[outside]
     moved = step.displacement[outside]
     assert np.abs(step.displacement).max() <= DEXTER.joint_step + 3e-12
-    # At least as fast as needed: a level may want to go further inside.
+    # The speed is at least the needed one: a level may request to go further inside.
     assert (moved * np.sign(needed) >= np.abs(needed) - 3e-12).all()
     assert (np.abs(q + step.displacement)[~outside] <= 0.97 + 3e-12).all()
 

@@ -39,7 +39,7 @@ class Pressing:
         self.before = np.zeros(ALL)
         self.before[JOINTS] = lead * self.rows.T @ self.way
         self.bench.references[:] = self.before
-        # Of two cells before these another hand's, which is no concern of the guard.
+        # Two preceding cells belong to another hand, which the guard ignores.
         self.bench.loads = np.hstack(
             [np.vstack([[[7.0, 8.0, 9.0]], forces]), np.zeros((len(forces) + 1, 3))]
         )

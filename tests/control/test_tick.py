@@ -64,7 +64,7 @@ def made(name: str, kind: ResourceType, **settings: float) -> Controller:
     return replace(controller(kind, **settings), potential=name)
 
 
-#: Every way to be bounded, and every rule.
+#: Cases of every bound and every rule.
 CASES = [
     Case(spring("position", 3), made("spring", POSITION)),
     Case(spring("position", 3), made("spring", POSITION, speed=0.1, acceleration=1.5)),
@@ -175,7 +175,7 @@ def test_together_they_do_what_each_does_by_itself(bench: Bench, rng: np.random.
     streams = [[case.reading(rng) for _ in range(8)] for case in CASES]
     references = [case.value(rng) for case in CASES]
     for now in range(30):
-        # From the eighth on nothing changes, and some come to rest.
+        # Nothing changes from the eighth tick on, and some slots come to rest.
         readings = [stream[min(now, 7)] for stream in streams]
         for place, reading in enumerate(readings):
             bench.write(place, reading, references[place], stamp=now)
@@ -269,7 +269,7 @@ def test_a_search_begins_once_its_leader_is_near_and_ends_with_its_joints(
         bench.tick()
         slot = bench.plan.slots[1]
         found.append((int(slot["mode"]), bool(slot["exhausted"])))
-    # Once begun it goes on; once in vain it is over.
+    # A search goes on once begun, and is over once without success.
     assert found == [(IDLE, False), (SEARCH, False), (SEARCH, False), (IDLE, True), (IDLE, True)]
     bench.write(1, follower.reading(rng), None)
     bench.tick()

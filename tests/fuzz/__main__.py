@@ -28,7 +28,7 @@ WORK = ROOT / "build" / "fuzz"
 LIMITS = ("-timeout=20", "-rss_limit_mb=2500", "-max_len=16384")
 #: Inputs of an entry point that are kept, and bytes of each.
 MOST, LARGEST = 60, 800
-#: Words of the seeds that are put together anew: keys, tags, attributes, names.
+#: Words of the seeds that are recombined: keys, tags, attributes, names.
 _WORD, _WORDS = re.compile(rb"[A-Za-z_][\w.]{2,30}"), 300
 
 

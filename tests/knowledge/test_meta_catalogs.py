@@ -57,7 +57,7 @@ def test_its_command_explores_it_again(catalog: MetaCatalogDocument) -> None:
 def test_nothing_that_does_not_fit_a_hand_is_brought_anywhere(catalog: MetaCatalogDocument) -> None:
     brought = {pair.upper for pair in catalog.pairs.values() if pair.rewarded}
     assert brought == set(catalog.things) - {"blue_box"}
-    # Nothing stays on a ball.
+    # No object stays on a ball.
     assert {pair.lower for pair in catalog.pairs.values() if pair.rewarded} == {
         "blue_box",
         "purple_box",

@@ -34,7 +34,7 @@ NAMES = [path.stem for path in POLICIES]
 
 # For these, the force of an object on its support decides, which needs forces.
 PHYSICAL = {"pick_and_place"}
-# In these contexts of training stages nothing can be won.
+# These contexts of training stages are unrewarded.
 HOPELESS = {"absent"}
 SEEDS = range(82_001, 82_007)
 # Those whose states do not depend on how far things give way. Of these episodes one is left out:
@@ -166,7 +166,7 @@ def test_a_policy_passes_the_same_states_on_both_backends(
 def test_probing_fingers_are_rewarded_on_both_backends(
     bullet: BulletBackend, kinematic: KinematicBackend, play: Play
 ) -> None:
-    """Allow different states: how far fingers and objects give way differs, and rarely they get stuck."""
+    """Allow different states: fingers give way differently, and rarely get stuck."""
     for backend in (bullet, kinematic):
         rewarded = [play(backend, "tactileprobe", seed).rewarded for seed in SEEDS]
         assert sum(rewarded) >= len(rewarded) - 2
@@ -177,7 +177,7 @@ def test_probing_fingers_are_rewarded_on_both_backends(
 def test_hands_that_hold_are_rewarded_on_both_backends(
     bullet: BulletBackend, kinematic: KinematicBackend, play: Play, name: str
 ) -> None:
-    """Allow different states: how far fingers and objects give way differs."""
+    """Allow different states: fingers and objects give way differently."""
     for backend in (bullet, kinematic):
         rewarded = [play(backend, name, seed).rewarded for seed in SEEDS]
         assert sum(rewarded) >= len(rewarded) - 1

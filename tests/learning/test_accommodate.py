@@ -95,7 +95,7 @@ def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> 
     for _ in range(2):
         for step in (("XX", "find", "0X"), ("0X", "find", "1X"), ("1X", "track", "X1")):
             learner.see(made(*step))
-    # Nothing is discounted for the time that it runs, nor is anything else chosen then.
+    # Its run time is not discounted, and no other action is chosen during it.
     assert learner.values.value("XX", "find") == pytest.approx(0.8)
     assert {explorer.choose("0X", changed=True) for _ in range(50)} == {"find"}
     assert learner.greedy() == {"XX": "find", "0X": "find", "1X": "track", "**": "find"}

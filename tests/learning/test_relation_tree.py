@@ -28,7 +28,7 @@ def felt(relation: str, rng: np.random.Generator, scale: float = 1.0) -> Impedan
     tests = []
     for name in DIRECTIONS:
         for sign in (1, -1):
-            # Planes bear things from below alone.
+            # Planes bear objects only from below.
             is_stiff = name in STIFF[relation] and (name != "dPz" or sign < 0)
             load = scale * (3.0 if is_stiff else 0.1) * rng.uniform(0.5, 1.5)
             tests.append(ImpedanceTest(name, sign, 0.01 * sign, load, is_stiff, 0.0, load))

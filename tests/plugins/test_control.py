@@ -269,7 +269,7 @@ def test_a_potential_that_raises_while_it_runs_is_named(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    # When it is tried out, its value is 0.1 everywhere.
+    # Its value is 0.1 everywhere in the trial call.
     module = (
         "from cbdsl.control.potential import Potential, potential\n"
         "from demo.keep_out import KEEP_OUT\n"

@@ -24,7 +24,7 @@ from tests.runtime.synthetic import Ball, SyntheticBackend, World
 
 TABLE_BALL = np.array([0.55, -0.2, -0.35])
 
-#: Flexion, rad, at which the fingers meet something.
+#: Flexion at which the fingers make contact, rad.
 GRIP = 0.9
 
 

@@ -215,7 +215,7 @@ def test_what_one_hand_holds_is_touched_by_the_other(perform: Perform, seed: int
     predicates = judged.result.predicates
     assert judged.result.rewarded, judged.result.ending
     assert predicates[:4] == ("XXX", "0XX", "1XX", "X0-")
-    # The arms' rest is judged anew from the contact on.
+    # The arms' rest is judged from scratch after the contact.
     assert "X00" in predicates
     assert predicates[-1] in ("X01", "X11")
     for side in ("left", "right"):

@@ -13,7 +13,7 @@ from cbdsl.runtime.episode import Tick
 from tests.conftest import Checked
 from tests.runtime.conftest import Play
 
-#: Where no thing is, and the right hand can be, m.
+#: Free place within reach of the right hand, m.
 ELSEWHERE = (0.45, -0.3, 0.25)
 
 

@@ -102,7 +102,7 @@ def test_the_standoff_grows_with_what_is_seen_between_its_bounds(
     start: Start,
     radius: float,
 ) -> None:
-    # Far enough that both cameras see all of it.
+    # The distance lets both cameras see all of it.
     camera = signals.kinematics.frame("left_camera")
     look_at(Ball(camera.position + 1.8 * camera.rotation[:, 0], radius), signals, backend)
     approach = replace(approach_of(reachtouch), funnel=None)

@@ -23,7 +23,7 @@ from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 from tests.conftest import Checked
 
-#: Of a tick, s; sums of it are exact.
+#: Control period, s; sums of it are exact.
 PERIOD = 0.125
 HEAD = "potential: spring, feedback: head, effector: head"
 TWO = f"""

@@ -16,7 +16,7 @@ from tests.runtime.conftest import Play
 from tests.runtime.synthetic import World
 
 ARM = "potential: spring, feedback: right_arm, effector: right_arm"
-# Two springs that want different things of the same joints.
+# Two springs with conflicting references for the same joints.
 RIVALS = f"""
 controllers:
   ready: {{{ARM}, reference: right_arm.ready}}

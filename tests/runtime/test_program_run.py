@@ -117,7 +117,7 @@ def test_a_used_program_reads_0_then_1_and_earns_its_user_nothing(
     assert inner[-1].reward == 1
     outer = [(each.state, each.next_state, each.reward) for each in episode.at(0)]
     assert outer[:3] == [("XXX", "X--", 0), ("X--", "0XX", 0), ("0XX", "1XX", 0)]
-    # It reads X again as soon as something else runs.
+    # Its letter is X again as soon as another action runs.
     assert outer[3][1][0] == "X"
 
 

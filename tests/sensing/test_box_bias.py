@@ -19,7 +19,7 @@ from cbdsl.sensing.signals import Signals
 BOUNDS = {0.06: 0.007, 0.10: 0.017, 0.15: 0.035, 0.20: 0.058}
 VOLUMES = 1.0, 1.65
 BOXES = 40
-# Where the eyes are about, forwards and up, m.
+# Approximate place of the eyes, forwards and up, m.
 _EYES = 0.25, 0.5
 
 
@@ -61,6 +61,6 @@ def test_the_bias_keeps_to_its_stated_bound(dexter: RobotDocument, urdf: Path, e
     backend.close()
     assert len(errors) >= BOXES // 2, "most are wholly in view of both cameras"
     assert max(errors) < BOUNDS[edge]
-    # It is a bias, which says that the bound is no mere precaution.
+    # The bias exists, so that the bound is necessary.
     assert np.median(errors) > BOUNDS[edge] / 5
     assert VOLUMES[0] < min(volumes) and max(volumes) < VOLUMES[1]

@@ -9,7 +9,7 @@ WHOLE = (0.02, 0.02)
 HALF = (0.01, 0.01)
 FRAME = 1 / 15
 Pair = tuple[float, float]
-# Both lines of sight lead to where the thing is remembered.
+# Both lines of sight lead to the remembered place of the object.
 AT_IT = (0.0, 0.0)
 
 
@@ -117,7 +117,7 @@ def test_what_turns_and_moves_on_is_seen_again(memory: PositionMemory) -> None:
 
 
 def test_an_explained_loss_is_held_and_any_other_forgotten_soon(memory: PositionMemory) -> None:
-    """Counted from when it was last accounted for."""
+    """Count the time of a loss from its last explanation."""
     memory.see(0.0, WHERE, WHOLE)
     memory.miss(10.0, explained=True)
     assert memory.position is not None

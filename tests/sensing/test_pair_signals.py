@@ -63,7 +63,7 @@ def test_what_stands_on_another_thing_is_above_it_and_smaller(
         assert apart.value[:2] == pytest.approx(known[:2], abs=0.05)
         assert apart.value[2] > 0.04
         assert 0.4 < seen.value[0] < 1.0
-        # Seen from the other one, ratios are the inverse, and the turn is the other way round.
+        # Seen from the other one, ratios are the inverse, and the turn is reversed.
         assert seen.value[:2] * back.value[:2] == pytest.approx(1.0)
         assert seen.value[2] == pytest.approx(-back.value[2])
 

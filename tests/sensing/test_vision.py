@@ -82,7 +82,7 @@ def test_what_moved_is_there_until_the_camera_rests_again(
         backend.step()
     turned = signals.vision.heading("left", "motion")
     assert turned is not None
-    # Of the turn about the vertical, a camera that looks down sees the cosine.
+    # A camera that looks down sees the cosine of the turn about the vertical.
     seen = -0.18 * np.cos(signals.positions[kinematics.joints.index["tilt"]])
     assert turned.angles[0] - first.angles[0] == pytest.approx(seen, abs=0.03)
     look(backend, signals, 0.5)

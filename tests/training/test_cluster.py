@@ -156,7 +156,7 @@ def test_a_trial_that_nobody_waits_for_is_given_up_after_its_episode(
     with distributed.Client(cluster) as client:
         future = client.submit(work, task, tmp_path, versions(), pure=False)
         until(lambda: episodes(task) or future.done())
-    # Else its journal would stay locked.
+    # Otherwise its journal would stay locked.
     run_here([replace(task, episodes=1)])
     assert outcome(tmp_path)
 

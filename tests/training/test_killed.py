@@ -28,7 +28,7 @@ ASSIMILATE = [
     *("--stage", "near_and_far_training", "--backend", "kinematic", "--idle-time", "1"),
     *LEARN[-6:],
 ]
-#: Among whose allocations are some that bring other programs.
+#: Command for a schema in which some allocations bring other programs.
 EXCHANGE = [
     *("learn", "pick_and_place", "--learner", "assimilate", "--from", "pick_and_place"),
     *("--stage", "things_and_far_pads", "--backend", "kinematic", "--idle-time", "1"),

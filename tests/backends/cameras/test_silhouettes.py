@@ -110,7 +110,7 @@ def test_what_a_thing_stands_on_hides_it_from_below_alone(name: str) -> None:
     tilted = Pose.turned(np.array([0.0, 1.0, 0.0]), 0.5).rotation
     place = Pose(np.array([1.0, 0.0, 0.0]), AHEAD)
     for side in (1.0, -1.0):
-        # The board's top is just below the thing where the camera looks at it from above.
+        # The board's top is just below the object if the camera looks at it from above.
         down = -side * tilted.T[2]
         board = SolidShape("box", (0.3, 0.3, 0.01))
         below = place.position + (shape.half_height + 0.01) * down

@@ -147,7 +147,7 @@ def test_fingers_are_held_back_by_what_they_cannot_push_away(quiet: KinematicBac
     assert (quiet.observe().positions[_fingers(quiet)] < 2.0).all()
     pressing = np.linalg.norm(_forces(quiet), axis=1)
     assert (pressing > 5).all() and (pressing < 60).all()
-    # And they come back as soon as they want to.
+    # They return as soon as they are commanded to.
     reference[_fingers(quiet)] = 0.0
     quiet.apply(reference)
     run(quiet, 1.0)

@@ -42,7 +42,7 @@ def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str)
         for step, expected in ((1e-6, False), (-1e-6, True)):
             local = pose.rotation.T @ (surface + step * normal - pose.position)
             assert inside(shape, local[None])[0] == expected
-        # Nothing of the solid is nearer than that.
+        # No part of the solid is nearer than that.
         ways = rng.standard_normal((50, 3))
         ways /= np.linalg.norm(ways, axis=1)[:, None]
         around = point + 0.999 * abs(depth) * ways
