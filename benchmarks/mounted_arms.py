@@ -214,7 +214,7 @@ class MountedArms:
         return min(found, key=lambda each: max(each[1], 0.02) * (1 + self._off_middle(each[0])))[0]
 
     def _find_ready(self) -> Floats:
-        """Return the posture that pulls reaches: above the right half, elbow as at rest."""
+        """Return the attracting posture of reaches: above the right half, elbow as at rest."""
         goal = np.array((0.5, -0.2, TABLE + RADIUS + STANDOFF))
         return self._settle(self.rests, goal)[0]
 

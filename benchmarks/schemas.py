@@ -235,7 +235,7 @@ def main() -> int:
 
 
 def _share(some: int, most: int) -> list[float]:
-    """Return the share with its 95 % interval, nothing of nothing."""
+    """Return the share with its 95 % interval, empty for a count of zero."""
     if not most:
         return []
     low, high = exact_interval(some, most)

@@ -16,7 +16,7 @@ CALM = ModifierType(
 
 
 def bind(form: SlotForm, options: Mapping[str, float], setting: SlotSetting) -> SlotForm:
-    """Return the slot of a controller with a share of its gain, 1/s, and of its speed."""
+    """The slot of a controller with a share of its gain, 1/s, and of its speed."""
     bounds = form.bounds.copy()
     bounds[:2] *= options["share"]
     return form._replace(bounds=bounds)

@@ -11,7 +11,7 @@ from cbdsl.robot.driver_kind import DriverKind, Problem
 
 
 def problems(driver: Driver) -> Iterator[Problem]:
-    """Yield problems of addresses, which are words after ``echo:``."""
+    """Addresses are words after ``echo:``."""
     if driver.states is not None and not driver.states.startswith("echo:"):
         yield ("states",), f"'{driver.states}' does not begin with 'echo:'"
 

@@ -72,4 +72,4 @@ class IdealBackend:
         self._reference = self._positions
 
     def close(self) -> None:
-        """Release nothing."""
+        """Nothing is held."""

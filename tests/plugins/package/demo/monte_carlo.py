@@ -50,20 +50,20 @@ class MonteCarlo:
             self._returns.setdefault(visited, []).append(following)
 
     def policy(self, rng: np.random.Generator) -> "EpsilonGreedy":
-        """Return the best known action, or now and then any."""
+        """Best known action, or now and then any."""
         return EpsilonGreedy(self.greedy(), self._actions, self._constants.exploration, rng)
 
     def greedy(self) -> dict[str, str]:
-        """Return the action of the largest mean return, by state."""
+        """Action of the largest mean return, by state."""
         means = self._means()
         return {state: max(means[state], key=means[state].__getitem__) for state in means}
 
     def densities(self) -> dict[str, object]:
-        """Return no internal models."""
+        """No internal models."""
         return {}
 
     def documents(self, summary: TrialSummary) -> list[Document]:
-        """Return the greedy policy and the mean returns behind it."""
+        """Greedy policy and the mean returns behind it."""
         values = {
             state: {action: round(mean, 6) for action, mean in means.items()}
             for state, means in self._means().items()
@@ -90,7 +90,7 @@ class EpsilonGreedy:
         self._best, self._actions, self._exploration, self._rng = best, actions, exploration, rng
 
     def choose(self, state: str, *, changed: bool) -> str:
-        """Return the best known action of a state, or any."""
+        """Best known action of a state, or any."""
         if state not in self._best or self._rng.random() < self._exploration:
             return self._actions[int(self._rng.integers(len(self._actions)))]
         return self._best[state]

@@ -13,7 +13,7 @@ from cbdsl.types.resource_type import FORCE, TORQUE
 
 
 def resources(name: str, sensor: Sensor, robot: RobotDocument) -> Iterator[Resource]:
-    """Yield force and torque of one sensor; none if its document lacks the link or the hand."""
+    """Force and torque of one sensor; none where its document lacks the link or the hand."""
     if sensor.link is None or sensor.hand not in robot.load_cells:
         return
     for part, kind in (("force", FORCE), ("torque", TORQUE)):
@@ -22,7 +22,7 @@ def resources(name: str, sensor: Sensor, robot: RobotDocument) -> Iterator[Resou
 
 
 def reader(signal: SensorSignal, signals: Signals) -> Callable[[], Reading | None]:
-    """Return a reader of the sum over the hand's load cells, with the levers from the wrist."""
+    """Reads the sum over the hand's load cells, with the levers from the wrist."""
     robot, (wrist,) = signals.robot, signal.links
     hand = robot.sensors[signal.sensor].hand
     first, last = signals.touch.span(hand)
