@@ -39,8 +39,8 @@ class Watch:
     """Truth about the objects of one episode.
 
     Args:
-        truth: the world.
-        things: names of the objects that the stage has.
+        truth: Ground truth of the world.
+        things: Names of the objects that the stage has.
     """
 
     def __init__(self, truth: Any, things: Iterable[str]) -> None:

@@ -65,7 +65,7 @@ class Checkout:
     """A process that runs a checkout's episodes.
 
     Args:
-        folder: the checkout, with its ``.venv``.
+        folder: Folder of the checkout, with its ``.venv``.
     """
 
     def __init__(self, folder: Path) -> None:

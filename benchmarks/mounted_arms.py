@@ -160,7 +160,7 @@ class MountedArms:
         """Climb up the manipulability of both arms from where they are.
 
         Args:
-            jacobian: one of ``JACOBIANS`` that it is of.
+            jacobian: Jacobian of the manipulability, one of ``JACOBIANS``.
         """
         clear = True
         for _ in range(_LONGEST):

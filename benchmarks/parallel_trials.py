@@ -32,9 +32,9 @@ class Measurement:
     """The time of one run of ``cb learn``, or of several at the same time.
 
     Attributes:
-        wall: seconds that passed.
-        user: processor seconds in its processes, all together.
-        system: processor seconds in the kernel for them.
+        wall: Wall-clock time, s.
+        user: Processor time in all its processes together, s.
+        system: Processor time in the kernel for them, s.
     """
 
     wall: float

@@ -28,9 +28,9 @@ class Scene:
     """The task that all solve.
 
     Attributes:
-        urdf: the two arms.
-        ready: the posture to keep, rad, in the model's order, shape (14,).
-        hand: the link that reaches.
+        urdf: Model of the two arms.
+        ready: Posture to keep, rad, in the model's order, shape (14,).
+        hand: Name of the reaching link.
     """
 
     urdf: Path

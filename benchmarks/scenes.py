@@ -119,7 +119,7 @@ class Rig:
     """The robot before some balls.
 
     Args:
-        backend: name of the engine.
+        backend: Name of the engine.
         cameras: ``rendered`` or ``ideal``.
     """
 
