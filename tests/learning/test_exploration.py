@@ -154,7 +154,7 @@ def test_a_model_program_habituates(seed: int) -> None:
 
 
 def test_outcomes_before_a_model_began_are_in_it() -> None:
-    """Reward one outcome, although the features of its model were not defined then."""
+    """Count a rewarded outcome, although the features of the model were not defined then."""
     touch = catalog().affordances["touch"]
     constants = CatalogConstants()
     touch.note(ActionOutcome("touch", rewarded=True), constants)

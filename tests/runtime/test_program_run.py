@@ -183,7 +183,7 @@ def test_an_action_that_changes_nothing_runs_out_of_time(written: Written, play:
 
 
 def test_a_longer_time_holds_for_an_idle_action_as_well(written: Written, play: Play) -> None:
-    """Apply if the idle action has no limit of its own."""
+    """Extend the time of an idle action that has no limit of its own."""
     program = written(
         f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'*': track}}\n"
         "limits: {transition_time: 0.5 s}\n"

@@ -37,7 +37,7 @@ def field(dexter: RobotDocument, kinematics: Kinematics) -> FieldOfView:
 def test_a_thing_before_another_hides_half_of_it(
     field: FieldOfView, centre: tuple[float, float, float], hides: bool
 ) -> None:
-    """Occlude the middle by a line of sight within the other's size and half of its own."""
+    """Occlude it if its line of sight passes within the other's radius plus half of its own."""
     ball, other = (np.array([2.0, 0.0, 0.0]), 0.1), (np.array(centre), 0.2)
     assert field.hidden_by(ball, [other]) == [hides, False]
     assert field.hidden_by(ball, iter([(np.array([9.0, 9.0, 0.0]), 0.1), other]))[0] is hides
