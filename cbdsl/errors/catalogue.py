@@ -1,4 +1,4 @@
-"""The table of all codes: messages, ``cb explain`` and the tests read it."""
+"""Table of all codes, read by messages, ``cb explain`` and the tests."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ _STEPS = range(1, 70)
 
 @cache
 def catalogue() -> dict[str, Entry]:
-    """All entries by code."""
+    """Return all entries by code."""
     names = sorted(file.stem for file in _FOLDER.glob("*.toml"))
     return {code: entry for name in names for code, entry in _table(name).items()}
 
 
 def hundred(code: str) -> dict[str, Entry]:
-    """Entries of the table that a code belongs to; no other table is read."""
+    """Return the entries of the table that a code belongs to; read no other table."""
     return _table(code[:3])
 
 
@@ -61,7 +61,7 @@ def _entry(
 
 
 def _bad(path: str, spelling: dict[str, str]) -> str | bytes:
-    """Text of a bad example, or its bytes where it is no UTF-8."""
+    """Return the text of a bad example, or its bytes if it is not UTF-8."""
     if "latin_1" in spelling:
         return spelling["latin_1"].encode("latin-1")
     return example(path, spelling, _FOLDER)

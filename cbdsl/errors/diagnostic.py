@@ -1,4 +1,4 @@
-"""A finding: what is wrong, where, and what would have been right."""
+"""Diagnostics: a message, its place in a file, and the allowed names."""
 
 from enum import Enum
 from typing import NamedTuple
@@ -7,7 +7,7 @@ from cbdsl.errors.nearest import nearest_name
 
 
 class Severity(Enum):
-    """Errors keep a document from being used; warnings do not, and notes tell what is assumed."""
+    """Severity: errors prevent the use of a document, warnings do not, notes state assumptions."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -18,10 +18,10 @@ class Place(NamedTuple):
     """A stretch of one line of a file.
 
     Attributes:
-        file: as the user wrote it or would find it.
-        line: from 1.
-        column: first character, from 1.
-        end_column: the character after the last.
+        file: File name as the user wrote it or would find it.
+        line: Line number, from 1.
+        column: Column of the first character, from 1.
+        end_column: Column after the last character.
     """
 
     file: str
@@ -34,24 +34,24 @@ class Place(NamedTuple):
 
 
 class Related(NamedTuple):
-    """Another place that a finding speaks of, and what is there."""
+    """Another place that a diagnostic mentions, with a message about it."""
 
     place: Place
     message: str
 
 
 class Diagnostic(NamedTuple):
-    """One finding.
+    """One diagnostic.
 
     Attributes:
-        code: its entry in the catalogue.
-        message: one sentence without a full stop.
-        place: where.
-        severity: whether the document can still be used.
-        allowed: names that would have been right, possibly shortened.
-        given: the name that was written instead.
-        candidates: what its ``nearest`` is chosen from, where that is not ``allowed``.
-        related: other places that the message speaks of.
+        code: Code of its entry in the catalogue.
+        message: One sentence without a full stop.
+        place: Place in a file.
+        severity: Severity, which decides whether the document can still be used.
+        allowed: Allowed names, possibly shortened.
+        given: Name that was written instead.
+        candidates: Names from which ``nearest`` is chosen; empty for ``allowed``.
+        related: Other places that the message mentions.
     """
 
     code: str
@@ -65,10 +65,10 @@ class Diagnostic(NamedTuple):
 
     @property
     def nearest(self) -> str | None:
-        """The name that was probably meant; looked for only when somebody wants to know."""
+        """Most similar candidate to the given name, computed on access."""
         return nearest_name(self.given, self.candidates or self.allowed)
 
     @property
     def is_error(self) -> bool:
-        """Whether it keeps the document from being used."""
+        """True if the diagnostic prevents the use of the document."""
         return self.severity is Severity.ERROR

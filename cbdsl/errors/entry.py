@@ -1,4 +1,4 @@
-"""An entry of the catalogue of diagnostics."""
+"""Entry of the catalogue of diagnostics."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ class Entry:
 
     Attributes:
         code: ``CB`` and three digits.
-        title: the fault in a few words.
-        message: what a diagnostic says; the names in braces are filled in.
-        explanation: why it is a fault, and the way out.
-        bad: the text of a document that has the fault; ``None``: a file that does not exist.
-        path: where the examples are, relative to a folder of documents.
-        beside: other files that the examples need, by path.
-        severity: whether the document can still be used.
-        good: the text of the same document without the fault.
+        title: Fault in a few words.
+        message: Message template of a diagnostic; the names in braces are filled in.
+        explanation: Reason why it is a fault, and the remedy.
+        bad: Text of a document that has the fault; ``None`` for a file that does not exist.
+        path: Path of the examples, relative to a folder of documents.
+        beside: Other files that the examples need, by path.
+        severity: Severity, which decides whether the document can still be used.
+        good: Text of the same document without the fault.
     """
 
     code: str

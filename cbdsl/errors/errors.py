@@ -1,4 +1,4 @@
-"""The exceptions that carry a user's mistakes to the command line."""
+"""Exceptions that carry a user's mistakes to the command line."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cbdsl.errors.nearest import suggestion
 
 
 class DiagnosticsError(Exception):
-    """A document has faults; ``diagnostics`` names all that were found."""
+    """Error of a faulty document; ``diagnostics`` holds all its diagnostics."""
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics: tuple[Diagnostic, ...] = tuple(diagnostics)
@@ -18,16 +18,16 @@ class DiagnosticsError(Exception):
 
 
 class UsageError(Exception):
-    """A mistake of the user's that has no place in a file."""
+    """User's mistake that has no place in a file."""
 
     @classmethod
     def unknown(cls, what: str, name: str, known: Iterable[str]) -> Self:
-        """Nothing has this name: the nearest is proposed, and all are listed.
+        """Return the error of an unknown name, which proposes the nearest and lists all names.
 
         Args:
-            what: what has names of this sort.
-            name: the one that was given.
-            known: those that there are.
+            what: Noun of the named objects.
+            name: Unknown name.
+            known: Existing names.
         """
         names = list(known)
         listed = ", ".join(names) or "none"

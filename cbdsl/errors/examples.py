@@ -1,4 +1,4 @@
-"""Documents that the examples of the catalogue are made of."""
+"""Document frames from which the examples of the catalogue are built."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SCHEMA = (
 _CATALOG = _HEAD.format("catalog") + "robot: dexter\nfeature: red\n"
 _META_CATALOG = _HEAD.format("meta_catalog") + "robot: dexter\n"
 
-#: Frames of examples: ``$name`` is the file's, ``$body`` what the catalogue has.
+#: Frames of examples: ``$name`` is the file's name, ``$body`` the text of the catalogue.
 _FRAMES = {
     "program": f"{_HEAD.format('program')}$body\n",
     "robot": f"{_HEAD.format('robot')}$body\n",
@@ -45,12 +45,12 @@ _FRAMES = {
 
 
 def example(path: str, spelling: dict[str, str], folder: Path) -> str:
-    """Text of an example.
+    """Return the text of an example.
 
     Args:
-        path: its file, which names the document.
-        spelling: its body, by the name of a frame; ``file`` is the name of a file in the folder.
-        folder: where the catalogue's tables are.
+        path: Path of its file, which names the document.
+        spelling: Body by the name of a frame; for ``file``, the name of a file in the folder.
+        folder: Folder of the catalogue's tables.
     """
     ((frame, body),) = spelling.items()
     if frame == "file":

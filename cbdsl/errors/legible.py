@@ -1,4 +1,4 @@
-"""Texts from documents as messages may quote them."""
+"""Legible forms of document texts, for quotation in messages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 
 # Characters that move a terminal's cursor, break a line, or show nothing at all.
-# The pattern is compiled with the first finding.
+# The pattern is compiled on the first diagnostic.
 _UNSEEN = (
     "[\x00-\x1f\x7f-\x9f\u200b\u200e\u200f\u2028-\u202e\u2060\u2066-\u2069\ufeff\ud800-\udfff]"
 )
@@ -14,12 +14,12 @@ _LONGEST = 400
 
 
 def seen(text: str, instead: Callable[[str], str]) -> str:
-    """A text with something in place of each such character."""
+    """Return a text with a replacement for each unprintable character."""
     return re.sub(_UNSEEN, lambda unseen: instead(unseen[0]), text)
 
 
 def legible(text: str) -> str:
-    """A text on one line, with unseen characters written as escapes, and no longer than a page."""
+    """Return a text on one line, shortened, with unprintable characters written as escapes."""
     if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} … {text[-_LONGEST // 4 :]}"
     return seen(text, lambda unseen: unseen.encode("unicode_escape").decode())

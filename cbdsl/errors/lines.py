@@ -1,15 +1,15 @@
-"""The lines of a text, as the places of findings count them."""
+"""Lines of a text, counted as in the places of diagnostics."""
 
 from __future__ import annotations
 
 import re
 
-# What YAML 1.1, and so libyaml, takes for the end of a line.
+# Line breaks of YAML 1.1, and therefore of libyaml.
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 
 
 def lines_of(text: str) -> list[str]:
-    """All lines without their ends."""
+    """Return all lines without their ends."""
     return _BREAK.split(text)
 
 

@@ -1,18 +1,18 @@
-"""The name that was probably meant."""
+"""Nearest allowed name to a misspelled one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import islice
 
-# Nobody names anything at greater length, and comparing takes the square of it.
+# Real names are shorter; the time of a comparison grows with the square of the length.
 _LONGEST = 60
-# Each of a great many wrong names would be compared with each of a great many right ones.
+# Limit of the comparisons, if many wrong names meet many right ones.
 _MOST = 500
 
 
 def nearest_name(name: str, names: Iterable[str]) -> str | None:
-    """The most similar of ``names``, or ``None`` where none is similar."""
+    """Return the most similar of ``names``, or ``None`` if none is similar."""
     from difflib import get_close_matches  # only a fault needs it
 
     known = [known for known in islice(names, _MOST) if len(known) <= _LONGEST]
@@ -21,6 +21,6 @@ def nearest_name(name: str, names: Iterable[str]) -> str | None:
 
 
 def suggestion(name: str, names: Iterable[str]) -> str:
-    """The question with which a message goes on, if one of ``names`` is similar."""
+    """Return the question that ends a message if one of ``names`` is similar; else empty."""
     nearest = nearest_name(name, names)
     return f"; did you mean '{nearest}'?" if nearest else ""

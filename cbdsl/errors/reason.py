@@ -1,8 +1,8 @@
-"""Why a file or a folder cannot be used, in words."""
+"""Reasons why a file or a folder cannot be used, in words."""
 
 from __future__ import annotations
 
-# Of these the system's own words are about what was tried, not about what is in the way.
+# The system's messages for these errors describe the attempt, not the obstacle.
 _WORDS: dict[type[OSError], str] = {
     FileExistsError: "a file exists where a folder is needed",
     NotADirectoryError: "a file exists on the way, where folders are needed",
@@ -11,5 +11,5 @@ _WORDS: dict[type[OSError], str] = {
 
 
 def reason(error: OSError) -> str:
-    """Cause for which a file or a folder cannot be used, without its name."""
+    """Return the reason why a file or a folder cannot be used, without its name."""
     return _WORDS.get(type(error)) or error.strerror or str(error)

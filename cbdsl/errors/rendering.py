@@ -10,7 +10,7 @@ from cbdsl.errors.lines import lines_of
 
 # No section of a document has more keys.
 _MOST_ALLOWED = 16
-# Of a longer line only what surrounds the fault is shown.
+# Longer lines are cut to the surroundings of the fault.
 _MOST_COLUMNS = 160
 _BEFORE = 40
 
@@ -19,12 +19,12 @@ _TINTS = {Severity.ERROR: _RED, Severity.WARNING: _YELLOW, Severity.NOTE: _CYAN}
 
 
 def render(diagnostic: Diagnostic, source: str | None = None, color: bool = False) -> str:
-    """A diagnostic as several lines of text.
+    """Return a diagnostic as several lines of text.
 
     Args:
-        diagnostic: the finding.
-        source: text of its file, for the snippet; without it there is none.
-        color: whether to mark parts with a terminal's escape sequences.
+        diagnostic: Diagnostic to render.
+        source: Text of its file for the snippet; ``None`` for no snippet.
+        color: True to mark parts with a terminal's escape sequences.
     """
     tint = _TINTS[diagnostic.severity]
     mark = "" if diagnostic.is_error else f" ({diagnostic.severity.value})"
@@ -41,7 +41,7 @@ def _paint(text: str, tint: str, color: bool) -> str:
 
 @lru_cache(maxsize=2)
 def _lines(source: str) -> list[str]:
-    """The lines of a text, split once for all its findings."""
+    """Return the lines of a text, split once for all its diagnostics."""
     return lines_of(source)
 
 
@@ -60,7 +60,7 @@ def _snippet(place: Place, source: str | None, tint: str) -> list[str]:
 
 
 def _window(line: str, column: int) -> tuple[str, int]:
-    """Part of a line that is shown, and the column in it."""
+    """Return the visible part of a line, and the column in it."""
     if len(line) <= _MOST_COLUMNS:
         return line, column
     start = max(0, column - 1 - _BEFORE)

@@ -1,4 +1,4 @@
-"""Findings in the catalogue's words."""
+"""Diagnostics with the messages of the catalogue."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ def diagnostic(
     related: Iterable[tuple[Place, str]] = (),
     **details: object,
 ) -> Diagnostic:
-    """A finding in the catalogue's words.
+    """Return a diagnostic with the message of a catalogue entry.
 
     Args:
-        code: its entry, or the code of one in the catalogue.
-        place: where it is.
-        names: names that would have been right; the nearest to ``given`` is proposed.
-        candidates: what the nearest is chosen from, where that is not ``names``.
-        given: the name that was written instead; ``name`` or ``key`` of the details without it.
-        related: other places, and what is there.
-        details: what the entry's message is filled with.
+        code: Catalogue entry, or its code.
+        place: Place in a file.
+        names: Allowed names; the nearest to ``given`` is proposed.
+        candidates: Names from which the nearest is chosen; empty for ``names``.
+        given: Name that was written instead; ``None`` for ``name`` or ``key`` of the details.
+        related: Other places, each with a message.
+        details: Values that fill the placeholders of the entry's message.
     """
     from cbdsl.errors.catalogue import hundred  # only a fault needs it
 
