@@ -1,4 +1,4 @@
-"""Allotments: kinds of resources that a parameter of a program may stand for (Section 5.2)."""
+"""Allotments: kinds of resources to which a program parameter may be bound (Section 5.2)."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from typing import NamedTuple
 
 EFFECTOR, CHANNEL, PROGRAM = "effector", "channel", "program"
 
-#: What stands for the program itself, in sections ``resources`` and in allocations.
+#: Name of the program itself, in sections ``resources`` and in allocations.
 WHOLE = "program"
 
-#: Types of signals that programs are rewarded for.
+#: Types of signals for which programs are rewarded.
 REWARDED = ("force", "heading")
 
-#: Types of signals by which effectors are told apart: of their joints, tips and load cells.
+#: Types of signals that distinguish effectors: signals of joints, tips and load cells.
 SENSED = ("configuration", "position", "orientation", "pose", "force")
 
 
 class Allotment(NamedTuple):
-    """A kind of resource.
+    """Kind of resource.
 
     Attributes:
         kind: ``effector``, ``channel`` or ``program``.
-        type: of a signal that the effector has, of ``SENSED``; ``heading`` for a channel; of what
-            the program is rewarded for, of ``REWARDED``.
+        type: Signal type: one of ``SENSED`` for an effector, ``heading`` for a channel, one of
+            ``REWARDED`` for a program.
     """
 
     kind: str
@@ -38,5 +38,5 @@ ALLOTMENTS = {
 
 
 def allotment(text: str) -> Allotment | None:
-    """The kind that a text names, if it names one."""
+    """Return the kind that a text names, or ``None``."""
     return ALLOTMENTS.get(" ".join(text.split()))

@@ -1,9 +1,9 @@
-"""The casts between types of signals, and the chains of them that controllers use (section 3.2.4).
+"""Casts between types of signals, and the chains of casts that controllers use (section 3.2.4).
 
-A controller displaces its feedback by moving its effector. A chain of casts therefore carries a
-small displacement of the feedback's type over to one of the effector's type: through the Jacobian
-of a transformation, or through its pseudoinverse. The chains that lead on to the joints are data
-of a controller, and its row of the signal table is compiled from them.
+A controller displaces its feedback by moving its effector. A chain of casts therefore maps a small
+displacement of the feedback's type to a displacement of the effector's type. Each cast uses the
+Jacobian of a transformation, or its pseudoinverse. The chains that lead to the joints are data of
+a controller, and its row of the signal table is compiled from them.
 """
 
 from collections import deque
@@ -23,15 +23,15 @@ from cbdsl.types.resource_type import POSITION, ResourceType, configuration
 
 
 class Cast(NamedTuple):
-    """One edge of the cast graph.
+    """Edge of the cast graph.
 
     Attributes:
-        name: the transformation.
-        source: name of the type that it takes.
-        target: name of the type that it gives.
-        equation: where it is defined.
-        factors: how many signals of the source's type it takes.
-        value: whether it gives values; otherwise it carries displacements only.
+        name: Name of the transformation.
+        source: Name of the input type.
+        target: Name of the output type.
+        equation: Equation, section or figure that defines it.
+        factors: Number of input signals of the source's type.
+        value: True if it maps values; otherwise it maps displacements only.
     """
 
     name: str
@@ -46,12 +46,12 @@ class Cast(NamedTuple):
 
 
 Chain = tuple[Cast, ...]
-"""Casts, each from the type that the one before gives."""
+"""Sequence of casts; the output type of each is the input type of the next."""
 
 _KINEMATICS = {"position": "Eq 3.11", "orientation": "Eq 3.12", "pose": "Eq 3.11, 3.12"}
 
 CAMERA = Cast("inverse camera Jacobian", "heading", "configuration", "section 3.2.2", value=False)
-#: No turn of a camera displaces how two things are to each other: these are watched.
+#: No turn of a camera changes the relation of two objects; such signals are only observed.
 CAMERA_TURNS = tuple(
     Cast("turn of a camera", kind, "configuration", "Fig 7.15", value=False)
     for kind in ("constellation", "offset")
@@ -77,7 +77,7 @@ CASTS: tuple[Cast, ...] = (
     ),
 )
 
-#: Types that no cast leads from, and why not: their signals are features, never feedback.
+#: Types without outgoing casts, with the reason: their signals are features, never feedback.
 FEATURES: Mapping[str, str] = {
     "velocity": "joints displace what they move, and a velocity is no displacement",
     "volume": "no joint changes how large a thing is",
@@ -88,15 +88,15 @@ FEATURES: Mapping[str, str] = {
     "axis": "how a thing's outline changes as it turns depends on its shape, which is not known",
 }
 
-#: How something that a hand holds moves with the hand; between the chains to and from its position.
+#: Motion of a held object with the hand, between the chains to and from its position.
 RIGID_HOLD = Cast("rigid hold", "position", "position", "Eq 3.42", value=False)
 SIGHTING = Cast("inverse sighting Jacobian", "heading", "position", "section 3.2.2", value=False)
 
 
 def chains_of(resource: Resource) -> tuple[Chain, ...]:
-    """The chains from a resource to the joints, whose Jacobians add up to its own.
+    """Return the chains from a resource to the joints, whose Jacobians add up to its Jacobian.
 
-    A heading changes as the cameras turn, and as the hands move that hold what it leads to.
+    A heading changes as the cameras turn, and as the hands move that hold its target.
     """
     source, kind, joints = resource.source, resource.type, configuration(1)
     held = (RIGID_HOLD, *chains(POSITION, joints)[0])
@@ -113,12 +113,12 @@ def chains_of(resource: Resource) -> tuple[Chain, ...]:
 
 @cache
 def chains(start: ResourceType, goal: ResourceType) -> tuple[Chain, ...]:
-    """The shortest chains of casts from one type to another, by breadth-first search.
+    """Return the shortest chains of casts from one type to another, by breadth-first search.
 
-    A product is cast component by component, except where a cast takes several signals at once.
+    A product is cast component by component, unless a cast takes several signals at once.
 
     Returns:
-        All chains of the least length: one without casts for equal types, none where there is none.
+        All chains of minimum length: one empty chain for equal types, none for unconnected types.
     """
     shortest: list[Chain] = []
     waiting: deque[Chain] = deque([()])

@@ -1,4 +1,4 @@
-"""Decision trees over numbers: questions about one feature each, and an answer at every leaf."""
+"""Decision trees over numbers: one feature per split, and one answer per leaf."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ Answer = TypeVar("Answer")
 
 
 class Leaf(NamedTuple, Generic[Answer]):
-    """An answer."""
+    """Leaf with an answer."""
 
     answer: Answer
 
 
 class Split(NamedTuple, Generic[Answer]):
-    """A question: whether a feature is larger than a threshold.
+    """Split by the question whether a feature is larger than a threshold.
 
     Attributes:
-        feature: its name.
-        threshold: in SI.
-        above: the tree where it is.
-        below: the tree where it is not.
+        feature: Name of the feature.
+        threshold: Threshold in SI units.
+        above: Subtree for values above the threshold.
+        below: Subtree for all other values.
     """
 
     feature: str
@@ -35,7 +35,7 @@ Tree = Leaf[Answer] | Split[Answer]
 
 
 def decide(tree: Tree[Answer], features: Mapping[str, float]) -> Answer | None:
-    """The answer of a tree; ``None`` where it asks for a feature that is not known, or NaN."""
+    """Return the answer of a tree, or ``None`` if a required feature is unknown or NaN."""
     while isinstance(tree, Split):
         value = features.get(tree.feature, math.nan)
         if math.isnan(value):
@@ -45,7 +45,7 @@ def decide(tree: Tree[Answer], features: Mapping[str, float]) -> Answer | None:
 
 
 def splits(tree: Tree[Answer]) -> Iterator[Split[Answer]]:
-    """All questions of a tree, from its root downwards."""
+    """Yield all splits of a tree, from its root downwards."""
     if isinstance(tree, Split):
         yield tree
         yield from splits(tree.above)
@@ -53,7 +53,7 @@ def splits(tree: Tree[Answer]) -> Iterator[Split[Answer]]:
 
 
 def leaves(tree: Tree[Answer]) -> Iterator[Answer]:
-    """All answers of a tree, those above a threshold first."""
+    """Yield all answers of a tree, answers above a threshold first."""
     if isinstance(tree, Split):
         yield from leaves(tree.above)
         yield from leaves(tree.below)

@@ -1,4 +1,4 @@
-"""Modifiers: kinds of change to what a controller does, built in or added by packages."""
+"""Modifiers: types of changes to a controller, built in or added by packages."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from cbdsl.types.resource import Resource
 from cbdsl.types.resource_type import TYPES
 
 Call = Callable[[str | None, str], str | None]
-"""Name of another controller, from how a program calls it and the option that says so."""
+"""Function that returns a controller's name from its name in a program and the option."""
 
 
 class OptionFault(NamedTuple):
-    """A fault of a modifier's options.
+    """Fault of a modifier's options.
 
     Attributes:
-        option: that is told of.
-        code: of the finding.
-        details: that fill it.
+        option: Name of the faulty option.
+        code: Code of the diagnostic.
+        details: Values that fill the placeholders of the diagnostic's message.
     """
 
     option: str
@@ -28,29 +28,29 @@ class OptionFault(NamedTuple):
 
 
 class ModifierType(NamedTuple):
-    """A change of a controller: of its reference in every tick, or of its slot in the plan.
+    """Change of a controller: of its reference in every tick, or of its slot in the plan.
 
-    A modifier of another package stands below ``modifiers`` in a program. One of cbdsl's own is a
-    key of the controller, and a field of the checked one.
+    A modifier of another package is listed below ``modifiers`` in a program. A built-in modifier is
+    a key of the controller, and a field of the checked controller.
 
     Attributes:
-        name: its name in programs.
-        summary: its effect, as a phrase.
-        accepts: names of the types of feedback that it is for.
-        options: dimension of each option, as of ``unit.UNITS``; empty for a plain number.
+        name: Name in programs.
+        summary: Effect, as a phrase.
+        accepts: Names of the supported types of feedback.
+        options: Dimension of each option, from ``unit.UNITS``; empty for a plain number.
         implementation: ``module:function`` of (reference, feedback, time, options) -> reference:
             values of the rows, shape (m,), simulated time, s, and options by name, in SI; empty
-            where it does not change references.
+            if it does not change references.
         slot: ``module:function`` of (form, options, setting) -> form, of ``plan.SlotForm`` and
             ``runtime.slot_setting.SlotSetting``, called when a controller gets its slot; empty
-            where it does not change slots.
-        sources: kinds of sources of the feedback that it is for; any without.
-        purpose: the feedback that it is for, in messages.
-        residual: whether it changes residuals, which a potential that is a field has none of.
-        read: makes the checked controller's field of the document's.
-        fault: the fault of the document's options, or ``None``.
-        read_by: potentials that read its options themselves, for whatever feedback they have.
-        positive, not_negative: options that have to be above 0, or not below.
+            if it does not change slots.
+        sources: Supported classes of feedback sources; empty for any source.
+        purpose: Description of the supported feedback, for messages.
+        residual: True if it changes residuals; a potential that is a field has no residual.
+        read: Function that converts the document's field to the checked controller's field.
+        fault: Function that returns the fault of the document's options, or ``None``.
+        read_by: Names of the potentials that read its options themselves, for any feedback.
+        positive, not_negative: Names of the options that must be positive, or not negative.
     """
 
     name: str
@@ -69,7 +69,7 @@ class ModifierType(NamedTuple):
     not_negative: tuple[str, ...] = ()
 
     def suits(self, feedback: Resource, potential: str) -> bool:
-        """Whether it is for a feedback under a potential."""
+        """Return whether the modifier supports a feedback under a potential."""
         if potential in self.read_by:
             return True
         has_source = not self.sources or isinstance(feedback.source, self.sources)
@@ -100,10 +100,10 @@ MODIFIERS: Registry[ModifierType] = Registry(
 
 
 def declared(controller: object) -> Iterator[tuple[ModifierType, Any]]:
-    """Modifiers of cbdsl's own that a controller has, with their options.
+    """Yield the built-in modifiers of a controller, with their options.
 
     Args:
-        controller: a checked one, or the section of a document.
+        controller: Checked controller, or the section of a document.
     """
     for name in MODIFIERS.builtins:
         options = getattr(controller, name)

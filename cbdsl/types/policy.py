@@ -12,21 +12,22 @@ class Policy(Protocol):
     """Choice of actions by state, written or learned."""
 
     def choose(self, state: str, *, changed: bool) -> str | None:
-        """The next action's name, or ``None`` to end the episode.
+        """Return the next action's name, or ``None`` to end the episode.
 
         Args:
-            state: predicates, one character per member.
-            changed: whether the last action changed the state.
+            state: Predicates, one character per member.
+            changed: True if the last action changed the state.
         """
         ...
 
 
 @runtime_checkable
 class ReasonedPolicy(Protocol):
-    """A policy that says why it has no action.
+    """Policy that gives a reason if it has no action.
 
     Attributes:
-        reason: why the last choice was none, as a clause; empty where the policy has no action.
+        reason: Reason why the last choice was ``None``, as a clause; empty if the policy has no
+            action.
     """
 
     reason: str
@@ -37,30 +38,30 @@ class ReasonedPolicy(Protocol):
 
 
 class DeferredPolicy:
-    """Choice from outside, between ticks: whoever runs the program decides there.
+    """Policy whose choices are made outside of it, between ticks, by the caller of the program.
 
-    While a choice is open nothing acts but what acted before; see ``ProgramRun.decide``.
+    While a choice is open, the active controllers stay active; see ``ProgramRun.decide``.
     """
 
     def choose(self, state: str, *, changed: bool) -> str | None:
         """See ``Policy.choose``.
 
         Raises:
-            TypeError: always; the choice is not made here.
+            TypeError: Always; the choice is not made here.
         """
         raise TypeError("a deferred choice is made by ProgramRun.decide")
 
 
 class WrittenPolicy:
-    """A table of state patterns, of which the one with the fewest wildcards applies.
+    """Table of state patterns; the matching pattern with the fewest wildcards applies.
 
-    Where an action ran out of time without a change of state, the same table would choose it
-    again, so the episode ends.
+    If an action times out without a change of state, the table would choose it again, so the
+    episode ends.
     """
 
     def __init__(self, table: Mapping[str, str]) -> None:
         self._table = {pattern: table[pattern] for pattern in closest_first(table)}
-        #: Actions of the states that have been asked about.
+        #: Actions of the states of previous choices.
         self._known: dict[str, str | None] = {}
 
     def choose(self, state: str, *, changed: bool) -> str | None:

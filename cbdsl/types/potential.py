@@ -1,4 +1,4 @@
-"""Properties of each artificial potential that the type checker knows (Omega_phi, Eq 3.7)."""
+"""Properties of each artificial potential, for the type checker (Omega_phi, Eq 3.7)."""
 
 from collections.abc import Iterator, Mapping
 from enum import Enum
@@ -9,7 +9,7 @@ from cbdsl.types.resource_type import TYPES
 
 
 class Condition(Enum):
-    """Whether a potential meets a condition."""
+    """Degree to which a potential meets a condition."""
 
     MET = "met"
     ROBOT = "depends on the robot"
@@ -22,15 +22,15 @@ class Condition(Enum):
 class Navigation(NamedTuple):
     """Conditions of a navigation function (Koditschek and Rimon 1990; Section 3.1).
 
-    They are those of phi as a function of its feedback, on the named domain; what the joints make
-    of the feedback is another matter.
+    The conditions concern phi as a function of its feedback, on the named domain. They do not
+    consider the map from joint positions to the feedback.
 
     Attributes:
-        analytic: infinitely differentiable.
-        polar: its gradient leads to one minimum.
-        admissible: its gradient is bounded.
-        morse: its Hessian is regular wherever its gradient vanishes.
-        domain: the feedback that this is said of, as a clause.
+        analytic: Infinite differentiability.
+        polar: Convergence of the gradient flow to one minimum.
+        admissible: Boundedness of the gradient.
+        morse: Regularity of the Hessian at all zeros of the gradient.
+        domain: Domain of the feedback for which the conditions hold, as a clause.
     """
 
     analytic: Condition
@@ -41,24 +41,23 @@ class Navigation(NamedTuple):
 
 
 class PotentialType(NamedTuple):
-    """The signature of a potential.
+    """Signature of a potential.
 
     Attributes:
-        name: its name in programs.
-        symbol: its symbol in the source.
-        equation: where the source defines it.
-        accepts: names of the resource types it is defined on.
-        reference: whether it compares its feedback with a reference.
-        zero_minimum: whether its minimum is known to be 0, so that a Newton step applies.
-        residual: whether it is half the square of a residual; otherwise it has a gradient only.
-        navigation: which conditions of a navigation function it meets.
-        factors: how many signals of such a type make up its feedback; ``None`` for any number.
-        implementation: ``module:function`` that makes a controller's potential.
-        field: whether it is solved for on a grid, and moves by the displacement that this gives
-            instead of a residual or a gradient of its own.
-        compares: name of its reference's type; ``None`` for that of the feedback.
-        task: name of the type that its error, gain and bounds are those of; ``None`` for that of
-            the feedback.
+        name: Name in programs.
+        symbol: Symbol in the source.
+        equation: Equation of the source that defines it.
+        accepts: Names of the resource types on which it is defined.
+        reference: True if it compares its feedback with a reference.
+        zero_minimum: True if its minimum is known to be 0, so that a Newton step applies.
+        residual: True if it is half the square of a residual; otherwise it has a gradient only.
+        navigation: Conditions of a navigation function, with the degree to which each is met.
+        factors: Number of signals of such a type in its feedback; ``None`` for any number.
+        implementation: ``module:function`` that builds a controller's potential.
+        field: True if it is solved on a grid; the solution's displacement replaces a residual or
+            a gradient.
+        compares: Type name of its reference; ``None`` for the feedback's type.
+        task: Type name of its error, gain and bounds; ``None`` for the feedback's type.
     """
 
     name: str
@@ -77,7 +76,7 @@ class PotentialType(NamedTuple):
 
     @property
     def scalar(self) -> bool:
-        """Whether phi itself is the only task coordinate."""
+        """True if phi itself is the only task coordinate."""
         return not (self.residual or self.field)
 
 
@@ -181,10 +180,10 @@ _BUILT_IN = (
 
 
 def _validate(name: str, entry: object) -> PotentialType:
-    """A potential that another package declares.
+    """Return a potential that another package declares, after validation.
 
     Raises:
-        PluginError: it is no ``PotentialType``, or claims what does not fit together.
+        PluginError: The entry is not a ``PotentialType``, or its fields are inconsistent.
     """
     if not isinstance(entry, PotentialType):
         raise PluginError(f"is a {type(entry).__name__}, not a PotentialType")
@@ -199,9 +198,9 @@ def _validate(name: str, entry: object) -> PotentialType:
 
 
 class PotentialTable(Mapping[str, PotentialType]):
-    """The potentials by name: built-in ones, and those of packages that can be used.
+    """Potentials by name: built-in ones, and those of usable packages.
 
-    Packages are looked at only for a name that is not built in, or to list all potentials.
+    Package metadata are read only for a name that is not built in, or to list all potentials.
     """
 
     def __init__(self) -> None:

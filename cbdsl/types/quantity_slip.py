@@ -1,4 +1,4 @@
-"""Slips in written quantities, and how to mend them."""
+"""Errors in written quantities, and their remedies."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 
 from cbdsl.types.unit import NUMBER, UNITS, QuantityError, is_quantity
 
-# Nobody writes a quantity at greater length, and looking at one takes the square of it.
+# Real quantities are shorter; the time of matching grows with the square of the length.
 _LONGEST = 200
 
 _UNIT = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
@@ -48,7 +48,7 @@ _OTHER_NAMES = {
 
 
 def slip_in(value: object) -> str | None:
-    """Fault of a value that should be a quantity, and its remedy, as a clause."""
+    """Return the fault of a value that should be a quantity, and its remedy, as a clause."""
     if isinstance(value, str):
         if len(value) > _LONGEST:
             return None
@@ -66,16 +66,16 @@ def slip_in(value: object) -> str | None:
 
 
 def quantity_problem(value: object, error: QuantityError) -> str:
-    """Message on a value that is no quantity: its remedy, or the unit that is wanted.
+    """Return the message for a value that is not a quantity: its remedy, or the required unit.
 
-    It is no part of the error's own message, which is made for values that may be text as well.
+    The remedy is not part of the error's message, since that also serves values that may be text.
     """
     message = str(error)
     return message.partition("; expected")[0] if "; write" in message else slip_in(value) or message
 
 
 def quantities_in(text: str) -> list[str]:
-    """The quantities that a text consists of, whatever stands between and around them."""
+    """Return the quantities of a text, without brackets and commas; empty for other contents."""
     if len(text) > _LONGEST:
         return []
     inner = text.strip().strip("[](){}").strip()
@@ -156,7 +156,7 @@ def _reversed(text: str) -> str | None:
 
 
 def _unit(text: str) -> str | None:
-    """A unit by another name, or in other letters."""
+    """Return the remedy for a unit with another name, or with wrong upper and lower case."""
     match = _WITH_UNIT.fullmatch(text)
     if match is None or match[2] in UNITS:
         return None

@@ -1,4 +1,4 @@
-"""Registries: the named things of one kind, built in or added by other packages."""
+"""Registries: named entries of one kind, built in or added by other packages."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ Entry = TypeVar("Entry")
 
 
 class PluginError(UsageError):
-    """A plug-in cannot be imported or breaks its contract; the message says how."""
+    """Error of a plug-in that cannot be imported or breaks its contract; see its message."""
 
 
 class Registry(Generic[Entry]):
-    """Named entries of one kind, imported when they are asked for.
+    """Named entries of one kind, imported on request.
 
     Package metadata are read only for a name that is not built in, or to list every entry. A faulty
-    plug-in is reported by ``faults``, and raises where it is asked for; all others stay usable.
+    plug-in is reported by ``faults``, and raises on request; all others stay usable.
 
     Args:
-        noun: name of one entry in messages, such as ``backend``.
-        group: entry point group by which packages add entries, such as ``cbdsl.backends``.
-        builtins: where each built-in entry is, ``module:attribute`` by name.
-        validate: entry of a name from the object that was imported; raises PluginError for one
-            that breaks the contract.
+        noun: Noun for one entry in messages, such as ``backend``.
+        group: Entry point group by which packages add entries, such as ``cbdsl.backends``.
+        builtins: Places of the built-in entries, ``module:attribute`` by name.
+        validate: Function that returns the entry from its name and the imported object; raises
+            PluginError for an object that breaks the contract.
     """
 
     def __init__(
@@ -46,25 +46,25 @@ class Registry(Generic[Entry]):
         self._offers: dict[str, list[EntryPoint]] | None = None
 
     def __contains__(self, name: object) -> bool:
-        """Whether a name is built in or offered by a package, faulty or not."""
+        """Return whether a name is built in or offered by a package, faulty or not."""
         return name in self._builtins or name in self._plugins()
 
     def names(self) -> tuple[str, ...]:
-        """Names of all entries, built-in ones first; those of faulty plug-ins too."""
+        """Return the names of all entries, built-in ones first, including faulty plug-ins."""
         return (*self._builtins, *self._plugins())
 
     def usable_names(self) -> tuple[str, ...]:
-        """Names of the entries that are built in, and of the plug-ins that can be used."""
+        """Return the names of the built-in entries and of the usable plug-ins."""
         self.faults()
         return tuple(name for name in self.names() if name not in self._faulty)
 
     def get(self, name: str) -> Entry:
-        """Entry of a name.
+        """Return the entry of a name.
 
         Raises:
-            UsageError: nothing has this name; the nearest one and all known ones are named.
-            PluginError: a plug-in has it that cannot be used.
-            ImportError: a built-in entry needs a package that is not installed.
+            UsageError: The name is unknown; the message lists the nearest and all known names.
+            PluginError: The plug-in of this name cannot be used.
+            ImportError: A built-in entry needs a package that is not installed.
         """
         if name in self._faulty:
             raise self._faulty[name]
@@ -73,17 +73,17 @@ class Registry(Generic[Entry]):
         return self._loaded[name]
 
     def all(self) -> dict[str, Entry]:
-        """Entries that can be used, by name, in the order of ``names``."""
+        """Return the usable entries by name, in the order of ``names``."""
         usable = {}
         for name in self.names():
             try:
                 usable[name] = self.get(name)
-            except PluginError:  # told by ``faults``
+            except PluginError:  # reported by ``faults``
                 continue
         return usable
 
     def faults(self) -> tuple[PluginError, ...]:
-        """Plug-ins that cannot be used, each with its name, group, package and fault."""
+        """Return the errors of unusable plug-ins, with name, group, package and fault."""
         faults = [
             self._fault(point, "this name is built in")
             for name, points in self._offered().items()
@@ -99,32 +99,32 @@ class Registry(Generic[Entry]):
 
     @property
     def met_faults(self) -> tuple[PluginError, ...]:
-        """Those of the faulty plug-ins that were asked for so far; none is imported for it."""
+        """Errors of the faulty plug-ins requested so far; reading it imports no plug-in."""
         return tuple(self._faulty.values())
 
     def package(self, name: str) -> str:
-        """Distribution and version that an entry comes from, ``cbdsl`` for a built-in one."""
+        """Return the distribution and version of an entry, ``cbdsl`` for a built-in one."""
         return "cbdsl" if self.is_builtin(name) else " ".join(self.distribution(name))
 
     def distribution(self, name: str) -> tuple[str, str]:
-        """Distribution that a plug-in comes from, and its version."""
+        """Return the distribution of a plug-in, and its version."""
         return _distribution(self._plugins()[name][0])
 
     def is_builtin(self, name: str) -> bool:
-        """Whether an entry is cbdsl's own."""
+        """Return whether an entry is built in."""
         return name in self._builtins
 
     def name_of(self, entry: object) -> str | None:
-        """Return the name under which an entry was asked for, if it was."""
+        """Return the name under which an entry was requested, or ``None``."""
         return next((name for name, loaded in self._loaded.items() if loaded is entry), None)
 
     @property
     def builtins(self) -> tuple[str, ...]:
-        """Names of the entries of cbdsl's own."""
+        """Names of the built-in entries."""
         return tuple(self._builtins)
 
     def fault(self, name: str, reason: str) -> PluginError:
-        """Fault of a plug-in, with its name, group and package."""
+        """Return the error of a plug-in, with its name, group and package."""
         return self._fault(self._plugins()[name][0], reason)
 
     def refresh(self) -> None:
@@ -153,7 +153,7 @@ class Registry(Generic[Entry]):
             return self._validate(name, point.load())
         except PluginError as error:
             raise self._fault(point, str(error)) from error
-        # Whatever it does at its import, it is the plug-in's fault and nobody else's.
+        # Any exception at the import of a plug-in is a fault of the plug-in.
         except (Exception, SystemExit) as error:
             reason = f"cannot be loaded: {type(error).__name__}: {error}"
             raise self._fault(point, reason) from error
@@ -163,7 +163,7 @@ class Registry(Generic[Entry]):
         return PluginError(f"{self.noun} '{point.name}' ({package}): {reason}")
 
     def _plugins(self) -> dict[str, list[EntryPoint]]:
-        """Offers of other packages, by name, in alphabetical order."""
+        """Return the entry points of other packages, by name, in alphabetical order."""
         offered = self._offered()
         return {name: offered[name] for name in sorted(offered) if name not in self._builtins}
 

@@ -1,4 +1,4 @@
-"""Resources: the named, typed signals of one robot, and where each comes from."""
+"""Resources: named, typed signals of one robot, with their sources."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from cbdsl.types.resource_type import ResourceType
 if TYPE_CHECKING:
     from cbdsl.numeric.affordance import AffordanceModel
 
-#: Beginning of the names of probabilities that a catalog predicts.
+#: Prefix of the names of probabilities that a catalog predicts.
 AFFORDS = "affords."
 
 
 class Origin(Enum):
-    """Where a signal arises (Eq 3.16); only ``ENVIRONMENT`` can be rewarded (Eq 4.3)."""
+    """Origin of a signal (Eq 3.16); only ``ENVIRONMENT`` can be rewarded (Eq 4.3)."""
 
     ENVIRONMENT = "environment"
     PROPRIOCEPTION = "proprioception"
@@ -27,15 +27,15 @@ class Origin(Enum):
 
 
 class EffectorConfiguration(NamedTuple):
-    """The joint positions of an effector or a group."""
+    """Joint positions of an effector or a group."""
 
     effector: str
 
 
 class Tip(NamedTuple):
-    """The ``position``, ``orientation`` or ``pose`` of an effector's tip, in the world frame.
+    """``position``, ``orientation`` or ``pose`` of an effector's tip, in the world frame.
 
-    Of a group: the positions of all tips.
+    For a group: the positions of all tips.
     """
 
     effector: str
@@ -43,19 +43,19 @@ class Tip(NamedTuple):
 
 
 class Centroid(NamedTuple):
-    """The mean position of a group's tips, in the world frame (Section 3.3.3.2)."""
+    """Mean position of a group's tips, in the world frame (Section 3.3.3.2)."""
 
     group: str
 
 
 class Separation(NamedTuple):
-    """The position of the second tip of a group of two relative to the first, in world axes."""
+    """Position of the second tip of a group of two relative to the first, in world axes."""
 
     group: str
 
 
 class FingerLoad(NamedTuple):
-    """The ``force``, ``torque`` or ``wrench`` a finger exerts, in the world frame."""
+    """``force``, ``torque`` or ``wrench`` that a finger exerts, in the world frame."""
 
     hand: str
     finger: str
@@ -63,27 +63,27 @@ class FingerLoad(NamedTuple):
 
 
 class NetLoad(NamedTuple):
-    """The sum over a hand's fingers of their ``force``, ``torque`` or ``wrench``."""
+    """Sum over a hand's fingers of their ``force``, ``torque`` or ``wrench``."""
 
     hand: str
     part: str
 
 
 class NetForces(NamedTuple):
-    """The net force of each hand of a group, in turn (Eq 3.34), or that of one hand."""
+    """Net force of each hand of a group, in turn (Eq 3.34), or of one hand."""
 
     group: str
 
 
 def palms_of(source: object) -> NetForces | None:
-    """Hands whose net forces have palms' normals, of a source that has such forces."""
+    """Return the hands of a source of net forces, which have palm normals, or ``None``."""
     if isinstance(source, NetLoad) and source.part == "force":
         return NetForces(source.hand)
     return source if isinstance(source, NetForces) else None
 
 
 class FingerForces(NamedTuple):
-    """The forces of all fingers of a hand, in the order of the robot file."""
+    """Forces of all fingers of a hand, in the order of the robot file."""
 
     hand: str
 
@@ -98,7 +98,7 @@ order of discovery, and "" is the one attended to.
 
 
 class Heading(NamedTuple):
-    """Where a camera sees a thing of a channel; ``cyclopean`` is the mean over the cameras."""
+    """Heading of an object of a channel in a camera; ``cyclopean`` is the mean over the cameras."""
 
     camera: str
     channel: str
@@ -106,27 +106,27 @@ class Heading(NamedTuple):
 
 
 class Headings(NamedTuple):
-    """Where each camera sees a thing of a channel, camera by camera (Eq 3.14)."""
+    """Headings of an object of a channel, camera by camera (Eq 3.14)."""
 
     channel: str
     instance: str = ""
 
 
 class StereoPosition(NamedTuple):
-    """The triangulated position of a thing of a channel, in the world frame (Eq 3.14)."""
+    """Triangulated position of an object of a channel, in the world frame (Eq 3.14)."""
 
     channel: str
     instance: str = ""
 
 
 class BlobSignal(NamedTuple):
-    """A part of the blob that a camera sees of a channel (Fig 7.15).
+    """Property of the blob of a channel in a camera's image (Fig 7.15).
 
     Attributes:
-        camera: its name.
-        channel: whose region it is.
+        camera: Name of the camera.
+        channel: Channel of the region.
         part: ``velocity``, ``extent`` or ``orientation``.
-        instance: which thing of the channel.
+        instance: Instance of the channel.
     """
 
     camera: str
@@ -136,7 +136,7 @@ class BlobSignal(NamedTuple):
 
 
 class StereoSignal(NamedTuple):
-    """The ``velocity`` or ``volume`` of what both cameras see of a channel (Section 5.3)."""
+    """``velocity`` or ``volume`` of an object of a channel in both cameras (Section 5.3)."""
 
     channel: str
     part: str
@@ -144,12 +144,12 @@ class StereoSignal(NamedTuple):
 
 
 class ConstellationSignal(NamedTuple):
-    """The constellation of two channels' blobs in a camera's image (Fig 7.15).
+    """Constellation of two channels' blobs in a camera's image (Fig 7.15).
 
     Attributes:
-        camera: its name.
-        channel: whose blob is compared.
-        other: whose blob it is compared with.
+        camera: Name of the camera.
+        channel: Channel of the compared blob.
+        other: Channel of the blob with which it is compared.
     """
 
     camera: str
@@ -158,32 +158,32 @@ class ConstellationSignal(NamedTuple):
 
 
 class StereoOffset(NamedTuple):
-    """The position of what is seen of a channel relative to that of another one."""
+    """Position of an object of a channel relative to an object of another channel."""
 
     channel: str
     other: str
 
 
 class InstanceCount(NamedTuple):
-    """How many things of a channel are remembered."""
+    """Number of remembered objects of a channel."""
 
     channel: str
 
 
 class SurfacePoint(NamedTuple):
-    """A draw from the visible points of a surface that fills the images of a channel."""
+    """Draw from the visible points of a surface that fills the images of a channel."""
 
     channel: str
 
 
 class SensorSignal(NamedTuple):
-    """A signal of a sensor of another package's kind, as a robot's document declares it.
+    """Signal of a sensor whose kind another package adds, as declared by a robot document.
 
     Attributes:
-        sensor: its name in the document.
-        kind: name of the kind.
-        part: which of the sensor's signals.
-        links: of the model, that carry it.
+        sensor: Name of the sensor in the document.
+        kind: Name of the kind.
+        part: Name of the signal among the sensor's signals.
+        links: Links of the model that carry the sensor.
     """
 
     sensor: str
@@ -193,20 +193,20 @@ class SensorSignal(NamedTuple):
 
 
 class Posture(NamedTuple):
-    """A named joint posture of the robot file."""
+    """Named joint posture of the robot file."""
 
     effector: str
     posture: str
 
 
 class UniformSample(NamedTuple):
-    """A draw from the uniform distribution between an effector's joint limits."""
+    """Draw from the uniform distribution between an effector's joint limits."""
 
     effector: str
 
 
 class GaussianSample(NamedTuple):
-    """A draw from normal distributions of an effector's joints, rad.
+    """Draw from normal distributions of an effector's joints, rad.
 
     A share of ``uniform`` of the draws is uniform between the joint limits instead.
     """
@@ -218,7 +218,7 @@ class GaussianSample(NamedTuple):
 
 
 class KernelSample(NamedTuple):
-    """A draw from Gaussian kernels around configurations of an effector, rad.
+    """Draw from Gaussian kernels around configurations of an effector, rad.
 
     A share of ``uniform`` of the draws is uniform between the joint limits instead.
     """
@@ -230,12 +230,12 @@ class KernelSample(NamedTuple):
 
 
 class NovelHeading(NamedTuple):
-    """Where the cameras see something of a channel that its background model does not expect.
+    """Heading of a region of a channel that its background model does not expect.
 
     Attributes:
-        channel: its name.
-        effector: moves the cameras.
-        expected: density of its configurations in which the channel was tracked.
+        channel: Name of the channel.
+        effector: Effector that moves the cameras.
+        expected: Density of the effector configurations in which the channel was tracked.
     """
 
     channel: str
@@ -244,11 +244,11 @@ class NovelHeading(NamedTuple):
 
 
 class MarkHeading(NamedTuple):
-    """Where the cameras see another hue on a thing than the thing's own.
+    """Heading of a mark on an object whose hue differs from the object's hue.
 
     Attributes:
-        channel: of the thing.
-        hues: channels that the mark may be of.
+        channel: Channel of the object.
+        hues: Possible channels of the mark.
     """
 
     channel: str
@@ -256,13 +256,13 @@ class MarkHeading(NamedTuple):
 
 
 class AffordanceProbability(NamedTuple):
-    """The probability that an action is rewarded, Pr(reward | f, a), as a catalog has it (6.1).
+    """Probability that an action is rewarded, Pr(reward | f, a), from a catalog (6.1).
 
     Attributes:
-        catalog: its name.
-        action: one of its actions.
-        model: of the action.
-        features: resources of its features f, in the order of the model's components.
+        catalog: Name of the catalog.
+        action: Name of one of its actions.
+        model: Affordance model of the action.
+        features: Resources of its features f, in the order of the model's components.
     """
 
     catalog: str
@@ -301,24 +301,24 @@ Source = (
 
 
 _DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
-#: Sources of what cameras see of a channel.
+#: Sources of visual signals of one channel.
 VISUAL = (
     Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint,
     NovelHeading, MarkHeading,
 )  # fmt: skip
-#: Sources of what cameras see of two channels.
+#: Sources of visual signals of two channels.
 RELATIVE = (ConstellationSignal, StereoOffset)
 
 
 class Resource(NamedTuple):
-    """A named, typed signal.
+    """Named, typed signal.
 
     Attributes:
-        name: its name in programs, such as ``right_arm.position``.
-        type: what it carries.
-        origin: where it arises.
-        source: what the signal layer has to read or compute.
-        movable: whether it can be an effector, directly or through its Jacobian (Eq 3.17).
+        name: Name in programs, such as ``right_arm.position``.
+        type: Type of its quantity.
+        origin: Origin of the signal.
+        source: Source that the signal layer reads or computes.
+        movable: True if it can be an effector, directly or through its Jacobian (Eq 3.17).
     """
 
     name: str
@@ -329,5 +329,5 @@ class Resource(NamedTuple):
 
     @property
     def is_drawn(self) -> bool:
-        """Whether it is drawn when a controller begins, and stays as it is until that ends."""
+        """True if the value is drawn when a controller begins, and is constant until its end."""
         return self.origin in _DRAWN

@@ -1,4 +1,4 @@
-"""The nominal types of sensory and motor signals (Table 3.1)."""
+"""Nominal types of sensory and motor signals (Table 3.1)."""
 
 from typing import NamedTuple, Self
 
@@ -9,11 +9,11 @@ class ResourceType(NamedTuple):
     Types are nominal: a force is not a position although both live in R^3.
 
     Attributes:
-        name: the type's name as diagnostics print it, without its size.
-        space: the mathematical space, as Table 3.1 writes it.
-        dimension: components of one value (of the tangent space for SO(3) and SE(3)).
+        name: Type name as printed in diagnostics, without its size.
+        space: Mathematical space, in the notation of Table 3.1.
+        dimension: Number of components of one value (of the tangent space for SO(3) and SE(3)).
         unit: SI unit of every component, or of translation and rotation in turn.
-        factors: how many copies of the type a product holds; 1 for a plain type.
+        factors: Number of copies of the type in a product; 1 for a plain type.
     """
 
     name: str
@@ -23,12 +23,12 @@ class ResourceType(NamedTuple):
     factors: int = 1
 
     def times(self, factors: int) -> Self:
-        """The product of ``factors`` copies of this type."""
+        """Return the product of ``factors`` copies of this type."""
         return self._replace(factors=self.factors * factors)
 
     @property
     def size(self) -> int:
-        """Components of one value, over all factors."""
+        """Number of components of one value, over all factors."""
         return self.dimension * self.factors
 
     def __str__(self) -> str:
@@ -37,7 +37,7 @@ class ResourceType(NamedTuple):
 
 
 def configuration(joints: int) -> ResourceType:
-    """The type of ``joints`` joint variables, C_n, in rad."""
+    """Return the type of ``joints`` joint variables, C_n, in rad."""
     return ResourceType("configuration", f"C_{joints}", joints, "rad")
 
 
@@ -60,11 +60,11 @@ EXTENT = ResourceType("extent", "R+^2", 2, "rad")
 AXIS = ResourceType("axis", "RP^1", 1, "rad")
 # Ratios of two blobs' axes and the angle between them (Fig 7.15); all are numbers.
 CONSTELLATION = ResourceType("constellation", "R+^2 x RP^1", 3, "1")
-# From one thing to another, in world axes.
+# Vector from one object to another, in world axes.
 OFFSET = ResourceType("offset", "R^3", 3, "m")
 
 #: All types, by name: those of Table 3.1, where ``configuration`` stands for every C_n, and those
-#: of features that are derived from what is seen (Section 5.3, Fig 7.15).
+#: of features that are derived from images (Section 5.3, Fig 7.15).
 TYPES: dict[str, ResourceType] = {
     kind.name: kind
     for kind in (

@@ -23,18 +23,18 @@ STATE = r"^[X01-]+$"
 
 
 def matches(pattern: str, state: str) -> bool:
-    """Whether a state matches a pattern of the same length; of a pattern, all of its states."""
+    """Return whether a state, or all states of a pattern, match a pattern of the same length."""
     return all(letter in (ANY, own) for letter, own in zip(pattern, state, strict=True))
 
 
 def at_rest_anew(before: str, after: str) -> bool:
-    """Whether a member is at rest in the later of two states that was not so in the earlier."""
+    """Return whether a member is quiescent in the later state but not in the earlier one."""
     rest = Predicate.QUIESCENT
     return any(now == rest != then for then, now in zip(before, after, strict=True))
 
 
 def overlap(one: str, other: str) -> str | None:
-    """Pattern of the states that match both of two patterns, ``None`` where there are none."""
+    """Return the pattern of the states that match two patterns, or ``None`` for no such state."""
     letters = []
     for a, b in zip(one, other, strict=True):
         if a != b and ANY not in (a, b):
@@ -44,10 +44,10 @@ def overlap(one: str, other: str) -> str | None:
 
 
 def split(region: str, pattern: str) -> Iterator[str]:
-    """Parts of a region, one per predicate at the first place that only the pattern fixes.
+    """Yield parts of a region, one per predicate at the first place that only the pattern fixes.
 
-    A region is a pattern, too. The part that differs from the pattern there has no state in common
-    with it; where the pattern fixes no more than the region, there is nothing to split.
+    A region is a pattern, too. A part with another predicate at this place shares no state with
+    the pattern. If the pattern fixes no more places than the region, no part is yielded.
     """
     pairs = enumerate(zip(region, pattern, strict=True))
     place = next((i for i, (own, letter) in pairs if own == ANY != letter), None)
@@ -57,5 +57,5 @@ def split(region: str, pattern: str) -> Iterator[str]:
 
 
 def closest_first(patterns: Iterable[str]) -> list[str]:
-    """Patterns by their number of wildcards: the first that matches a state decides it."""
+    """Return patterns sorted by their number of wildcards; the first match of a state applies."""
     return sorted(patterns, key=lambda pattern: pattern.count(ANY))

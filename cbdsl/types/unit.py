@@ -4,14 +4,14 @@ import math
 import re
 from typing import NamedTuple
 
-#: A pattern of numbers as people write them.
+#: Regular expression of a decimal number.
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(rf"^\s*({NUMBER})\s*(\S.*?)?\s*$")
 _DECIMAL_COMMA = r"^\s*([+-]?\d+),(\d+(?:\s*[a-zA-Z/][\w/^ ]*)?)\s*$"
 
 
 class Unit(NamedTuple):
-    """A unit of one dimension: ``factor`` times the SI unit of ``dimension``."""
+    """Unit of one dimension: ``factor`` times the SI unit of ``dimension``."""
 
     symbol: str
     dimension: str
@@ -49,17 +49,17 @@ UNITS: dict[str, Unit] = _units()
 
 
 class QuantityError(ValueError):
-    """A text is no quantity, or one of another dimension; the message says which."""
+    """Error of a text that is not a quantity, or has another dimension; see its message."""
 
 
 def parse_quantity(text: str) -> tuple[float, Unit | None]:
     """Read a number and its unit.
 
     Returns:
-        The value in SI and the unit, or ``None`` where no unit was written.
+        The value in SI, and the unit or ``None`` if no unit was written.
 
     Raises:
-        QuantityError: the text is no number, or its unit is unknown.
+        QuantityError: The text is not a number, or its unit is unknown.
     """
     if "," in text and (comma := re.match(_DECIMAL_COMMA, text)):
         raise QuantityError(f"'{text}' has a decimal comma; write '{comma[1]}.{comma[2]}'")
@@ -76,7 +76,7 @@ def parse_quantity(text: str) -> tuple[float, Unit | None]:
 
 
 def is_quantity(text: str) -> bool:
-    """Whether a text is a number, with a unit or without."""
+    """Return whether a text is a number, with or without a unit."""
     try:
         parse_quantity(text)
     except QuantityError:
@@ -88,7 +88,7 @@ def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:
     """Read a value given as an SI number or as text with a unit of one of ``dimensions``.
 
     Raises:
-        QuantityError: it is neither, is not finite, or has a unit of another dimension.
+        QuantityError: The value is neither, is not finite, or has a unit of another dimension.
     """
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise QuantityError(f"expected {_wanted(dimensions)}")
