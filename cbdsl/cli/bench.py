@@ -14,13 +14,13 @@ from cbdsl.robot.urdf_reader import read_urdf
 
 
 class Bench(NamedTuple):
-    """A table in front of a robot, and where things lie on it.
+    """Table in front of a robot, and the region of objects on it.
 
     Attributes:
-        size: edge lengths of its top, m.
-        position: of its centre, m.
-        x, y: where things lie, from and to, m.
-        radius: of a ball, least and most, m.
+        size: Edge lengths of the table top, m.
+        position: Position of the centre of the table top, m.
+        x, y: Minimum and maximum coordinates of objects, m.
+        radius: Minimum and maximum radius of a ball, m.
     """
 
     size: Vector
@@ -30,18 +30,19 @@ class Bench(NamedTuple):
     radius: tuple[float, float]
 
     def values(self) -> dict[str, str]:
-        """The places of the stage's template, in centimetres."""
+        """Return the values of the stage template's placeholders, in centimetres."""
         fields = {name: ", ".join(map(_centimetres, each)) for name, each in self._asdict().items()}
         return {name: f"[{text}]" for name, text in fields.items()}
 
 
-# For a robot whose limbs nobody can tell, m.
+# Bench for a robot without recognizable limbs, m.
 _ANY = Bench((0.6, 1.2, 0.04), (0.6, 0.0, -0.44), (0.4, 0.8), (-0.4, 0.4), (0.03, 0.05))
-# Parts of a limb's length: how far away the middle of the table is, at least and most; how deep,
-# wide and thick it is; how far around its middle things lie, how large a ball is, and how far the
-# table is below a tip that hangs down.
+# Fractions of a limb's length: least and greatest distance of the table's centre; depth, width and
+# thickness of the table; greatest offset of objects from its centre; minimum radius of a ball;
+# distance of the table below a tip that hangs down.
 _AWAY, _DEEP, _WIDE, _THICK, _AROUND, _BALL, _BELOW = (0.45, 0.6), 0.4, 0.8, 0.03, 0.12, 0.03, 0.1
-# A limb that begins and ends this far above its robot's base works on what that stands on.
+# Fractions of a limb's length. A limb whose shoulder and tip are this far above the robot's base
+# works on the surface on which the robot stands.
 _BASE, _STANDING = 0.02, 0.1
 
 
@@ -57,14 +58,14 @@ def bench(robot: RobotDocument, file: Path) -> Bench:
     try:
         model = read_urdf(file.parent / robot.model)
     except UrdfError:
-        return _ANY  # the model has findings of its own
+        return _ANY  # the model has its own diagnostics
     limbs = [each for each in robot.effectors.values() if _is_limb(model, each)]
     most = max((len(each.joints) for each in limbs), default=0)
     return _before([_Limb(model, each) for each in limbs if len(each.joints) == most])
 
 
 def _is_limb(model: UrdfModel, limb: Effector) -> bool:
-    """Whether an effector can be put somewhere, and a model has its joints and its tip."""
+    """Return whether an effector can be positioned, and a model has its joints and its tip."""
     return (
         len(limb.joints) >= PLACING
         and limb.tip is not None
@@ -74,7 +75,7 @@ def _is_limb(model: UrdfModel, limb: Effector) -> bool:
 
 
 class _Limb:
-    """A limb where its episodes begin: its length, shoulder, tip and its lowest posture, m."""
+    """Limb at the start of episodes: its length, shoulder, tip and lowest posture, m."""
 
     def __init__(self, model: UrdfModel, limb: Effector) -> None:
         assert limb.tip is not None

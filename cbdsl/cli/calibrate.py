@@ -1,4 +1,4 @@
-"""``cb calibrate``: find where a robot's cameras are by what its own hand shows them."""
+"""``cb calibrate``: estimation of camera poses from a ball in the robot's hand."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def calibrate(
 def _request(
     robot: str, program: str, stage: str | None, body: int | None, with_: list[str]
 ) -> RunRequest:
-    """The program that shows the ball, of an uncalibrated robot."""
+    """Return the request of the program that shows the ball, for an uncalibrated robot."""
     from cbdsl.api.run_request import read_request
     from cbdsl.calibration.watching import require_sight_and_touch
     from cbdsl.cli.assignments import read_assignments
@@ -164,7 +164,7 @@ def _estimates(
 
 
 def _identity(request: RunRequest, origin: CalibrationOrigin) -> dict[str, Any]:
-    """All that the views depend on."""
+    """Return all data on which the views depend."""
     from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.documents.digest import digest
 
@@ -249,7 +249,7 @@ def _as_json(document: CalibrationDocument, target: Path) -> dict[str, Any]:
 
 
 def _summary(document: CalibrationDocument, target: Path) -> str:
-    """The outcome for people."""
+    """Return the result as text."""
     lines = []
     for name, camera in document.cameras.items():
         x, y, z = (1000 * value for value in camera.position)

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from cbdsl.yaml_text.document_folder import DocumentFolder
     from cbdsl.yaml_text.library import Library
 
-#: Word that stands for the standard input.
+#: Word for the standard input.
 STANDARD_INPUT = "-"
 
 

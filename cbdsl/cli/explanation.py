@@ -1,4 +1,4 @@
-"""An entry of the catalogue as text, and the catalogue as a page of documentation."""
+"""Catalogue entries as text, and the catalogue as a page of documentation."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def _section(entry: Entry) -> str:
 
 
 def _difference(entry: Entry) -> Iterator[str]:
-    """The lines of both examples; none where the bad one is no file at all."""
+    """Yield the lines of both examples; none if the bad example has no file."""
     if entry.bad is None:
         return
     bad, good = _shown(entry.bad), _shown(entry.good)
@@ -55,6 +55,6 @@ def _difference(entry: Entry) -> Iterator[str]:
 
 
 def _shown(example: str | bytes) -> list[str]:
-    """The lines of an example, with what cannot be seen written as escapes."""
+    """Return the lines of an example, with unprintable characters written as escapes."""
     text = example if isinstance(example, str) else example.decode("utf-8", "backslashreplace")
     return [legible(line) for line in text.splitlines()]

@@ -1,4 +1,4 @@
-"""Progress of ``cb explore``: one line per action, and what is worth a sentence."""
+"""Progress of ``cb explore``: one line per action, and remarks."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _GONE, _RECENT = 5, 20
 
 
 class ExplorationProgress:
-    """Prints what became of each action.
+    """Printer of the outcome of each action.
 
     Args:
-        total: how many there are at most.
-        as_json: whether scripts are told, instead of people.
-        looks_ahead: whether outcomes say what is seen after them.
+        total: Maximum number of actions.
+        as_json: True for output as JSON.
+        looks_ahead: True if outcomes include the observation after the action.
     """
 
     def __init__(self, total: int, *, as_json: bool = False, looks_ahead: bool = True) -> None:
@@ -31,7 +31,7 @@ class ExplorationProgress:
     def note(
         self, number: int, step: ExplorationStep, outcome: ActionOutcome, seconds: float
     ) -> None:
-        """An action is over; see ``ExplorationObserver``."""
+        """Report a finished action; see ``ExplorationObserver``."""
         self._seconds.append(seconds)
         if self._as_json:
             self._print_json(number, step, outcome)

@@ -1,4 +1,4 @@
-"""``cb explore``: find out by acting what an object affords."""
+"""``cb explore``: exploration of an object's affordances by actions."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def _run(
 
 
 def _command(context: typer.Context) -> str:
-    """Command that explores the same again, in one spelling, however it was typed."""
+    """Return the command that repeats the exploration, in a canonical spelling."""
     import shlex
 
     given = context.params | {"out": context.params["out"].name}

@@ -1,4 +1,4 @@
-"""``cb explore --thing``: find out by acting which thing stays on which."""
+"""``cb explore --thing``: exploration of stable pairs of objects by actions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.training.pair_task import PairTask
 
-# What means something for the actions of one thing alone.
+# Options that apply only to the actions of a single object.
 _OF_ONE = (
     "feature", "between", "algorithm", "join", "live", "live_port", "live_wait", "live_close",
     "fast",

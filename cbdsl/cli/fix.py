@@ -9,7 +9,7 @@ from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
 from cbdsl.editor.fixes import fixed
 from cbdsl.errors.errors import DiagnosticsError
 
-# A name that is right at last may show that another one is wrong.
+# The correction of one name may reveal another misspelled name.
 _ROUNDS = 5
 
 
@@ -42,7 +42,7 @@ def fix_paths(paths: Iterable[str], values: Mapping[str, str]) -> None:
 
 
 def _fix_once(words: Iterable[str], values: Mapping[str, str]) -> list[Path]:
-    """Correct each file once; those that changed."""
+    """Correct each file once, and return the changed files."""
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
     from cbdsl.yaml_text.library import Library

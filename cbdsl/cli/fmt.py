@@ -45,7 +45,7 @@ def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
 
 
 def _print_formatted() -> int:
-    """Format the standard input onto the standard output; the exit code."""
+    """Format the standard input onto the standard output, and return the exit code."""
     from cbdsl.cli.standard_streams import read_standard_input
     from cbdsl.yaml_text.composer import MOST_BYTES
     from cbdsl.yaml_text.reader import decode
@@ -57,7 +57,7 @@ def _print_formatted() -> int:
 
 
 def _format(file: Path, *, check: bool, diff: bool, is_named: bool) -> bool:
-    """Format a file; whether it was, or would be, changed."""
+    """Format a file, and return whether it was, or would be, changed."""
     from cbdsl.yaml_text.reader import read_text
     from cbdsl.yaml_text.writer import write_text
 
@@ -74,12 +74,12 @@ def _format(file: Path, *, check: bool, diff: bool, is_named: bool) -> bool:
 
 
 def _formatted(text: str, file: Path, is_named: bool) -> str:
-    """The text of a document in its layout; that of other YAML as it is.
+    """Return the formatted text of a document, or the unchanged text of other YAML.
 
     Args:
         text: Text of the file.
-        file: The file.
-        is_named: True if the user named it, who is then warned if it is no document.
+        file: Path of the file.
+        is_named: True if the user named the file; then a warning is printed for other YAML.
     """
     from cbdsl.cli.terminal import print_problem
     from cbdsl.documents.ownership import is_declared

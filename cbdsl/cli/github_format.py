@@ -1,4 +1,4 @@
-"""Findings as GitHub shows them beside the lines of a pull request: workflow commands."""
+"""Diagnostics as workflow commands, which GitHub shows beside the lines of a pull request."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.errors.diagnostic import Diagnostic, Severity
 
 _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
-# What a workflow command may not hold as it is; the sign of the escapes comes first.
+# Escapes of characters that workflow commands reserve; the escape sign itself comes first.
 _IN_MESSAGES = {"%": "%25", "\r": "%0D", "\n": "%0A"}
 _IN_PROPERTIES = {**_IN_MESSAGES, ":": "%3A", ",": "%2C"}
 
@@ -38,7 +38,7 @@ def _annotation(diagnostic: Diagnostic) -> str:
 
 
 def _message(diagnostic: Diagnostic) -> str:
-    """The message, the suggested name, and the related places."""
+    """Return the message, the suggested name, and the related places."""
     suggestion = [f"did you mean '{diagnostic.nearest}'?"] if diagnostic.nearest else []
     related = [f"{related.place}: {related.message}" for related in diagnostic.related]
     return "\n".join([diagnostic.message, *suggestion, *related])

@@ -1,4 +1,4 @@
-"""Findings without those that comments silence, and what is wrong with such comments."""
+"""Suppression of diagnostics by comments, and diagnostics on such comments."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def _ignores(path: Path, library: Library) -> list[Ignore]:
     try:
         text = library.text(path)
     except DiagnosticsError:
-        return []  # it cannot be read, which is a finding already
-    # Most texts have none, and to find that out takes no parser.
+        return []  # the unreadable file has a diagnostic already
+    # Most texts have no such comment; this test avoids the parser.
     if "cb: ignore" not in text:
         return []
     from cbdsl.yaml_text.ignores import read_ignores

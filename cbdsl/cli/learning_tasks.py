@@ -82,8 +82,8 @@ class Supervision:
     """Supervisor that prints the progress of trials from their journals.
 
     Args:
-        tasks: the trials.
-        progress: is told of their episodes.
+        tasks: Learning tasks of the trials.
+        progress: Progress display that is notified of their episodes.
     """
 
     def __init__(self, tasks: Sequence[LearningTask], progress: LearningProgress) -> None:
@@ -101,7 +101,7 @@ class Supervision:
                 progress.begin(task.number, follower.identity["renderer"], finished)
 
     def look(self, workers: int) -> None:
-        """See ``Supervisor.look``."""
+        """Report new episodes; see ``Supervisor.look``."""
         if workers != self._workers:
             self._workers = workers
             self._progress.at_once = max(1, min(workers, len(self._followers)))
@@ -124,21 +124,21 @@ class Supervision:
         return len(entries)
 
     def done(self, task: LearningTask, files: Sequence[Path]) -> None:
-        """See ``Supervisor.done``."""
-        self.look(self._workers)  # an episode is told before the files in which it is
+        """Report the files of a trial; see ``Supervisor.done``."""
+        self.look(self._workers)  # episodes are reported before the files that hold them
         _print_files(files)
 
     def failed(self, task: LearningTask, error: Exception) -> None:
-        """See ``Supervisor.failed``."""
+        """Report a failed trial; see ``Supervisor.failed``."""
         reason = _reason(task, error)
         self._failures.setdefault(reason, []).append(task.number)
         print(f"trial {task.number} cannot go on: {reason}", flush=True)
 
     def conclude(self) -> None:
-        """Raise what is missing at the end.
+        """Raise the failures of all trials at the end.
 
         Raises:
-            UsageError: a trial failed.
+            UsageError: A trial failed.
         """
         from cbdsl.errors.errors import UsageError
 
@@ -162,7 +162,7 @@ def _progress(tasks: Sequence[LearningTask], at_once: int) -> LearningProgress:
 
 @contextmanager
 def _explained(*tasks: LearningTask) -> Iterator[None]:
-    """Turn what stops trials into one message, with what is kept."""
+    """Convert errors and interrupts of trials to one message that names the kept files."""
     from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
     from cbdsl.runtime.line_journal import JournalError
@@ -187,7 +187,7 @@ def _reason(task: LearningTask, error: Exception) -> str:
 
 
 def _kept(tasks: Sequence[LearningTask]) -> str:
-    """Clause that names the journals of finished episodes."""
+    """Return a clause that names the journals of finished episodes."""
     journals = [each.journal for each in tasks if each.journal.exists()]
     if not journals:
         return ""

@@ -1,4 +1,4 @@
-"""A policy as text for a terminal of 80 columns."""
+"""Policies as text for a terminal of 80 columns."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _rows(known: Iterable[Decision]) -> Iterator[tuple[str, ...]]:
 
 
 def _table(rows: Iterable[Sequence[str]]) -> Iterator[str]:
-    """Rows below their headings; the first two columns are words, the others are numbers."""
+    """Yield the lines of a table; the first two columns are words, the others are numbers."""
     cells = list(rows)
     filled = [any(row[place] for row in cells[1:]) for place in range(len(cells[0]))]
     kept = [[cell for cell, keep in zip(row, filled, strict=True) if keep] for row in cells]
@@ -72,7 +72,7 @@ def _table(rows: Iterable[Sequence[str]]) -> Iterator[str]:
 
 
 def _tree(graph: PolicyTransitions) -> Iterator[str]:
-    """States below those that they follow; what followed a state is told where it comes first."""
+    """Yield lines of states below their predecessors; expand each state at its first line."""
     known = {decision.state: decision for decision in graph.decisions}
     shown: set[str] = set()
     for decision in graph.decisions:

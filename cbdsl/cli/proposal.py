@@ -1,4 +1,4 @@
-"""A robot document proposed from a URDF model."""
+"""Robot documents proposed from URDF models."""
 
 from __future__ import annotations
 
@@ -30,30 +30,30 @@ _COMMENT = TextWrapper(
     break_long_words=False,
     break_on_hyphens=False,
 )
-# What every YAML takes for a text without quotes, and not for a number, truth or nothing.
+# Unquoted texts that every YAML parser reads as strings, not as numbers, booleans or null.
 _PLAIN = re.compile(
     r"(?!(?:true|false|null|yes|no|on|off|y|n)\Z)[A-Za-z_][\w./-]*\Z", re.ASCII | re.IGNORECASE
 )
 
 
-# A margin at the limits that is usual, rad or m, and how much of a joint's range it may be.
+# Usual margin at the limits, rad or m, and its greatest share of a joint's range.
 _MOST_MARGIN = 0.01
 _SHARE = 0.05
-# Words for a side in the name of an effector, and how many joints a limb has at least.
+# Words for a side in the name of an effector, and the minimum number of joints of a limb.
 _SIDE = re.compile(r"(?:^|_)(?:left|right|l|r)(?=_|$)", re.IGNORECASE)
 _LIMB = 3
-# How far a limb is turned at its first joint to be beside where it was, rad.
+# Rotation of a limb at its first joint for a posture beside the first posture, rad.
 _ASIDE = math.radians(30)
 _UNGROUPED = UnsupportedJoint("in no group of the SRDF", "give them an effector")
 
 
 class Proposal(NamedTuple):
-    """A robot document to start from.
+    """Draft of a robot document.
 
     Attributes:
-        values: the parts of the document, as text for its template.
-        left_out: how many joints of the model it leaves out, by what they are; or nothing.
-        remarks: sentences on links that touch each other where the robot starts.
+        values: Parts of the document, as text for its template.
+        left_out: Numbers of omitted joints of the model by reason, as text; may be empty.
+        remarks: Sentences on links that touch each other in the start posture.
     """
 
     values: dict[str, str]
@@ -104,7 +104,7 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
 
 
 def _rows(model: UrdfModel) -> dict[str, SemanticGroup]:
-    """Rows of joints, for want of groups that somebody has named."""
+    """Return the chains of joints as effectors, for a model without named groups."""
     return {chain.name: SemanticGroup(chain.joints, chain.tip, {}) for chain in chains(model)}
 
 
@@ -112,7 +112,7 @@ _TIP = "  # The frame that has a position and an orientation; its offset is in t
 
 
 def _offset(model: UrdfModel, effector: SemanticGroup) -> Numbers:
-    """Place of an effector's tip in the tip's link, m."""
+    """Return the position of an effector's tip in the frame of the tip's link, m."""
     if effector.tip is None:
         return (0.0, 0.0, 0.0)
     return tip_offset(model, effector.joints[-1], effector.tip)
@@ -133,9 +133,10 @@ def _effector(name: str, effector: SemanticGroup, offset: Numbers, postures: Pos
 
 
 def _proposed(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> Postures:
-    """A posture to start from, from which the tip can go every way, and another to go to.
+    """Return a start posture in which the tip can move in all directions, and another posture.
 
-    That is the model's own, where the limb is clear of itself and the ground there, or beside it.
+    The other posture is the model's own if the limb is clear of itself and the ground there. Else
+    it is the start posture, turned aside at the first joint.
     """
     plain = tuple(at_first(joint) for joint in effector.joints)
     if effector.tip is None:
@@ -163,7 +164,7 @@ def _postures(joints: Sequence[UrdfJoint], postures: Mapping[str, Sequence[float
 
 
 def _coordinate(joint: UrdfJoint, position: float) -> str:
-    """A position with its unit; whole degrees as such."""
+    """Return a position with its unit; whole degrees are written in degrees."""
     if joint.slides:
         return f"{position:.7g} m" if position else "0"
     degrees = math.degrees(position)
@@ -172,13 +173,13 @@ def _coordinate(joint: UrdfJoint, position: float) -> str:
 
 
 def _margin(effectors: Mapping[str, SemanticGroup]) -> float:
-    """Distance that joints keep from their limits: little of the smallest range, rad or m."""
+    """Return the distance of joints from their limits, at most 5 % of the smallest range."""
     ranges = [j.upper - j.lower for each in effectors.values() for j in each.joints]
     return min(_MOST_MARGIN, _SHARE * min(ranges, default=math.inf))
 
 
 def _alike(effectors: Mapping[str, SemanticGroup]) -> dict[str, tuple[str, ...]]:
-    """Groups of effectors that differ in their side alone, or of all limbs that are alike."""
+    """Return groups of effectors that differ only in their side, or of all similar limbs."""
     pairs: dict[tuple[str, int], list[str]] = {}
     for name, effector in effectors.items():
         kind = _SIDE.sub("_", name).strip("_")
@@ -193,12 +194,12 @@ def _alike(effectors: Mapping[str, SemanticGroup]) -> dict[str, tuple[str, ...]]
 
 
 def _plural(kind: str) -> str:
-    """A name for two effectors of a kind, which may be nothing but a number."""
+    """Return a name for two effectors of a kind; the kind may consist of digits only."""
     return f"{kind}s" if kind[:1].isalpha() else f"both_{kind}".strip("_")
 
 
 def _groups(groups: Mapping[str, Sequence[str]]) -> str:
-    """Lines of effectors that programs can name together."""
+    """Return the lines of effector groups that programs can name."""
     lines = [f"  {name}: {{members: [{', '.join(each)}]}}\n" for name, each in groups.items()]
     return (
         "".join(("\n# Effectors that programs can name together.\ngroups:\n", *lines))
@@ -208,7 +209,7 @@ def _groups(groups: Mapping[str, Sequence[str]]) -> str:
 
 
 def _simulation(separated: Sequence[tuple[str, str]], contacts: StartContacts) -> str:
-    """Lines of links whose contacts are ignored."""
+    """Return the lines of links whose contacts are ignored."""
     known = {frozenset(pair) for pair in separated}
     sections = {
         "as the SRDF says": separated,
@@ -229,7 +230,7 @@ def _simulation(separated: Sequence[tuple[str, str]], contacts: StartContacts) -
 
 
 def _remarks(contacts: StartContacts) -> Iterator[str]:
-    """Sentences on links that touch each other."""
+    """Yield sentences on links that touch each other."""
     if contacts.unknown:
         yield f"links that touch each other were not looked for; {contacts.unknown}"
     if contacts.there:
@@ -254,7 +255,7 @@ def _limits(joint: UrdfJoint) -> str:
 
 
 def _passive(model: UrdfModel, effectors: Mapping[str, SemanticGroup]) -> dict[str, Mimic]:
-    """The passive joints that follow one that an effector moves, and how."""
+    """Return the passive joints that mimic an effector's joint, with their mimic relation."""
     actuated = {joint.name for effector in effectors.values() for joint in effector.joints}
     return {
         joint.name: joint.mimic
@@ -279,7 +280,7 @@ def _coupling(joint: UrdfJoint, mimic: Mimic) -> str:
 def _left_out(
     model: UrdfModel, effectors: Mapping[str, SemanticGroup]
 ) -> dict[UnsupportedJoint, list[UrdfJoint]]:
-    """The joints that are in no effector and in no coupling, by the reason."""
+    """Return the joints that are in no effector and in no coupling, by reason."""
     named = {joint.name for effector in effectors.values() for joint in effector.joints}
     named.update(_passive(model, effectors))
     others = [joint for name, joint in model.joints.items() if name not in named]
@@ -289,7 +290,7 @@ def _left_out(
 
 
 def _comment(idle: Mapping[UnsupportedJoint, Sequence[UrdfJoint]]) -> str:
-    """Lines that say which joints were left out, and why."""
+    """Return comment lines that list the omitted joints with the reasons."""
     if not idle:
         return ""
     lines = ["", "# Joints of the model that programs cannot move:"]
@@ -301,7 +302,7 @@ def _comment(idle: Mapping[UnsupportedJoint, Sequence[UrdfJoint]]) -> str:
 
 
 def _nothing_to_move(model: UrdfModel) -> str:
-    """A sentence about the joints of a model of which none can be actuated."""
+    """Return a sentence on the joints of a model without actuated joints."""
     reasons = []
     for why, joints in unsupported_joints(model.joints.values()).items():
         verb = "is" if len(joints) == 1 else "are"
@@ -312,12 +313,12 @@ def _nothing_to_move(model: UrdfModel) -> str:
 
 
 def _word(why: UnsupportedJoint) -> str:
-    """The reason why joints are left out, in a word or two."""
+    """Return the reason why joints are omitted, in a word or two."""
     return why.trait.partition(",")[0]
 
 
 def _scalar(text: str) -> str:
-    """A text as YAML; what is valid JSON is."""
+    """Return a text as a YAML scalar, quoted as in JSON if necessary."""
     if _PLAIN.match(text):
         return text
     return seen(json.dumps(text, ensure_ascii=False), lambda sign: f"\\u{ord(sign):04x}")

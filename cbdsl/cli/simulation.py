@@ -1,4 +1,4 @@
-"""The backend that a command runs programs on."""
+"""Backend on which a command runs programs."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def needing_simulation() -> Iterator[None]:
             f"running needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
         ) from error
     except ImportError as error:
-        # A package is there, but not a system library that it needs, such as libgomp.
+        # A package is installed, but it lacks a system library, such as libgomp.
         raise UsageError(
             f"running needs more than is installed: {error}; docs/how_to/install.md lists the "
             "packages of Debian, such as libgomp1"

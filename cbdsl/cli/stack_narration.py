@@ -1,4 +1,4 @@
-"""Output of ``cb run --explain``: why each level of the stack moves as it does."""
+"""Output of ``cb run --explain``: the causes of the motion of each level of the stack."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _HEADINGS = ("level", "phi", "predicted", "measured", "achieved", "rank", "s_min
 
 
 class StackNarration:
-    """Prints a table of the levels at every transition, and every second between them.
+    """Printer of a table of the levels at every transition, and every second between them.
 
-    ``predicted`` and ``measured`` are the changes of phi since the last table: what the law's steps
-    were to do to first order, and what happened.
+    ``predicted`` and ``measured`` are the changes of phi since the last table: the first-order
+    prediction from the law's steps, and the actual change.
     """
 
     def __init__(self) -> None:
@@ -30,17 +30,17 @@ class StackNarration:
         self._printed = 0.0
         self._changes: dict[str, tuple[float, float]] = {}
         self._last = TickExplanation((), ())
-        # Guards that held since the last table, and for how many ticks.
+        # Number of ticks since the last table in which each guard held.
         self._held: Counter[str] = Counter()
         self._ticks = 0
 
     def note_transition(self, transition: Transition) -> None:
-        """Tell of the levels that led to this transition, once for all that end with them."""
+        """Print the levels that led to a transition, once for simultaneous transitions."""
         if self._changes:
             self._tell(transition.time)
 
     def note_tick(self, tick: Tick) -> None:
-        """Take in a tick; to be called once for each."""
+        """Record a tick; call it once per tick."""
         self._last = self._explanation.note(tick)
         self._held.update(self._last.guards)
         self._ticks += 1
@@ -69,7 +69,7 @@ class StackNarration:
 
 
 def _sum(so_far: float, change: float) -> float:
-    """The sum of a change and the changes before; NaN stands for none so far."""
+    """Return the sum of a change and the earlier changes; NaN means no earlier change."""
     return change if math.isnan(so_far) else so_far + change
 
 
@@ -81,7 +81,7 @@ def _row(level: LevelExplanation, changes: tuple[float, float]) -> tuple[str, ..
 
 
 def _others(level: LevelExplanation) -> str:
-    """Effect of other levels, or of limits, on it."""
+    """Return the effect of other levels, or of limits, on a level."""
     if level.pushed_by:
         return f"pushed on by {level.pushed_by}"
     return f"held by {level.held_by}" if level.held_by else ""
@@ -92,7 +92,7 @@ def _number(value: float, how: str = ".3g") -> str:
 
 
 def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Names to the left, numbers to the right."""
+    """Return the lines of a table, with names aligned left and numbers aligned right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
     for row in rows:

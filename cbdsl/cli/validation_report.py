@@ -1,4 +1,4 @@
-"""The result of ``cb validate``, before it is formatted."""
+"""Result of ``cb validate``, before it is formatted."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from cbdsl.errors.diagnostic import Diagnostic, Severity
 
 
 class ValidationReport(NamedTuple):
-    """The findings of one run.
+    """Diagnostics of one run.
 
     Attributes:
-        findings: by file and place.
-        documents: how many were checked.
-        left_out: how many more findings there are than any person could mend at once.
-        text_of: the text of a file, or ``None`` where it has none.
+        findings: Diagnostics by file and place.
+        documents: Number of checked documents.
+        left_out: Number of diagnostics omitted beyond the limit per file.
+        text_of: Function that returns the text of a file, or ``None`` if it has none.
         others: Number of YAML files of other tools that were skipped.
         unreadable: Number of folders that cannot be read.
     """
@@ -29,21 +29,21 @@ class ValidationReport(NamedTuple):
 
     @property
     def errors(self) -> int:
-        """How many findings are errors."""
+        """Number of errors."""
         return self._count(Severity.ERROR)
 
     @property
     def warnings(self) -> int:
-        """How many findings are warnings."""
+        """Number of warnings."""
         return self._count(Severity.WARNING)
 
     @property
     def notes(self) -> int:
-        """How many findings tell what is assumed, and ask for nothing."""
+        """Number of notes, which state assumptions and require no action."""
         return self._count(Severity.NOTE)
 
     def without_notes_elsewhere(self, files: Collection[str]) -> ValidationReport:
-        """The same without the notes on other files than these."""
+        """Return the report without notes on files other than these."""
         kept = (
             finding
             for finding in self.findings

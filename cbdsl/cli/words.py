@@ -1,4 +1,4 @@
-"""The words that ``cb`` is called with."""
+"""Command-line words of ``cb``."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def asks_for_backends(words: Sequence[str]) -> bool:
 
 
 def _backends() -> Sequence[str]:
-    """Names of all backends."""
+    """Return the names of all backends."""
     from cbdsl.cli.simulation import needing_simulation
 
     with needing_simulation():

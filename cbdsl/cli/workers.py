@@ -1,4 +1,4 @@
-"""Workers: how many processes a machine bears, and who may reach those of a cluster."""
+"""Checks of workers: their number on this machine, and the security of a cluster."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ class ReasonedPolicy(Protocol):
     reason: str
 
     def choose(self, state: str, *, changed: bool) -> str | None:
-        """See ``Policy.choose``."""
+        """Choose the next action; see ``Policy.choose``."""
         ...
 
 
@@ -44,7 +44,7 @@ class DeferredPolicy:
     """
 
     def choose(self, state: str, *, changed: bool) -> str | None:
-        """See ``Policy.choose``.
+        """Refuse to choose an action; see ``Policy.choose``.
 
         Raises:
             TypeError: Always; the choice is not made here.
@@ -65,7 +65,7 @@ class WrittenPolicy:
         self._known: dict[str, str | None] = {}
 
     def choose(self, state: str, *, changed: bool) -> str | None:
-        """See ``Policy.choose``."""
+        """Choose the next action; see ``Policy.choose``."""
         if not changed:
             return None
         if state not in self._known:
