@@ -1,4 +1,4 @@
-"""``cb explain``: what the code of a finding means."""
+"""``cb explain``: meaning of the code of a diagnostic."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def _entries(code: str | None, every: bool) -> list[Entry]:
 
 
 def _suggestion(code: str, known: Iterable[str]) -> str:
-    """The question for the nearest code; all begin alike, which says nothing."""
+    """Return the question for the nearest code, without regard to the common prefix."""
     from cbdsl.errors.nearest import nearest_name
 
     numbers = {each.removeprefix("CB"): each for each in known}

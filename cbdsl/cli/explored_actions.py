@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 
 class ActionText(NamedTuple):
-    """An action as it is typed.
+    """Action as typed on the command line.
 
     Attributes:
-        label: its name in the catalog.
-        program: a file or a name.
-        values: of the program's parameters.
+        label: Name in the catalog.
+        program: File or name of a program.
+        values: Values of the program's parameters.
     """
 
     label: str

@@ -1,4 +1,4 @@
-"""Pairs of things of ``cb explore --thing``, read from what is typed."""
+"""Pairs of objects of ``cb explore --thing``, read from the command line."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def _pair(upper: str, lower: str, context: str, request: RunRequest) -> Explorab
 
 
 def _features(request: RunRequest) -> dict[str, Resource]:
-    """Signals of both things, in the first camera and in space."""
+    """Return the signals of both objects, in the first camera and in space."""
     from cbdsl.robot.pair_names import pair_features
     from cbdsl.robot.resources import resources
 

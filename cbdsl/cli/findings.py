@@ -1,4 +1,4 @@
-"""Findings in documents, printed: what ``cb validate`` does once its words are read."""
+"""Check of documents and output of diagnostics, for ``cb validate``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cbdsl.errors.diagnostic import Diagnostic
     from cbdsl.yaml_text.library import Library
 
-#: Where each format is written: a module of this package, and its function of an report.
+#: Writer of each format: a module of this package, and its function of a report.
 FORMATS = {
     "text": ("text_format", "text"),
     "json": ("json_format", "json_report"),
@@ -27,7 +27,7 @@ FORMATS = {
 #: Name of the standard input unless another one is given.
 STANDARD_INPUT_NAME = "stdin.yaml"
 
-# More findings in one document have few causes, which the first ones show.
+# Further diagnostics of one document usually have the same causes as the first ones.
 _MOST_PER_FILE = 100
 
 
@@ -94,7 +94,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     chosen = choose_files(words, stdin, library)
     files = chosen.files
     session = Session(library, values)
-    # A robot's findings come with every program on it: each is told once.
+    # A robot's diagnostics come with every program on it: each is reported once.
     diagnostics: dict[Diagnostic, None] = {}
     for file in files:
         diagnostics.update(dict.fromkeys(check_document(file, session)))
@@ -123,7 +123,7 @@ def _first_of_each_file(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...
 
 
 def _texts(library: Library) -> Callable[[str], str | None]:
-    """The text of a file for snippets, or ``None`` where it has none; each is read once."""
+    """Return a cached function of a file that returns its text for snippets, or ``None``."""
     from cbdsl.errors.errors import DiagnosticsError
 
     @cache

@@ -1,4 +1,4 @@
-"""Damage to the files of a folder in which trials are kept."""
+"""Damage to the files of a folder of trials."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-#: Ending of the journals of learning, which tell of their own damage.
+#: Ending of the journals of learning, whose reader reports damage itself.
 _JOURNALS = ".episodes.jsonl"
 
 
 class DamagedLine(NamedTuple):
-    """A line of a file that holds no row.
+    """Line of a file that holds no row.
 
     Attributes:
-        path: the file.
-        number: of the line, from 1.
-        problem: why it holds none.
-        passed: whether the line is passed over, as what a killed process left unfinished is.
+        path: Path of the file.
+        number: Line number, from 1.
+        problem: Reason why the line holds no row.
+        passed: True if the line is skipped, such as an unfinished line of a killed process.
     """
 
     path: Path
@@ -27,7 +27,7 @@ class DamagedLine(NamedTuple):
     passed: bool
 
     def format_message(self) -> str:
-        """Sentence with the place and the remedy."""
+        """Return a sentence with the place and the remedy."""
         cure = "it is passed over, and what it held is run again"
         if not self.passed:
             cure = "nothing was changed; delete this line, and the same command runs it again"

@@ -1,4 +1,4 @@
-"""``cb learn``: learn the policy of a program from episodes."""
+"""``cb learn``: learning of a program's policy from episodes."""
 
 from __future__ import annotations
 
@@ -247,7 +247,7 @@ def _require_declarative(learner: str, policy: str | None) -> None:
 def _to_assimilate(
     request: RunRequest, policy: str, values: Mapping[str, str], digest: ProgramDigest
 ) -> tuple[CheckedProgram, ProgramDigest]:
-    """Program with all its allocations under a policy, and the digest of both."""
+    """Return the program with all its allocations under a policy, and the digest of both."""
     from cbdsl.api.run_request import read_policy
     from cbdsl.checking.assimilation import program_to_assimilate
     from cbdsl.checking.knowledge.digest import policy_digest
@@ -304,9 +304,9 @@ def _limited(
     transitions: int | None,
     times: tuple[float | None, float | None, float | None],
 ) -> CheckedProgram:
-    """Program with the actions and limits of the trial, where these are given.
+    """Return the program with the given actions and limits of the trial.
 
-    Times are of an action, of one with nothing on its way, and of an episode, s.
+    Times are of an action, of an action without tasks in transit, and of an episode, s.
     """
     transition_time, idle_time, episode_time = times
     return program._replace(
@@ -319,7 +319,7 @@ def _limited(
 
 
 def _command(context: typer.Context, constants: Section) -> str:
-    """Command that learns the same again, in one spelling, however it was typed."""
+    """Return the command that repeats the learning, in a canonical spelling."""
     given = context.params | {"out": context.params["out"].name}
     words = ["cb", "learn", given["program"]]
     for parameter in context.command.params:
@@ -337,7 +337,7 @@ def _command(context: typer.Context, constants: Section) -> str:
 
 
 def _set(constants: Section) -> Iterator[str]:
-    """Options of the constants that are not as declared."""
+    """Yield the options of the constants that differ from their declared values."""
     for name, field in type(constants).model_fields.items():
         value = getattr(constants, name)
         if value != field.default:
@@ -347,7 +347,7 @@ def _set(constants: Section) -> Iterator[str]:
 
 
 def _numbered(first: LearningTask, trials: int) -> list[LearningTask]:
-    """One task per trial; the files of several are numbered."""
+    """Return one task per trial; the files of several trials are numbered."""
     if trials == 1:
         return [first]
     return [

@@ -23,13 +23,13 @@ class LearningProgress:
     """Observer that prints each episode, the last ten in brief, and the time left.
 
     Args:
-        title: what is learned.
-        trials: how many times.
-        episodes: of each trial.
-        at_once: how many trials run side by side.
+        title: Title of the progress.
+        trials: Number of trials.
+        episodes: Number of episodes of each trial.
+        at_once: Number of simultaneous trials.
 
     Attributes:
-        at_once: the same; it may change.
+        at_once: Number of simultaneous trials; it may change.
     """
 
     def __init__(self, title: str, trials: int, episodes: int, at_once: int = 1) -> None:
@@ -61,7 +61,7 @@ class LearningProgress:
         return sum(self._over.values())
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``TrialObserver.begin``."""
+        """Report the start of a trial; see ``TrialObserver.begin``."""
         if self._title is not None:
             print(f"{self._title}; images by {renderer}", flush=True)
             self._title = None
@@ -71,14 +71,14 @@ class LearningProgress:
             status = f"{len(finished)} of {self._episodes} episodes are over"
             print(f"{self._name(number, ': ')}{status}", flush=True)
         if sys.stdout.isatty() and self._bar is None:
-            # Everything has room on a line of eighty characters.
+            # The widths keep the line within 80 characters.
             self._bar = _bar(self.total, width=16 if self._trials == 1 else 8)
             self._bar[0].start()
         if self._bar is not None:
             self._bar[0].update(self._bar[1], completed=self.over)
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``TrialObserver.note``."""
+        """Report a finished episode; see ``TrialObserver.note``."""
         self._over[number] += 1
         self._recent[number].append(experience)
         self._seconds.append(seconds)
@@ -102,14 +102,14 @@ class LearningProgress:
         return f"trial {number}{end}" if self._trials > 1 else ""
 
     def _lately(self, number: int) -> str:
-        """Summary of the last ten episodes of a trial."""
+        """Return a summary of the last ten episodes of a trial."""
         recent = self._recent[number]
         rewarded = sum(each.reward > 0 for each in recent)
         each_transition = sum(e.reward for e in recent) / sum(len(e.transitions) for e in recent)
         return f"last {len(recent)}: {rewarded} rewarded, {each_transition:.2f} per transition"
 
     def _left(self) -> str:
-        """Time left, if episodes stay as long as the last ones."""
+        """Return the remaining time, estimated from the duration of the last episodes."""
         each = sum(self._seconds) / len(self._seconds)
         left = each * (self.total - self.over) / self.at_once
         return f"; about {left // 60:.0f} min {left % 60:02.0f} s left" if left else ""

@@ -1,7 +1,7 @@
-"""Standard output and error on which texts of documents and names of files cannot do harm.
+"""Standard output and error streams that escape unprintable characters.
 
-Whatever a command prints passes here: characters that move a terminal's cursor, change its state or
-show nothing are written as escapes, which are valid in JSON, too.
+All output of a command passes through these streams. Characters that move a terminal's cursor,
+change its state or show nothing are written as escapes, which are valid in JSON, too.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from typing import Any, TextIO, cast
 
 from cbdsl.errors.legible import seen
 
-# Colours of findings, on terminals alone; they are those of cbdsl.errors.rendering.
+# Colours of diagnostics, only for terminals, equal to the colours of cbdsl.errors.rendering.
 _COLORS = ("\033[0m", "\033[1m", "\033[1;31m", "\033[1;33m", "\033[36m")
 
-# Attributes that every text stream has, and that are those of the stream behind.
+# Attributes that every text stream has, forwarded to the underlying stream.
 _OF_STREAM = (
     "buffer", "closed", "encoding", "errors", "line_buffering", "newlines", "reconfigure",
 )  # fmt: skip
@@ -29,7 +29,7 @@ class LegibleStream(io.TextIOBase):
     """Text stream that escapes unseen characters, except line breaks and tabs.
 
     Args:
-        stream: Stream that is written to.
+        stream: Underlying stream.
 
     Attributes:
         raw_stream: The same stream, for texts that are legible and escapes that are intended.
@@ -102,7 +102,7 @@ def _flush(stream: TextIO | None) -> None:
     try:
         stream.flush()
     except BrokenPipeError:
-        # Whoever read the output has seen enough; nothing may be flushed at exit.
+        # The reader has closed the pipe; nothing may be flushed at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
@@ -112,7 +112,7 @@ def _legible_lines(text: str, *, colors: bool = False) -> str:
     kept = _COLORS if colors else ()
     pattern = "|".join(map(re.escape, (*kept, "\n", "\t")))
     pieces = re.split(f"({pattern})", text)
-    # Every other piece is one of those that are kept.
+    # Every other piece is a kept sequence.
     pieces[::2] = [seen(piece, _escape) for piece in pieces[::2]]
     return "".join(pieces)
 

@@ -1,4 +1,4 @@
-"""``cb list``: the documents that commands find by name."""
+"""``cb list``: documents that commands find by name."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Kind = Annotated[
     str | None, typer.Argument(metavar="[KIND]", help="Only robots, programs, stages and so on.")
 ]
 
-# Of a description; the rest is in the document.
+# Length of the printed part of a description; the rest is in the document.
 _LONGEST = 76
 
 
@@ -43,7 +43,7 @@ def list(kind: Kind = None, format_: PlainFormat = "text", as_json: Json = False
 
 
 def _kind(word: str, known: dict[str, type[Document]]) -> str:
-    """The kind of this name, in the singular or the plural."""
+    """Return the kind of a name in the singular or the plural."""
     from cbdsl.errors.errors import UsageError
 
     plurals = {f"{name[:-1]}ies" if name.endswith("y") else f"{name}s": name for name in known}
@@ -67,7 +67,7 @@ def _rows(kind: str, model: type[Document], library: Library) -> Iterator[dict[s
 
 
 def _robot_and_description(file: Path, model: type[Document], library: Library) -> tuple[str, str]:
-    """The robot that a document is for, and the first words on it, as far as it can be read."""
+    """Return the robot and the beginning of the description of a document, if readable."""
     from cbdsl.errors.errors import DiagnosticsError
 
     try:

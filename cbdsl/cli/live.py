@@ -38,13 +38,13 @@ LiveClose = Annotated[
 
 @dataclass(frozen=True)
 class LiveOptions:
-    """How a run is shown while it runs.
+    """Options of the live page of a run.
 
     Attributes:
-        port: of the page; any that is free for 0.
-        fast: whether it runs as fast as it goes.
-        waits: whether it begins only when someone looks.
-        closes: whether the page ends with the last episode.
+        port: Port of the page; 0 for any free port.
+        fast: True to run at maximum speed instead of real time.
+        waits: True to begin only when a browser shows the page.
+        closes: True to close the page after the last episode.
     """
 
     port: int
@@ -115,7 +115,7 @@ def live_page(
     from cbdsl.reporting.live.transport import Transport
     from cbdsl.runtime.composer import Composer
 
-    # What a backend knows of its world is on the page only: people look at that.
+    # The backend's ground truth is only on the page, for display.
     scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
     feed, transport = Feed(), Transport(math.inf if options.fast else 1.0)
     composer = Composer() if composes else None
@@ -163,7 +163,7 @@ def _open(url: str) -> None:
     from cbdsl.backends.quiet import quiet_stderr
 
     if sys.stdout.isatty() and _has_screen():
-        with quiet_stderr():  # a machine without a browser has much to say about it
+        with quiet_stderr():  # without a browser, the launcher prints many messages
             typer.launch(url)
 
 

@@ -1,4 +1,4 @@
-"""The command ``cb``."""
+"""Command ``cb``."""
 
 from __future__ import annotations
 
@@ -65,13 +65,13 @@ def _run(words: list[str]) -> None:
             from cbdsl.cli.findings import check_paths
 
             sys.exit(check_paths(words[1:], {}))
-        # To put only the command together that is asked for saves a twentieth of its time, too.
+        # Building only the requested command saves a twentieth of its time, too.
         build_app(words[:1] if words[:1] and words[0] in COMMANDS else COMMANDS)(words)
     except KeyboardInterrupt as interrupt:
         _report_notes(interrupt)
         sys.exit(130)
     except BrokenPipeError:
-        # Whoever read the output has seen enough; nothing may be flushed at exit.
+        # The reader has closed the pipe; nothing may be flushed at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except Exception as error:
         code = _report(error)
@@ -82,26 +82,26 @@ def _run(words: list[str]) -> None:
 
 
 def _plain_validation(words: list[str]) -> bool:
-    """Whether the words are ``validate`` and paths: what editors and CI say again and again.
+    """Return whether the words are ``validate`` and paths, the frequent call of editors and CI.
 
-    They need no parser of options, and to import one would take a tenth of the time.
+    This call needs no parser of options, whose import would take a tenth of the time.
     """
     return words[:1] == ["validate"] and len(words) > 1 and not any(w[:1] == "-" for w in words)
 
 
 def _start_quickly() -> None:
-    """Leave out what a short command pays for and has nothing of."""
-    # Importing makes many objects and no garbage: to look for it took a twentieth of cb validate.
+    """Skip start-up work that short commands do not need."""
+    # Imports create many objects and no garbage; collection takes a twentieth of cb validate.
     gc.set_threshold(100_000)
     # Else pydantic reads the metadata of every installed package.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
 
 
 def _deliver_lost_interrupts() -> None:
-    """Raise an interrupt again that Python raised where nothing can be raised.
+    """Raise an interrupt again that Python raised in a place from which it cannot propagate.
 
-    In a destructor or a callback of C (numba has thousands of them while it loads machine code) a
-    Ctrl-C would be printed as ignored, and the command went on.
+    Such places are destructors and callbacks of C; numba has thousands of them while it loads
+    machine code. There, Python would print Ctrl-C as ignored, and the command would continue.
     """
     report = sys.unraisablehook
 
@@ -112,7 +112,7 @@ def _deliver_lost_interrupts() -> None:
         from _thread import interrupt_main
         from threading import Timer
 
-        again = Timer(0.01, interrupt_main)  # at once it would be raised, and lost, in here
+        again = Timer(0.01, interrupt_main)  # without delay it would be lost in this hook
         again.daemon = True
         again.start()
 
@@ -120,7 +120,7 @@ def _deliver_lost_interrupts() -> None:
 
 
 def _report_notes(error: BaseException | None) -> None:
-    """Print what failed besides an error, such as the halt of a robot."""
+    """Print further failures beside an error, such as the halt of a robot."""
     from cbdsl.cli.terminal import print_problem
 
     while error is not None:
@@ -130,7 +130,7 @@ def _report_notes(error: BaseException | None) -> None:
 
 
 def _report(error: Exception) -> int:
-    """Tell what went wrong, without a traceback; the exit code."""
+    """Print an error without a traceback, and return the exit code."""
     from cbdsl.cli.terminal import print_diagnostics, print_problem
     from cbdsl.errors.errors import DiagnosticsError, UsageError
     from cbdsl.errors.reason import reason

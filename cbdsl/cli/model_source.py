@@ -1,4 +1,4 @@
-"""A robot's model in the formats of the field, read as the URDF that robot documents name."""
+"""Robot models in common formats, read as the URDF to which robot documents refer."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 
 class ModelSource(NamedTuple):
-    """A model, and what has to be written so that a document can name it.
+    """Model, with the files to write so that a document can refer to it.
 
     Attributes:
-        model: read from its file, or from the one that will be written.
-        files: contents of the files to write, by path.
-        remarks: sentences about parts of the source that have no counterpart.
+        model: Model read from its file, or from the file that will be written.
+        files: Contents of the files to write, by path.
+        remarks: Sentences about parts of the source without counterpart.
     """
 
     model: UrdfModel
@@ -28,16 +28,16 @@ class ModelSource(NamedTuple):
 
 
 class ModelReader:
-    """Reads URDF, xacro and MJCF, whichever a file is.
+    """Reader of URDF, xacro and MJCF.
 
     Args:
-        file: of the model.
-        arguments: of xacro, each as ``name:=value``.
-        packages: folders of packages, each as ``name=folder``.
-        is_xacro: Whether the files are xacro without a name that ends in ``.xacro``.
+        file: File of the model.
+        arguments: Arguments of xacro, each as ``name:=value``.
+        packages: Folders of packages, each as ``name=folder``.
+        is_xacro: True if the files are xacro without a name that ends in ``.xacro``.
 
     Raises:
-        UsageError: one of the arguments or packages is not of that form.
+        UsageError: An argument or a package is not of that form.
     """
 
     def __init__(
@@ -52,10 +52,10 @@ class ModelReader:
         self._packages = _package_folders(file, _pairs("--package", packages, "="))
 
     def read(self, name: str, folder: Path) -> ModelSource:
-        """The model of a robot of some name, whose document will be in a folder.
+        """Return the model of a named robot, whose document will be in a folder.
 
         Raises:
-            UsageError: the model cannot be read, or needs what is not installed.
+            UsageError: The model cannot be read, or needs a package that is not installed.
         """
         from cbdsl.errors.errors import UsageError
         from cbdsl.robot.urdf import UrdfError
@@ -66,10 +66,10 @@ class ModelReader:
             raise UsageError(f"--urdf {error}") from None
 
     def semantics(self, file: Path) -> SrdfModel:
-        """The groups of the robot, in SRDF or xacro of it.
+        """Return the groups of the robot, from SRDF or from xacro that expands to SRDF.
 
         Raises:
-            UsageError: they cannot be read, or need what is not installed.
+            UsageError: The groups cannot be read, or need a package that is not installed.
         """
         from cbdsl.errors.errors import UsageError
         from cbdsl.robot.srdf import parse_srdf, read_srdf
@@ -100,10 +100,10 @@ class ModelReader:
         return ModelSource(read_urdf(self._file), {}, ())
 
     def _format(self, file: Path) -> str:
-        """Return ``xacro``, ``mujoco``, ``robot`` or, where that lacks its name, ``nameless``.
+        """Return ``xacro``, ``mujoco``, ``robot`` or, for a robot without name, ``nameless``.
 
-        Only a file's name or the user makes it xacro: a model's contents never do.
-        What readers will refuse is ``robot``, too.
+        The file's name or the user determines whether it is xacro; the contents do not.
+        Files that the readers will refuse are ``robot``, too.
         """
         from cbdsl.documents.contents import contents
         from cbdsl.robot.robot_xml import MOST_BYTES, xml_root
@@ -204,10 +204,10 @@ def _package_folders(file: Path, named: Mapping[str, str]) -> PackageFolders:
 
 
 def _pairs(option: str, texts: Sequence[str], separator: str) -> dict[str, str]:
-    """Values by name.
+    """Return values by name.
 
     Raises:
-        UsageError: a text has no name or no separator, or two have one name.
+        UsageError: A text has no name or no separator, or two texts have the same name.
     """
     from cbdsl.errors.errors import UsageError
 

@@ -1,4 +1,4 @@
-"""Output of a run: a line per transition for people, an object per episode for scripts."""
+"""Output of a run: text lines per transition, or one JSON object per episode."""
 
 from __future__ import annotations
 

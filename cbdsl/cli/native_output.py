@@ -32,7 +32,7 @@ def shown_on_failure() -> Iterator[None]:
 
 @contextmanager
 def _stdout_of_c(target: int) -> Iterator[None]:
-    """Lead C's standard output to a file, and Python's to where it went before."""
+    """Redirect C's standard output to a file; Python's keeps its previous target."""
     before = sys.stdout
     if before is None:  # closed by the caller
         yield
@@ -54,7 +54,7 @@ def _stdout_of_c(target: int) -> Iterator[None]:
 
 
 def _descriptor(stream: object) -> int | None:
-    """Where a stream writes to, or ``None`` where it only remembers."""
+    """Return the descriptor of a stream, or ``None`` for a stream in memory."""
     try:
         return int(stream.fileno())  # type: ignore[attr-defined]
     except (AttributeError, OSError):

@@ -1,4 +1,4 @@
-"""``cb new``: documents to start from, valid as they are written."""
+"""``cb new``: valid documents to start from."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def _robot(name: str) -> RobotDocument:
 
 
 def _located(name: str) -> tuple[RobotDocument, Path]:
-    """A robot's document, and its file."""
+    """Return a robot's document, and its file."""
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.yaml_text.library import Library
 
@@ -135,7 +135,7 @@ def _located(name: str) -> tuple[RobotDocument, Path]:
 
 
 def _posture(robot: RobotDocument) -> tuple[str, str]:
-    """An effector and a posture of it: one where it does not start, if there is one."""
+    """Return an effector and one of its postures, preferably not its start posture."""
     from cbdsl.errors.errors import UsageError
 
     candidates = [
@@ -150,7 +150,7 @@ def _posture(robot: RobotDocument) -> tuple[str, str]:
 
 
 def _stage(robot: RobotDocument) -> str:
-    """The line of a program that names a stage of its robot, if there is one."""
+    """Return the line of a program that names a stage of its robot, or a comment."""
     from cbdsl.checking.lookup.documents import for_robot
     from cbdsl.documents.stage import StageDocument
     from cbdsl.yaml_text.library import Library
@@ -168,23 +168,23 @@ def _folder(kind: type[Document], to: Path | None) -> Path:
 
 
 class _Template:
-    """A document to be filled in.
+    """Template of a document.
 
     Args:
-        kind: of document.
-        word: its name, and that of its template.
-        name: of the document.
-        to: the folder for it, if not the kind's own.
+        kind: Kind of document.
+        word: Name of the kind and of its template.
+        name: Name of the document.
+        to: Folder of the document; ``None`` for the kind's folder.
 
     Raises:
-        UsageError: the name is none.
+        UsageError: The name is invalid.
     """
 
     def __init__(self, kind: type[Document], word: str, name: str, to: Path | None) -> None:
         _require_name(name)
         self._word, self._name = word, name
         self._folder = _folder(kind, to)
-        # Where the project of the document is, as far as it is known.
+        # Folder of the document's project, as far as known.
         self._root = Path() if to is None else self._folder
 
     def write(
@@ -194,16 +194,16 @@ class _Template:
         files: Mapping[Path, bytes] = MappingProxyType({}),
         remarks: Sequence[str] = (),
     ) -> NoReturn:
-        """Write it where it belongs, with the files that it needs, and check what was written.
+        """Write the document to its folder, with the files that it needs, and check it.
 
         Args:
-            values: of the template's places.
-            force: whether to replace what is there.
-            files: contents of the files that the document names, by path.
-            remarks: sentences about what is not in it.
+            values: Values of the template's placeholders.
+            force: True to replace existing files.
+            files: Contents of the files to which the document refers, by path.
+            remarks: Sentences about contents that the document lacks.
 
         Raises:
-            UsageError: something is there already, or cannot be written.
+            UsageError: A file exists already, or cannot be written.
         """
         import os
         from string import Template
@@ -234,7 +234,7 @@ class _Template:
             print(f"wrote {path}", flush=True)
         for remark in remarks:
             print_problem(remark)
-        # What is assumed of the robot was told when that was written.
+        # Assumptions about the robot were reported when its document was written.
         raise typer.Exit(check_paths([str(file)], {}, notes_elsewhere=False))
 
 

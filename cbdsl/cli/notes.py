@@ -1,4 +1,4 @@
-"""Notes on a robot, told before it runs."""
+"""Notes on a robot, printed before it runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pages that commands make: written in one step, and shown to whoever sits at a terminal."""
+"""Pages of commands, written atomically, and shown in the browser in interactive use."""
 
 from __future__ import annotations
 
@@ -52,5 +52,5 @@ def open_page(target: Path) -> None:
     from cbdsl.backends.quiet import quiet_stderr
 
     if sys.stdout.isatty():
-        with quiet_stderr():  # a machine without a browser has much to say about it
+        with quiet_stderr():  # without a browser, the launcher prints many messages
             typer.launch(str(target))

@@ -1,4 +1,4 @@
-"""A checked program as text for a terminal of 80 columns."""
+"""Checked programs as text for a terminal of 80 columns."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def _controller(controller: Controller) -> Iterator[str]:
 
 
 def _bounds(controller: Controller) -> Iterator[str]:
-    """How fast the task may move, and how quickly that may change."""
+    """Yield the bounds of a task's velocity and acceleration."""
     scalar, unit = POTENTIALS[controller.potential].scalar, controller.task.unit
     unit = "" if scalar else f"({unit})" if "," in unit else unit
     if controller.speed is not None:
@@ -181,7 +181,7 @@ def _policy(program: CheckedProgram) -> Iterator[str]:
 
 
 def _item(key: str, text: str, indent: int = 2) -> Iterator[str]:
-    """A key and its text, which may go on in the lines below."""
+    """Yield the lines of a key and its text, wrapped if necessary."""
     margin = indent + 12
     lines = wrap(text, _WIDTH - margin, break_long_words=False, break_on_hyphens=False)
     first, *rest = lines or [""]

@@ -8,7 +8,7 @@ import time
 from cbdsl.cli.legible_output import raw
 from cbdsl.errors.legible import legible
 
-#: Commands that are shorter report no progress, s.
+#: Minimum duration of a command that reports progress, s.
 _PATIENCE = 2.0
 # A terminal's line is replaced; elsewhere every line stays.
 _PAUSE_ON_TERMINAL, _PAUSE_ELSEWHERE = 0.2, 20.0
@@ -17,10 +17,10 @@ _WIDTH = 24
 
 
 class Progress:
-    """Reports how many parts are done and how long the rest will take, on a terminal with a bar.
+    """Printer of the number of finished parts and the remaining time, with a bar on a terminal.
 
     Args:
-        what: A few words at the beginning of the line.
+        what: Words at the beginning of the line.
     """
 
     def __init__(self, what: str) -> None:

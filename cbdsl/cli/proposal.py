@@ -133,7 +133,7 @@ def _effector(name: str, effector: SemanticGroup, offset: Numbers, postures: Pos
 
 
 def _proposed(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> Postures:
-    """Return a start posture in which the tip can move in all directions, and another posture.
+    """Return a start posture in which the tip can move in all directions, and another, if any.
 
     The other posture is the model's own if the limb is clear of itself and the ground there. Else
     it is the start posture, turned aside at the first joint.
@@ -173,7 +173,7 @@ def _coordinate(joint: UrdfJoint, position: float) -> str:
 
 
 def _margin(effectors: Mapping[str, SemanticGroup]) -> float:
-    """Return the distance of joints from their limits, at most 5 % of the smallest range."""
+    """Return the margin of joints at their limits, rad or m: at most 5 % of the smallest range."""
     ranges = [j.upper - j.lower for each in effectors.values() for j in each.joints]
     return min(_MOST_MARGIN, _SHARE * min(ranges, default=math.inf))
 

@@ -1,4 +1,4 @@
-"""Recorder of ``cb run``: each episode into a folder, those that were interrupted or failed too."""
+"""Recorder of ``cb run``: all episodes in a folder, including interrupted and failed ones."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ class Recorder:
     """Recordings of the episodes of one command.
 
     Args:
-        folder: where they are kept.
-        request: what runs.
-        backend: where it runs.
-        seeds: of the episodes.
-        overwrite: whether recordings that are there may be replaced.
-        tells: whether each file is printed.
+        folder: Folder of the recordings.
+        request: Program and stage.
+        backend: Backend of the run.
+        seeds: Seeds of the episodes.
+        overwrite: True if existing recordings may be replaced.
+        tells: True if each file is printed.
 
     Raises:
-        UsageError: the folder cannot keep them; found out before the episodes, not after.
+        UsageError: The folder cannot hold the recordings; checked before the episodes.
     """
 
     def __init__(
@@ -48,22 +48,22 @@ class Recorder:
 
     @contextmanager
     def episode(self, seed: int, ended: Sequence[EpisodeResult]) -> Iterator[Recording]:
-        """Recording to fill with an episode, which no other process may record meanwhile.
+        """Yield the recording of an episode, locked against other processes.
 
-        It is written on the way out, unless it has not a single tick.
+        The recording is written at the exit of the context, unless it is without ticks.
 
         Args:
-            seed: of the episode.
-            ended: its result, once it has ended in whatever way.
+            seed: Seed of the episode.
+            ended: Result of the episode; empty until its end.
 
         Raises:
-            UsageError: another process records it, or it cannot be written.
+            UsageError: Another process records the episode, or it cannot be written.
         """
         from cbdsl.backends.staging.world_state import GroundTruthProvider
         from cbdsl.runtime.recording import Recording
 
         backend, request = self._backend, self._request
-        # What a backend knows of its world is in the recording only: people look at that.
+        # The backend's ground truth is only in the recording, for display.
         scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
         recording = Recording(request.program, request.robot, request.urdf, scenery)
         with ExitStack() as claimed:

@@ -140,7 +140,7 @@ def _require_meaning(
     often: Mapping[str, object],
     workers: Mapping[str, object],
 ) -> None:
-    """Say so rather than ignore options that have no meaning for any of the experiments."""
+    """Report options that have no meaning for any of the experiments."""
     learns = f"learn, which {name} is not"
     if not any(each.backend for each in chosen):
         _require_unused(where, f"run on a backend of choice, which {name} does not")
@@ -160,10 +160,10 @@ def _require_unused(options: Mapping[str, object], whose: str) -> None:
 
 @contextmanager
 def _kept(folder: Path | None) -> Iterator[Path]:
-    """Where trials are kept, which without a folder is until the end of the command.
+    """Yield the folder of trials; without a given folder, a temporary one.
 
     Raises:
-        UsageError: there can be no such folder, or it holds other trials.
+        UsageError: The folder cannot be created, or it holds other trials.
     """
     from tempfile import TemporaryDirectory
 
@@ -194,10 +194,10 @@ def _kept(folder: Path | None) -> Iterator[Path]:
 
 
 def _require_sound(folder: Path) -> None:
-    """Tell of damaged lines in what is kept.
+    """Report damaged lines in the folder of trials.
 
     Raises:
-        UsageError: one cannot be passed over.
+        UsageError: A damaged line cannot be skipped.
     """
     from cbdsl.cli.kept_files import damaged_lines
     from cbdsl.cli.terminal import print_problem
@@ -253,7 +253,7 @@ def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
             "pip install 'cbdsl[sim]'"
         ) from error
     except ImportError as error:
-        # A package is there, but not a system library that it needs, such as libgomp.
+        # A package is installed, but it lacks a system library, such as libgomp.
         raise UsageError(f"{experiment.name} needs more than is installed: {error}") from error
     interruptible = termination_interrupts()
     with interruptible, shown_on_failure(), Progress(experiment.name) as progress:
@@ -274,7 +274,7 @@ def _tell(experiment: Experiment, outcome: Result) -> None:
 
 
 def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
-    """A table for people, a line per row for pipes."""
+    """Print rows as a table on a terminal, and as one line per row to a pipe."""
     import sys
 
     from cbdsl.cli.terminal import print_table
@@ -288,7 +288,7 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
 
 
 def _require_writable(out: Path) -> None:
-    """Find out before the experiments, not after, whether their outcomes can be kept."""
+    """Check before the experiments that their outcomes can be written."""
     from cbdsl.errors.errors import UsageError
     from cbdsl.errors.reason import reason
     from cbdsl.yaml_text.writer import make_room

@@ -1,4 +1,4 @@
-"""``cb run``: run a program and tell what happens."""
+"""``cb run``: run of a program with its output."""
 
 from __future__ import annotations
 
@@ -78,13 +78,13 @@ _FAILED, _UNDECIDED = 3, 4
 
 @dataclass(frozen=True)
 class Telling:
-    """Who gets to know what of an episode.
+    """Outputs of an episode.
 
     Attributes:
-        recorder: of the episodes, if they are recorded.
-        explain: whether people are told of the stack's levels.
-        as_json: whether scripts are told, instead of people.
-        live: whom the page in the browser learns it from, if there is one.
+        recorder: Recorder of the episodes, or ``None``.
+        explain: True to print the stack's levels.
+        as_json: True for output as JSON.
+        live: View that feeds the page in the browser, or ``None``.
     """
 
     recorder: Recorder | None
@@ -196,7 +196,7 @@ def _run_all(
     context: str | None,
     telling: Telling,
 ) -> list[EpisodeResult]:
-    """Run an episode for each seed, and tell of all together in the end."""
+    """Run an episode for each seed, and print a summary at the end."""
     results: list[EpisodeResult] = []
     for index, seed in enumerate(seeds):
         if not telling.as_json:
@@ -208,7 +208,7 @@ def _run_all(
 
 
 def _conclude(request: RunRequest, results: list[EpisodeResult]) -> None:
-    """Exit by the outcomes of episodes whose program states some."""
+    """Exit with the code of the outcomes, if the program states success or failure."""
     if not (request.program.success or request.program.failure):
         return
     outcomes = {result.outcome for result in results}
@@ -249,7 +249,7 @@ def _runner(request: RunRequest, kinematics: Kinematics, backend: Backend) -> Ru
 def _episode(
     runner: Runner, request: RunRequest, seed: int, context: str | None, telling: Telling
 ) -> EpisodeResult:
-    """Run an episode and tell how it ended; a recording is kept whatever stopped it."""
+    """Run an episode and print its outcome; keep its recording even after an error."""
     from cbdsl.backends.backend import BackendError
     from cbdsl.errors.errors import UsageError
     from cbdsl.runtime.episode import DeadlineError
@@ -285,7 +285,7 @@ def _episode(
 def _listeners(
     telling: Telling, recording: Recording | None
 ) -> tuple[TransitionListener, TickListener]:
-    """Who is told of an episode's transitions, and of its ticks."""
+    """Return the listeners to an episode's transitions, and to its ticks."""
     from cbdsl.cli.narration import narrate
     from cbdsl.cli.stack_narration import StackNarration
 
@@ -314,7 +314,7 @@ def _listeners(
 
 
 def _heading(seed: int, index: int, episodes: int, results: list[EpisodeResult]) -> str:
-    """Which episode begins, and how long the rest will take."""
+    """Return the heading of an episode, with the remaining time."""
     if episodes == 1:
         return f"episode with seed {seed}"
     heading = f"episode {index + 1} of {episodes}, seed {seed}"
@@ -326,7 +326,7 @@ def _heading(seed: int, index: int, episodes: int, results: list[EpisodeResult])
 
 
 def _summarise(results: list[EpisodeResult], *, states_success: bool) -> None:
-    """Print how many episodes succeeded or, of a program without such states, were rewarded."""
+    """Print the number of successful episodes, or of rewarded ones without success states."""
     if states_success:
         count, verb = sum(result.outcome == "success" for result in results), "succeeded"
     else:

@@ -77,6 +77,6 @@ def _location(place: Place) -> dict[str, Any]:
 
 
 def _uri(file: str) -> str:
-    """A path as a URI: relative where the path is."""
+    """Return a path as a URI, which is relative if the path is."""
     path = Path(file)
     return path.as_uri() if path.is_absolute() else quote(path.as_posix())

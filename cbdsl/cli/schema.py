@@ -40,7 +40,7 @@ def schema(kind: Kind = None, write: Write = None) -> None:
 
 
 def _kinds(kind: str | None) -> dict[str, type[Document]]:
-    """Models of the kind of a name, or of all kinds, by name."""
+    """Return the model of a named kind, or of all kinds, by name."""
     from cbdsl.cli.plugins import warn_of_faults
     from cbdsl.documents.kinds import KINDS, models
 

@@ -34,7 +34,7 @@ def _lines(schema: SchemaDocument) -> Iterator[str]:
 
 
 def _tree(tree: ChoiceTree | RewardQuestion | float, margin: str) -> Iterator[str]:
-    """A question with what follows where it holds, and where not; or an answer."""
+    """Yield the lines of a question with both of its branches, or of an answer."""
     if not isinstance(tree, (ChoiceQuestion, RewardQuestion)):
         yield f"{margin}{_answer(tree)}"
         return

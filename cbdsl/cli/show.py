@@ -142,7 +142,7 @@ def _signature(potential: PotentialType) -> dict[str, object]:
 
 
 def _potential(potential: PotentialType) -> dict[str, object]:
-    """All that is known of a potential."""
+    """Return all properties of a potential."""
     types = {"accepts": sorted(potential.accepts), "factors": potential.factors}
     return {**_signature(potential), **types, "navigation": _navigation(potential)}
 
@@ -154,7 +154,7 @@ def _step(potential: PotentialType) -> str:
 
 
 def _accepted(potential: PotentialType) -> str:
-    """The types that a potential is defined on, in the order of Table 3.1."""
+    """Return the types on which a potential is defined, in the order of Table 3.1."""
     from cbdsl.types.resource_type import TYPES
 
     several = f" x {potential.factors}" if (potential.factors or 1) > 1 else ""
@@ -162,7 +162,7 @@ def _accepted(potential: PotentialType) -> str:
 
 
 def _navigation(potential: PotentialType) -> dict[str, str]:
-    """Which conditions of a navigation function a potential meets, and where."""
+    """Return the navigation function conditions of a potential, and their domain."""
     conditions = potential.navigation._asdict()
     domain = conditions.pop("domain")
     return {**{name: str(value) for name, value in conditions.items()}, "for": str(domain)}

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Format(StrEnum):
-    """How something is shown."""
+    """Output format."""
 
     TEXT = "text"
     JSON = "json"
@@ -24,9 +24,9 @@ class Format(StrEnum):
     SVG = "svg"
 
 
-#: Formats of what has no graph.
+#: Formats of data without a graph.
 PLAIN = (Format.TEXT, Format.JSON)
-#: Formats of what has one picture.
+#: Formats of data with a single picture.
 PICTURED = (*PLAIN, Format.SVG)
 
 PlainFormat = Annotated[str, typer.Option("--format", help="text or json.")]

@@ -56,7 +56,7 @@ def show_mesh(
 
 
 def _form(filling: Cover) -> dict[str, object]:
-    """Boxes as the form of a thing."""
+    """Return boxes as the form of an object."""
     pieces = [
         {"form": {"shape": "box", "size": _lengths(edges)}, "position": _lengths(centre)}
         for centre, edges in filling.boxes

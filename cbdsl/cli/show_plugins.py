@@ -89,7 +89,7 @@ def show_backends(format_: PlainFormat = "text", as_json: Json = False) -> None:
 def _show(
     title: str, registry: Registry[Any], form: Format, more: Callable[[str], dict[str, str]]
 ) -> None:
-    """Entries of a registry that can be used, their packages, and more of each."""
+    """Print the usable entries of a registry, with their packages and further columns."""
     from cbdsl.cli.plugins import warn_of_faults
     from cbdsl.cli.terminal import print_json, print_table
 
@@ -105,7 +105,7 @@ def _show(
 
 
 def _backend(name: str) -> dict[str, str]:
-    """Summary of a backend, or why it cannot be used here."""
+    """Return the summary of a backend, or the reason why it cannot be used here."""
     from cbdsl.backends.backend import BackendError, find_backend
 
     try:

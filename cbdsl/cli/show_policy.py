@@ -85,7 +85,7 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
 
 
 def _written(document: object, path: Path) -> PolicyDocument:
-    """The policy that is written in a program, as a document of its own."""
+    """Return the policy that is written in a program, as a separate document."""
     from cbdsl.checking.program import check_program
     from cbdsl.documents.policy import PolicyDocument
 

@@ -60,7 +60,7 @@ def _read(name: str) -> SchemaDocument:
 
 
 def _difference(other: SchemaDocument, schema: SchemaDocument) -> str:
-    """Lines in which the texts of two schemas differ, with all lines around them."""
+    """Return the differing lines of two schemas' texts, with all lines around them."""
     from difflib import unified_diff
 
     from cbdsl.cli.schema_text import schema_text

@@ -1,4 +1,4 @@
-"""Links of a proposed robot that touch each other where it starts."""
+"""Links of a proposed robot that touch each other in the start posture."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ Postures = dict[str, tuple[float, ...]]
 
 
 class StartContacts(NamedTuple):
-    """Postures to start from, and which links touch each other then.
+    """Start postures, and the links that touch each other there.
 
     Attributes:
-        postures: by effector, the one to start from first.
-        always: pairs of links that touch in every posture that was tried.
-        there: pairs of other links that touch where the robot starts.
-        unknown: why none was looked for, or nothing.
+        postures: Postures by effector, start posture first.
+        always: Pairs of links that touch in every tested posture.
+        there: Pairs of other links that touch in the start posture.
+        unknown: Reason why the contacts were not computed; else empty.
     """
 
     postures: dict[str, Postures]
@@ -48,7 +48,7 @@ def start_contacts(
     except ImportError:
         return StartContacts(dict(postures), unknown="pip install 'cbdsl[sim]' looks for them")
     except UrdfError:
-        return StartContacts(dict(postures))  # which is a finding of the document
+        return StartContacts(dict(postures))  # the document gets a diagnostic for it
     always = contacts.always()
     chosen, there = _cleared(contacts, effectors, dict(postures))
     always &= there
@@ -76,7 +76,7 @@ def _touching(
     effectors: Mapping[str, SemanticGroup],
     postures: Mapping[str, Postures],
 ) -> frozenset[LinkPair]:
-    """Pairs of links that touch where all effectors start."""
+    """Return the pairs of links that touch in the start postures of all effectors."""
     return contacts.touching(
         {
             joint.name: position

@@ -17,7 +17,7 @@ from cbdsl.errors.legible import legible
 if TYPE_CHECKING:
     from rich.console import Console
 
-# Wide enough for every table where nobody folds lines.
+# Wide enough for every table in output that is not folded.
 _WIDTH_OF_PIPES = 200
 
 
@@ -69,7 +69,7 @@ def print_problem(message: str) -> None:
 
 @cache
 def _text(file: str) -> str | None:
-    """A file's text for snippets, or ``None`` where it has none."""
+    """Return a file's text for snippets, or ``None`` if it has none."""
     from cbdsl.errors.errors import DiagnosticsError
     from cbdsl.yaml_text.reader import read_text
 

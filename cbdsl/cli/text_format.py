@@ -1,4 +1,4 @@
-"""Findings for people: each with its line, a caret, and what would have been right."""
+"""Diagnostics as text: each with its line, a caret, and the allowed names."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _tally(report: ValidationReport) -> str:
 
 
 def _skipped(report: ValidationReport) -> str:
-    """The number of files that were not checked, after a semicolon; empty if there are none."""
+    """Return the number of unchecked files, after a semicolon; empty if there are none."""
     others = count(report.others, "YAML file")
     skipped = f"; {others} of other tools skipped" if report.others else ""
     folders = count(report.unreadable, "folder")
@@ -37,6 +37,6 @@ def _skipped(report: ValidationReport) -> str:
 
 
 def _is_colorful() -> bool:
-    """Whether the standard output shows colours and nobody said that they are unwanted."""
+    """Return whether the standard output shows colours and the user has not disabled them."""
     wanted = "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
     return wanted and sys.stdout.isatty()

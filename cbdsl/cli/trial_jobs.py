@@ -35,11 +35,11 @@ def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> Non
 
 
 class _Supervision:
-    """Tells how far the jobs are that run elsewhere; see ``Supervisor``.
+    """Supervisor that reports the progress of jobs in other processes; see ``Supervisor``.
 
     Args:
-        jobs: all of them.
-        settings: who watches.
+        jobs: All jobs.
+        settings: Settings with the progress callback.
     """
 
     def __init__(self, jobs: Sequence[TrialJob], settings: RunSettings) -> None:
@@ -47,25 +47,25 @@ class _Supervision:
         self._failures: list[Exception] = []
 
     def look(self, workers: int) -> None:
-        """See ``Supervisor.look``."""
+        """Report the progress; see ``Supervisor.look``."""
         progress = [job.progress() for job in self._jobs]
-        # One that has not begun has as many episodes as any other.
+        # A job that has not begun has as many episodes as any other.
         total = max(total for _, total in progress)
         if total:
             self._settings.progress(sum(done for done, _ in progress), total * len(progress))
 
     def done(self, job: TrialJob, files: Sequence[Path], /) -> None:
-        """See ``Supervisor.done``."""
+        """Ignore a finished job; see ``Supervisor.done``."""
 
     def failed(self, job: TrialJob, error: Exception, /) -> None:
-        """See ``Supervisor.failed``."""
+        """Record the error of a job; see ``Supervisor.failed``."""
         self._failures.append(error)
 
     def conclude(self) -> None:
-        """At the end, say what went wrong first.
+        """Raise the first error at the end.
 
         Raises:
-            Exception: what a job raised.
+            Exception: Error that a job raised.
         """
         if self._failures:
             raise self._failures[0]
