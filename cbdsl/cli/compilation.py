@@ -1,4 +1,4 @@
-"""Progress of the compiler, without which a first run would look like a program that hangs."""
+"""Progress of the compiler, so that a first run does not look like a hanging program."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def _difference(entry: Entry) -> Iterator[str]:
     bad, good = _shown(entry.bad), _shown(entry.good)
     lines = unified_diff(bad, good, lineterm="", n=len(bad) + len(good))
     for number, line in enumerate(lines):
-        if number > 2:  # behind the names of the two files and the numbers of their lines
+        if number > 2:  # after the names of the two files and their line numbers
             yield line.rstrip() if line.startswith(" ") else line
 
 

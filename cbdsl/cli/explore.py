@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from cbdsl.documents.stage import StageDocument
     from cbdsl.training.exploration_task import ExplorationTask
 
-# The programs stand without an option, how an exploration gets to its end does not matter to it,
-# and the number of its actions is told last.
+# Parameters that are not options of the recorded command. The programs are arguments, the number
+# of actions is written last, and the others do not affect the result.
 _NEVER = (
     "programs", "actions", "resume", "as_json", "live", "live_port", "live_wait", "live_close",
     "fast",

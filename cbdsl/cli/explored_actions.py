@@ -1,4 +1,4 @@
-"""Actions of ``cb explore``, read from what is typed."""
+"""Actions of ``cb explore``, read from the command line."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from cbdsl.training.explorable_pair import ExplorablePair
     from cbdsl.types.resource import Resource
 
-# Parameters of a program that brings one thing to another.
+# Parameters of a program that brings one object to another.
 _ENDS = ("feature", "goal")
 
 

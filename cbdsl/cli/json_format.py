@@ -1,4 +1,4 @@
-"""Findings for scripts; ``docs/ci.md`` documents every key."""
+"""Diagnostics as JSON; ``docs/ci.md`` documents every key."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.errors.diagnostic import Diagnostic, Place
 
-#: Grows when a key changes its meaning or goes; new keys may come without it.
+#: Version, increased if a key changes its meaning or is removed, but not for a new key.
 VERSION = 1
 
 

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.training.learning_task import LearningTask
 
-# What a command names even where it is the default: they say how much was done, and by what chance.
+# Options that the recorded command includes even with default values.
 _ALWAYS = ("episodes", "seed", "backend")
-# The program stands without an option, how a trial gets to its end does not matter to it, and
-# constants are all told together.
+# Parameters that are not options of the recorded command. The program is an argument, constants
+# are written as --set, and the others do not affect the result.
 _NEVER = (
     "program", "resume", "workers", "scheduler", "live", "live_port", "live_wait", "live_close",
     "fast", *AccommodateConstants.model_fields,
@@ -226,7 +226,7 @@ def learn(
         )
         tasks = _numbered(first, trials)
         _require_ready(tasks, resume)
-    at_once = min(workers, trials)  # an episode needs what the one before it taught
+    at_once = min(workers, trials)  # each episode needs the results of the previous one
     with shown_on_failure(), termination_interrupts():
         if at_once == 1 and scheduler is None:
             one_by_one(tasks, request, shown)
@@ -306,7 +306,7 @@ def _limited(
 ) -> CheckedProgram:
     """Return the program with the given actions and limits of the trial.
 
-    Times are of an action, of an action without tasks in transit, and of an episode, s.
+    The times are the transition, idle and episode time of the checked program, s.
     """
     transition_time, idle_time, episode_time = times
     return program._replace(

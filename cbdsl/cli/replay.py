@@ -1,4 +1,4 @@
-"""``cb replay``: a recorded episode as a page to look at."""
+"""``cb replay``: a recorded episode as a page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``cb report``: what was learned as a page to look at."""
+"""``cb report``: learned documents as a page."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ def reproduce(
             if not as_json:
                 _tell(experiment, outcome)
             if out is not None:
-                # After each, so that what is done is kept when a later one is interrupted.
+                # Written after each experiment, so that an interrupt of a later one loses none.
                 _write(out, experiment, settings, outcome, results)
     if as_json:
         print_json(results)
@@ -140,7 +140,7 @@ def _require_meaning(
     often: Mapping[str, object],
     workers: Mapping[str, object],
 ) -> None:
-    """Report options that have no meaning for any of the experiments."""
+    """Refuse options that have no meaning for any of the experiments."""
     learns = f"learn, which {name} is not"
     if not any(each.backend for each in chosen):
         _require_unused(where, f"run on a backend of choice, which {name} does not")

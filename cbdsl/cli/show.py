@@ -1,4 +1,4 @@
-"""``cb show``: types, potentials, resources, plug-ins, programs, and what was learned."""
+"""``cb show``: types, potentials, resources, plug-ins, programs, and learned documents."""
 
 from __future__ import annotations
 

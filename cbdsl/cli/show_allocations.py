@@ -1,4 +1,4 @@
-"""``cb show allocations``: the resources that a program can be run with."""
+"""``cb show allocations``: resources with which a program can run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``cb show catalog``: what an object affords, as text, as data, as an icon, or as predictions."""
+"""``cb show catalog``: an object's affordances as text, as data, as an icon, or as predictions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``cb show mesh``: a mesh as a form that stages can have."""
+"""``cb show mesh``: a mesh as a form for objects of stages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``cb show meta-catalog``: which things stay on which, as text, data or a graph, and plans."""
+"""``cb show meta-catalog``: stable pairs of objects as text, data or a graph, and plans."""
 
 from __future__ import annotations
 

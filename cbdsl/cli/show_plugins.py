@@ -1,4 +1,4 @@
-"""``cb show`` of everything that packages can add: built-in entries and theirs."""
+"""``cb show`` of extensible registries: built-in entries, and entries of packages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``cb show policy``: what a policy does, as text, as data, or as a picture."""
+"""``cb show policy``: the actions of a policy as text, as data, or as a picture."""
 
 from __future__ import annotations
 
@@ -54,10 +54,10 @@ def show_policy(
 
 
 def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
-    """A policy, and which names are those of programs that its own one uses.
+    """Return a policy, and the names of the programs that its program uses.
 
     Raises:
-        UsageError, DiagnosticsError: there is none.
+        UsageError, DiagnosticsError: The policy does not exist or has errors.
     """
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.documents.program import ProgramDocument

@@ -1,4 +1,4 @@
-"""``cb show substitutes``: the programs that can stand in for a program, or for a part of it."""
+"""``cb show substitutes``: programs that can replace a program, or a part of it."""
 
 from __future__ import annotations
 

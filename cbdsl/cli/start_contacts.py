@@ -11,7 +11,7 @@ from cbdsl.robot.urdf import UrdfError, UrdfModel
 if TYPE_CHECKING:
     from cbdsl.robot.self_contacts import LinkPair, SelfContacts
 
-#: Postures of an effector by name, of which it starts in the first.
+#: Postures of an effector by name; the first is its start posture.
 Postures = dict[str, tuple[float, ...]]
 
 
@@ -58,7 +58,7 @@ def start_contacts(
 def _cleared(
     contacts: SelfContacts, effectors: Mapping[str, SemanticGroup], chosen: dict[str, Postures]
 ) -> tuple[dict[str, Postures], frozenset[LinkPair]]:
-    """Postures of one effector after the other, put so that fewer links touch; which do then."""
+    """Return the postures, reordered so that fewer links touch, and the pairs that still touch."""
     there = _touching(contacts, effectors, chosen)
     for name, own in chosen.items():
         if effectors[name].postures:

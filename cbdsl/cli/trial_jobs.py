@@ -29,7 +29,7 @@ def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> Non
     find_backend(settings.backend)
     with trial_jobs(experiment, settings) as jobs:
         supervision = _Supervision(jobs, settings)
-        if len(jobs) > 1:  # with a single one nothing can be done side by side
+        if len(jobs) > 1:  # a single job cannot be parallelized
             run_on_workers(jobs, min(workers, len(jobs)), supervision)
     supervision.conclude()
 

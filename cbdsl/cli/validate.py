@@ -1,4 +1,4 @@
-"""``cb validate``: all findings in documents, without simulator and network."""
+"""``cb validate``: all diagnostics of documents, without simulator and network."""
 
 from __future__ import annotations
 

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
 
-# Programs that together call the compiled functions of control and sensing. They run on the engine
-# without physics, which takes the least time.
+# Programs that together call all compiled functions of control and sensing. They run on the engine
+# without physics, which is the fastest.
 _PROGRAMS = (
     "reachtouch", "reach", "notice", "bimanualgrab", "bimanualinspect", "impedance", "touch_table",
 )  # fmt: skip
-# The engines with physics have few of their own.
+# The engines with physics have few compiled functions of their own.
 _ON_ENGINES = "reachtouch"
-# Ticks within which all of them are called.
+# Number of ticks within which all compiled functions are called.
 _TICKS, _TICKS_ON_ENGINES = 200, 40
 
 
@@ -50,7 +50,7 @@ def warm() -> None:
 
 
 def _compile_potentials() -> None:
-    """Compile all potentials, also those that the programs above do not use."""
+    """Compile all potentials, including potentials unused by the programs above."""
     from cbdsl.cli.compilation import told_of_compilation
     from cbdsl.control.registry import compile_potentials
 

@@ -42,7 +42,7 @@ def warn_of_open_scheduler(address: str) -> None:
     try:
         host = urlsplit(f"//{rest}").hostname or ""
     except ValueError:
-        return  # no address, as is told when nothing answers there
+        return  # not an address; the failed connection is reported later
     if scheme in ("", "tcp", "ws") and not _is_here(host):
         print_problem(
             f"warning: {address} is neither encrypted nor asks who connects: whoever reaches it "
