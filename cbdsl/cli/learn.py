@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 # Options that the recorded command includes even with default values.
 _ALWAYS = ("episodes", "seed", "backend")
-# Parameters that are not options of the recorded command. The program is an argument, constants
-# are written as --set, and the others do not affect the result.
+# Parameters that are not options of the recorded command. The program is an argument, the constants
+# are written by _set, and the others do not affect the result.
 _NEVER = (
     "program", "resume", "workers", "scheduler", "live", "live_port", "live_wait", "live_close",
     "fast", *AccommodateConstants.model_fields,
