@@ -110,8 +110,8 @@ class ActionRunner:
     ) -> ActionOutcome:
         """Run an action that searches for a mark of one of several channels.
 
-        The outcome counts for the chosen action, rewarded or not. Visible marks become actions,
-        whose statistics begin when they are chosen themselves.
+        The outcome counts for the visible mark's own action, or else for the chosen one. Visible
+        marks become actions.
         """
         open_marks = [m for m, each in action.marks.items() if each.name not in known]
         if not open_marks:
@@ -123,7 +123,8 @@ class ActionRunner:
         result = self._episode(own, reader, seed, undisturbed, [*own.observed, *action.observed])
         seen = {m for m, seconds in reader.seconds.items() if seconds >= _BELIEVED}
         new = tuple(each.name for m, each in action.marks.items() if m in seen)
-        outcome = _outcome(action.name, result, reader)
+        # The features of marks have lengths of their own, and models of their own.
+        outcome = _outcome(own.name if mark in seen else action.name, result, reader)
         return outcome._replace(opened=new, rewarded=outcome.rewarded and mark in seen)
 
     def _episode(

@@ -36,9 +36,11 @@ def test_nothing_is_compiled_after_warm(tmp_path: Path) -> None:
 
     def cb(*words: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-c", script.format([*words])]
-        return subprocess.run(
-            command, cwd=tmp_path, env=surroundings, capture_output=True, text=True, check=True
+        done = subprocess.run(
+            command, cwd=tmp_path, env=surroundings, capture_output=True, text=True, check=False
         )
+        assert done.returncode in (0, 3), done.stderr  # 3: the program states a failure
+        return done
 
     assert not cb("warm").stdout.startswith("0 functions")
     assert cb("warm").stdout.startswith("0 functions")

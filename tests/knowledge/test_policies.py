@@ -40,7 +40,9 @@ SEEDS = range(82_001, 82_007)
 # Those whose states do not depend on how far things give way. Of these episodes one is left out:
 # on bullet, fingers grip a ball askew in it that cannot give way, as the experimenter holds it.
 SAME = ("reachtouch", "searchtrack", "searchtrack_table")
-EPISODES = [(name, seed) for name in SAME for seed in SEEDS if (name, seed) != (SAME[0], 82_004)]
+# In 82_003 the object is out of reach: after 17 equal states an engine loses sight of it first.
+APART = ((SAME[0], 82_003), (SAME[0], 82_004))
+EPISODES = [(name, seed) for name in SAME for seed in SEEDS if (name, seed) not in APART]
 
 
 @pytest.fixture(scope="module")

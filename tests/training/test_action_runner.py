@@ -12,7 +12,6 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.learning.action_outcome import ActionOutcome
-from cbdsl.learning.model_exploration import ModelConstants, ModelExploration
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import EpisodeResult
 from cbdsl.runtime.feature_reader import FeatureReader
@@ -89,21 +88,3 @@ def test_inspect_is_rewarded_only_where_its_hue_was_seen(
     outcome = inspect(rewarded=rewarded, seconds=seconds)
     assert outcome.rewarded == counts
     assert outcome.opened == ((HUE,) if seconds else ())
-
-
-@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
-def test_inspect_counts_each_execution_under_the_open_action(
-    inspect: Inspect, inspection: Explorable, share: float
-) -> None:
-    """Predict for an open inspection the probability of its own executions."""
-    exploration = ModelExploration({"visualinspect": inspection.forms}, ModelConstants())
-    for number in range(20):
-        rewarded = number < 20 * share
-        outcome = inspect(rewarded=rewarded, seconds=1.0 if rewarded else 0.0)
-        exploration.add({name: inspection.marks["blue"].forms for name in outcome.opened})
-        exploration.note(outcome)
-    affordance = exploration.affordances["visualinspect"]
-    assert (affordance.tried, affordance.successes) == (20, round(20 * share))
-    assert affordance.reward_probability() == pytest.approx((20 * share + 1) / 22)
-    others = [each for name, each in exploration.affordances.items() if name != "visualinspect"]
-    assert sum(each.tried for each in others) == 0

