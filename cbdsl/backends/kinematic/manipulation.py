@@ -178,7 +178,9 @@ class Manipulation:
             return
         holding = [contact for contact in contacts if contact.hand in grasp.holders]
         weight = np.array((0.0, 0.0, thing.mass * GRAVITY / len(holding)))
-        pressed = sum([STIFFNESS * each.depth * np.array(each.normal) for each in contacts])
+        pressed = np.zeros(3)
+        for each in contacts:
+            pressed += STIFFNESS * each.depth * np.array(each.normal)
         pressed[2] = 0.0  # upright, the object yields to them
         normals = np.array([each.normal for each in holding])
         across = np.eye(3) - normals[:, :, None] * normals[:, None]

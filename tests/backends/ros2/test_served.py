@@ -21,9 +21,14 @@ pytestmark = pytest.mark.slow
 CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
 
 
+# Tests that run side by side do not hear each other.
+_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+DOMAIN = 70 + 2 * _WORKER
+
+
 @pytest.fixture(scope="module")
 def environment() -> dict[str, str]:
-    return {**os.environ, "ROS_DOMAIN_ID": "78"}
+    return {**os.environ, "ROS_DOMAIN_ID": str(DOMAIN)}
 
 
 @pytest.mark.parametrize("kind", fault_trials.KINDS)
@@ -33,7 +38,7 @@ def test_robot_is_still_soon_after_a_fault(kind: str) -> None:
     for _ in range(3):
         run = subprocess.run(
             [*script, "--count", "1", "--out", os.devnull],
-            env={**os.environ, "ROS_DOMAIN_ID": "79"},
+            env={**os.environ, "ROS_DOMAIN_ID": str(DOMAIN + 1)},
             cwd=ROOT,
             capture_output=True,
             text=True,
