@@ -45,7 +45,7 @@ __all__ = [  # noqa: RUF022 (verbs before nouns)
 
 
 def __getattr__(name: str) -> object:
-    """A public name, imported when it is first used."""
+    """Import a public name when it is first used."""
     if name not in _HOMES:
         raise AttributeError(f"module 'cbdsl' has no attribute '{name}'")
     value: object = getattr(import_module(_HOMES[name]), name)
@@ -54,5 +54,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """The public names, whether or not they were used."""
+    """Return the public names, including those that were not used yet."""
     return sorted({*globals(), *__all__})

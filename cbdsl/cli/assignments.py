@@ -8,10 +8,10 @@ from cbdsl.errors.errors import UsageError
 
 
 def read_assignments(texts: Iterable[str], option: str = "--with") -> dict[str, str]:
-    """Value by name.
+    """Return the values by name.
 
     Raises:
-        UsageError: a text is no assignment, or two are for the same name.
+        UsageError: A text is not an assignment, or two texts assign the same name.
     """
     values: dict[str, str] = {}
     for text in texts:

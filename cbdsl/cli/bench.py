@@ -47,13 +47,13 @@ _BASE, _STANDING = 0.02, 0.1
 
 
 def bench(robot: RobotDocument, file: Path) -> Bench:
-    """A bench for a robot: in front of its longest limbs, below where those end.
+    """Return a bench in front of the longest limbs of a robot, below their tips.
 
-    One limb has it on that side on which it ends; before several, it is ahead.
+    The bench of a single limb is on the side of its tip; the bench of several limbs is ahead.
 
     Args:
-        robot: whose stage it is.
-        file: its document.
+        robot: Robot of the stage.
+        file: Document of the robot.
     """
     try:
         model = read_urdf(file.parent / robot.model)

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def catalog_text(catalog: CatalogDocument) -> str:
-    """A catalog as lines for people: counts and intervals, then the features with reward."""
+    """Return a catalog as text: counts and intervals, then the features with reward."""
     head = f"{catalog.name}: what '{catalog.feature}' affords {catalog.robot}"
     if catalog.provenance is not None:
         origin = catalog.provenance

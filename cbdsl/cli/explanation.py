@@ -20,7 +20,7 @@ This page is written by `cb explain --all --markdown`.
 
 
 def explanation(entry: Entry) -> str:
-    """The explanation of a finding for a terminal."""
+    """Return the explanation of a diagnostic for a terminal."""
     parts = [f"{entry.code}: {entry.title}", textwrap.fill(entry.explanation, 88)]
     example = "\n".join(_difference(entry))
     if example:
@@ -30,7 +30,7 @@ def explanation(entry: Entry) -> str:
 
 
 def page(entries: Iterable[Entry]) -> str:
-    """A page of Markdown with a section for each entry."""
+    """Return a page of Markdown with a section for each entry."""
     return "\n".join([_HEAD, *(_section(entry) for entry in entries)]).rstrip("\n")
 
 

@@ -165,7 +165,7 @@ def require_persistent(stage: StageDocument) -> None:
     """Check that actions can follow each other in one world.
 
     Raises:
-        UsageError: each of them would begin in another one.
+        UsageError: The actions differ in their robot or stage.
     """
     from cbdsl.errors.errors import UsageError
 

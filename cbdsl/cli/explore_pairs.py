@@ -18,11 +18,11 @@ _OF_ONE = (
 
 
 def explore_pairs(context: typer.Context, command: str) -> None:
-    """Explore pairs with what was given to ``cb explore``.
+    """Explore pairs with the options of ``cb explore``.
 
     Raises:
-        DiagnosticsError: a document has errors.
-        UsageError: something that was given cannot be used.
+        DiagnosticsError: A document has errors.
+        UsageError: An option cannot be used.
     """
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.explored_pairs import read_pairs, read_things

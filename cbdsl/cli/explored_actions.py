@@ -29,7 +29,7 @@ def read_action(text: str) -> ActionText:
     """Read ``NAME``, ``NAME:key=value,key=value`` or ``LABEL=NAME:...``.
 
     Raises:
-        UsageError: it is none of them.
+        UsageError: The text has none of these forms.
     """
     import re
     from pathlib import Path
@@ -56,13 +56,13 @@ def read_actions(
     """Read, check and resolve the actions of an exploration.
 
     Args:
-        texts: as they are typed.
-        feature: value of the key of that name, where it is not given.
-        stage: the world.
+        texts: Actions as typed.
+        feature: Value of the parameter ``feature`` of actions that do not assign it.
+        stage: Stage of the exploration.
 
     Raises:
-        DiagnosticsError: a document has errors.
-        UsageError: an action is no action, or there is nothing that it could be rewarded for.
+        DiagnosticsError: A document has errors.
+        UsageError: A text is not an action, or the action cannot be rewarded.
     """
     from cbdsl.errors.errors import UsageError
 
@@ -96,7 +96,7 @@ def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest,
 
 
 def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
-    """A program with its values, and the features that its model is over."""
+    """Return a program with its values, and the features of its model."""
     from cbdsl.api.run_request import read_request
     from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.documents.program import ProgramDocument

@@ -16,10 +16,10 @@ _ENDS = ("feature", "goal")
 
 
 def read_things(texts: Sequence[str]) -> dict[str, str]:
-    """Channels of things by name, from ``NAME=CHANNEL``.
+    """Return the channels of objects by name, from ``NAME=CHANNEL``.
 
     Raises:
-        UsageError: one of them is none, is there twice, or is known by another one's channel.
+        UsageError: A text has another form, or a name or a channel occurs twice.
     """
     import re
 
@@ -44,17 +44,17 @@ def read_things(texts: Sequence[str]) -> dict[str, str]:
 def read_pairs(
     program: str, things: Mapping[str, str], relation: str, stage: str | None
 ) -> tuple[RunRequest, dict[str, ExplorablePair]]:
-    """The pairs of things that a stage shows, each with the program bound to both.
+    """Return the pairs of objects in the contexts of a stage, with the program bound to both.
 
     Args:
-        program: a file or a name, perhaps with values as in ``NAME:key=value``.
-        things: channels by name.
-        relation: ``on`` or ``in``: what stands between the things in a context's name.
-        stage: a file or a name.
+        program: File or name of a program, optionally with values as in ``NAME:key=value``.
+        things: Channels of the objects by name.
+        relation: Word between the objects in the name of a context, ``on`` or ``in``.
+        stage: File or name of a stage.
 
     Raises:
-        DiagnosticsError: a document has errors.
-        UsageError: the program brings nothing to anything, or no pair is shown.
+        DiagnosticsError: A document has errors.
+        UsageError: The program does not bring one object to another, or the stage has no pair.
     """
     from cbdsl.cli.explored_actions import read_action
     from cbdsl.errors.errors import UsageError

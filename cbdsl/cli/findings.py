@@ -40,21 +40,21 @@ def check_paths(
     *,
     notes_elsewhere: bool = True,
 ) -> int:
-    """Check documents and folders of documents, and print what was found.
+    """Check documents and folders of documents, and print the diagnostics.
 
     Args:
-        paths: files and folders; ``-`` is the standard input.
-        values: values of programs' parameters.
-        form: a key of ``FORMATS``.
-        strict: whether a warning counts as an error.
-        stdin_name: the file that the standard input stands for.
-        notes_elsewhere: whether notes on other files than these are told, too.
+        paths: Files and folders; ``-`` is the standard input.
+        values: Values of programs' parameters by name.
+        form: Format of the output, a key of ``FORMATS``.
+        strict: True if warnings count as errors.
+        stdin_name: File name of the standard input in diagnostics.
+        notes_elsewhere: True if notes on other files are printed as well.
 
     Returns:
-        The exit code: 0 without errors, 1 with errors.
+        Exit code: 0 without errors, 1 with errors.
 
     Raises:
-        UsageError: a folder holds no documents, or there is no such format.
+        UsageError: A folder holds no documents, or the format is unknown.
     """
     write = _writer(form)
     report = _examine(paths, values, Path(stdin_name))

@@ -14,16 +14,16 @@ _ROUNDS = 5
 
 
 def fix_paths(paths: Iterable[str], values: Mapping[str, str]) -> None:
-    """Correct what has a nearest name in documents and folders of documents, in place.
+    """Replace unknown names by their nearest names, in documents and folders of documents.
 
-    Says on the standard error which files changed. Files are replaced as a whole.
+    The changed files are written atomically and listed on the standard error.
 
     Args:
-        paths: files and folders.
-        values: values of programs' parameters.
+        paths: Files and folders.
+        values: Values of programs' parameters by name.
 
     Raises:
-        UsageError: there is nothing on the standard input to write to, or a folder is empty.
+        UsageError: A path is the standard input, or a folder holds no documents.
     """
     from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError

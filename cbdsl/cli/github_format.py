@@ -14,7 +14,7 @@ _IN_PROPERTIES = {**_IN_MESSAGES, ":": "%3A", ",": "%2C"}
 
 
 def github(report: ValidationReport) -> str:
-    """One line per finding."""
+    """Return one workflow command per diagnostic, each on a line."""
     return "\n".join(_annotation(diagnostic) for diagnostic in report.findings)
 
 

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 def apply_suppressions(
     diagnostics: Iterable[Diagnostic], files: Iterable[Path], library: Library
 ) -> list[Diagnostic]:
-    """Take away what is ignored, and add findings about ignores; causes come first.
+    """Remove suppressed diagnostics and add those of the suppressions, causes first.
 
     Args:
-        diagnostics: findings in some files and in what they refer to.
-        files: the files that were checked for themselves; only there an ignore can be idle.
-        library: where their texts are.
+        diagnostics: Diagnostics of the files and of the files that they refer to.
+        files: Files checked by themselves; only their suppressions are reported as unused.
+        library: Library with the texts of all files.
     """
     from cbdsl.checking.causes import causes_first
 

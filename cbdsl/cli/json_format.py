@@ -13,7 +13,7 @@ VERSION = 1
 
 
 def json_report(report: ValidationReport) -> str:
-    """One object: the version of this format, how much was found, and every finding."""
+    """Return a JSON object: version of the format, counts, and all diagnostics."""
     data = {
         "version": VERSION,
         "documents": report.documents,

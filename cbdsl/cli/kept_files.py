@@ -35,10 +35,10 @@ class DamagedLine(NamedTuple):
 
 
 def damaged_lines(folder: Path) -> Iterator[DamagedLine]:
-    """Lines without a row, of all files of rows below a folder.
+    """Return the lines without a row, of all files of rows below a folder.
 
     Raises:
-        OSError: a file cannot be read.
+        OSError: A file cannot be read.
     """
     for path in sorted(folder.rglob("*.jsonl")):
         if path.name.endswith(_JOURNALS):

@@ -25,12 +25,12 @@ def one_by_one(
     """Run trials in this process.
 
     Args:
-        tasks: the trials.
-        request: what runs.
-        live: how they are shown in the browser, if they are.
+        tasks: Learning tasks, one per trial.
+        request: Program, robot and stage.
+        live: Options of the live page, or ``None`` for no page.
 
     Raises:
-        UsageError: one fails; the message says why, and what is kept.
+        UsageError: A trial failed; the message names the reason and the kept files.
     """
     from cbdsl.cli.live import live_page
     from cbdsl.cli.simulation import simulation
@@ -50,12 +50,12 @@ def side_by_side(tasks: Sequence[LearningTask], workers: int, scheduler: str | N
     """Run trials in other processes.
 
     Args:
-        tasks: the trials.
-        workers: how many processes.
-        scheduler: address of a cluster that has some instead.
+        tasks: Learning tasks, one per trial.
+        workers: Number of processes.
+        scheduler: Address of a cluster to use instead of processes, or ``None``.
 
     Raises:
-        UsageError: some failed; the message says why, and what is kept.
+        UsageError: Trials failed; the message names the reasons and the kept files.
     """
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.errors.errors import UsageError

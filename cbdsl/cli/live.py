@@ -56,10 +56,10 @@ class LiveOptions:
 def live_options(
     live: bool, port: int | None, *, fast: bool, waits: bool, closes: bool
 ) -> LiveOptions | None:
-    """Options of a page, ``None`` for no page.
+    """Return the options of a live page, or ``None`` for no page.
 
     Raises:
-        UsageError: one was given without ``--live``.
+        UsageError: An option of the page is given without ``--live``.
     """
     from cbdsl.errors.errors import UsageError
 
@@ -86,17 +86,17 @@ def live_page(
     composes: bool = False,
     tells: bool = True,
 ) -> Iterator[LiveView | None]:
-    """The page of the episodes that run within; afterwards it stays until Ctrl-C.
+    """Serve a live page of the episodes within the context, and keep it until Ctrl-C.
 
     Args:
-        options: of the page; ``None`` for no page.
-        request: what runs.
-        backend: where it runs.
-        composes: whether the program may be changed on it.
-        tells: whether the standard output is for people.
+        options: Options of the page; ``None`` for no page.
+        request: Program, robot and stage.
+        backend: Backend of the episodes.
+        composes: True if the page may change the program.
+        tells: True if messages go to the standard output.
 
     Raises:
-        UsageError: its port cannot be had.
+        UsageError: The port of the page is not available.
     """
     if options is None:
         yield None

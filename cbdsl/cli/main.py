@@ -25,7 +25,7 @@ COMMANDS = (
 
 
 def build_app(names: Iterable[str] = COMMANDS) -> typer.Typer:
-    """The command line with some of its commands, or all."""
+    """Return the command line with all commands or some of them."""
     import typer
 
     from cbdsl.cli.version import options

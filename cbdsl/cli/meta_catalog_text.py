@@ -13,7 +13,7 @@ _TITLES = ("pair", "stayed", "95 % interval", "value", "model")
 
 
 def meta_catalog_text(catalog: MetaCatalogDocument) -> str:
-    """A meta-catalog as lines for people: its things, its pairs, and how both then look."""
+    """Return a meta-catalog as text: its objects, its pairs and their constellations."""
     head = f"{catalog.name}: which things {catalog.robot} brings to which"
     if catalog.provenance is not None:
         origin = catalog.provenance

@@ -22,7 +22,7 @@ def narrate(transition: Transition) -> None:
 
 
 def json_line(result: EpisodeResult) -> str:
-    """One episode as a JSON object on one line; only ``wall_seconds`` depends on the machine."""
+    """Return an episode as a line of JSON; only ``wall_seconds`` depends on the machine."""
     row = asdict(result)
     row["transitions"] = len(result.actions)
     row["wall_seconds"] = round(result.wall_seconds, 3)

@@ -15,9 +15,9 @@ from cbdsl.cli.legible_output import LegibleStream
 
 @contextmanager
 def shown_on_failure() -> Iterator[None]:
-    """Keep what C code writes out of the standard output, which belongs to ``print``.
+    """Keep the output of C code out of the standard output, which belongs to ``print``.
 
-    It is shown on the standard error where an exception passes: it may say why.
+    If an exception is raised, the output goes to the standard error, because it may say why.
     """
     with tempfile.TemporaryFile() as captured, _stdout_of_c(captured.fileno()):
         try:

@@ -11,10 +11,10 @@ import typer
 
 
 def require_room(target: Path) -> None:
-    """Find out before a page is made, not after, whether it can be kept; its folder is made.
+    """Create the folder of a page, and check before the run that the page can be written.
 
     Raises:
-        UsageError: it cannot.
+        UsageError: The page cannot be written.
     """
     from cbdsl.yaml_text.writer import make_room
 
@@ -23,10 +23,10 @@ def require_room(target: Path) -> None:
 
 
 def write_page(text: str, target: Path, *, tells: bool = True) -> None:
-    """Write a page, and print where it is.
+    """Write a page, and print its path and size.
 
     Raises:
-        UsageError: it cannot be written; what was there is still there.
+        UsageError: The page cannot be written; an existing file is unchanged.
     """
     from cbdsl.yaml_text.writer import write_text
 

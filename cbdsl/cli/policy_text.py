@@ -15,11 +15,11 @@ _WIDTH = 80
 
 
 def policy_text(policy: PolicyDocument, graph: PolicyTransitions) -> str:
-    """The action of a policy in every state, and the likely transitions.
+    """Return the action of a policy in every state, and the likely transitions, as text.
 
     Args:
-        policy: all of its states are listed.
-        graph: of the same policy; only its transitions are listed.
+        policy: Policy; all of its states are listed.
+        graph: Transition graph of the policy; only its transitions are listed.
     """
     return "\n".join(_policy(policy, graph)) + "\n"
 

@@ -18,7 +18,7 @@ _WIDTH = 80
 
 
 def program_text(program: CheckedProgram) -> str:
-    """A program and, after it, those that it uses, each once."""
+    """Return a program as text, followed by each program that it uses."""
     parts = ("\n".join(_program(inner)) for inner in _used(program, []))
     return "\n\n".join(parts) + "\n"
 
@@ -38,11 +38,11 @@ def claims(program: CheckedProgram) -> dict[str, str]:
 
 
 def reference_text(reference: Reference | None, unit: str) -> str:
-    """A reference as people read it.
+    """Return the reference of a controller as text.
 
     Args:
-        reference: of a controller.
-        unit: of the feedback, which a reference has in common with it.
+        reference: Reference, or ``None``.
+        unit: Unit of the feedback and the reference.
     """
     if reference is None:
         return "none"
@@ -56,7 +56,7 @@ def reference_text(reference: Reference | None, unit: str) -> str:
 
 
 def casts_text(controller: Controller) -> str:
-    """The chains of casts that a controller's row is compiled from, with the types between them."""
+    """Return the chains of casts of a controller, with the types between the casts."""
     first, last = str(controller.feedback.type), str(configuration(len(controller.joints)))
     return ", and ".join(_chain_text(chain, first, last) for chain in controller.chains)
 

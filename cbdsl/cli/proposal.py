@@ -62,15 +62,15 @@ class Proposal(NamedTuple):
 
 
 def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = None) -> Proposal:
-    """The fields of a robot document that follow from a model.
+    """Return the fields of a robot document that follow from a model.
 
     Args:
-        model: the robot's model.
-        folder: where the document will be, to which the path of the model is relative.
-        semantics: its groups and postures; without them rows of joints become effectors.
+        model: Model of the robot.
+        folder: Folder of the document; the path of the model is relative to it.
+        semantics: Groups and postures; without them, chains of joints become effectors.
 
     Raises:
-        UsageError: the model has no joint that could be moved.
+        UsageError: The model has no movable joint.
     """
     effectors = _rows(model) if semantics is None else semantics.effectors
     if not effectors:

@@ -20,7 +20,7 @@ _SCHEMA = (
 
 
 def sarif(report: ValidationReport) -> str:
-    """One run; its rules are the entries of the catalogue that were found."""
+    """Return a SARIF log of one run, with the codes of its diagnostics as rules."""
     codes = sorted({diagnostic.code for diagnostic in report.findings})
     driver = {
         "name": "cbdsl",

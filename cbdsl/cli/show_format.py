@@ -34,15 +34,15 @@ Json = Annotated[bool, typer.Option("--json", help="Short for --format json.")]
 
 
 def read_format(word: str, as_json: bool, offered: Collection[Format] = tuple(Format)) -> Format:
-    """The format of a name.
+    """Return the format of a name.
 
     Args:
-        word: its name.
-        as_json: whether it is JSON, whatever the word.
-        offered: those that there are.
+        word: Name of a format.
+        as_json: True for JSON, regardless of the name.
+        offered: Formats of the command.
 
     Raises:
-        UsageError: there is none of this name.
+        UsageError: The command has no format of this name.
     """
     known = {form.value: form for form in offered}
     if word not in known:
@@ -51,7 +51,7 @@ def read_format(word: str, as_json: bool, offered: Collection[Format] = tuple(Fo
 
 
 def drawing(graph: Graph, form: Format) -> str:
-    """A graph in one of the formats for graphs."""
+    """Return a graph in one of the formats for graphs."""
     from cbdsl.reporting.drawing.dot import dot
     from cbdsl.reporting.drawing.mermaid import mermaid
     from cbdsl.reporting.drawing.svg import svg

@@ -57,10 +57,10 @@ def show_meta_catalog(
 
 
 def plan(catalog: MetaCatalogDocument, height: int, of: str | None) -> StackPlan:
-    """The surest stack of some height.
+    """Return the most probable stack of a given height.
 
     Raises:
-        UsageError: a thing is not known, or no such stack is.
+        UsageError: An object is unknown, or no such stack is known.
     """
     from cbdsl.errors.errors import UsageError
     from cbdsl.learning.stack_plan import plan_stack
@@ -91,11 +91,11 @@ def _print_plan(catalog: MetaCatalogDocument, known: StackPlan, *, as_json: bool
 
 
 def read_meta_catalog(name: str) -> MetaCatalogDocument:
-    """A meta-catalog without errors, by its name or file.
+    """Return a meta-catalog without errors, by its name or file.
 
     Raises:
-        DiagnosticsError: it has errors.
-        UsageError: there is none.
+        DiagnosticsError: The document has errors.
+        UsageError: There is no such document.
     """
     from cbdsl.api.clean import require_clean
     from cbdsl.documents.meta_catalog import MetaCatalogDocument

@@ -101,7 +101,7 @@ def _written(document: object, path: Path) -> PolicyDocument:
 
 
 def policy_data(policy: PolicyDocument, transitions: PolicyTransitions) -> dict[str, object]:
-    """A policy as JSON has it: every state that is known, and the arcs that would be drawn."""
+    """Return a policy as data of JSON: all known states, and the arcs of its diagram."""
     from cbdsl.reporting.drawing.policy_transitions import decisions
 
     return {

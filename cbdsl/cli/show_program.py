@@ -49,7 +49,7 @@ def show_program(
 
 
 def program_data(program: CheckedProgram) -> dict[str, object]:
-    """A program as JSON has it, with the programs that it uses."""
+    """Return a program as data of JSON, with the programs that it uses."""
     from cbdsl.cli.program_text import claims
     from cbdsl.program.dry_run import controllers, coverage, resources
 

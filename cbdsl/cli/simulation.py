@@ -29,10 +29,10 @@ BackendName = Annotated[
 
 @contextmanager
 def needing_simulation() -> Iterator[None]:
-    """Tell the user of whatever is imported on the way and not installed.
+    """Report a missing package by the name of the extra that installs it.
 
     Raises:
-        UsageError: it is not.
+        UsageError: An imported package, or a system library of it, is not installed.
     """
     from cbdsl.errors.errors import UsageError
 
@@ -54,11 +54,11 @@ def needing_simulation() -> Iterator[None]:
 def simulation(
     request: RunRequest, backend: str, *, gui: bool = False, cameras: str | None = None
 ) -> Iterator[tuple[Backend, Kinematics]]:
-    """The robot of an request on a backend, and its kinematics.
+    """Yield the backend with the robot of a request, and the robot's kinematics.
 
     Raises:
-        UsageError: there is no such backend, what it needs is not installed, it has no such
-            cameras, or the robot's model cannot be read by it.
+        UsageError: The backend or its cameras are unknown, a package is not installed, or the
+            backend cannot read the robot's model.
     """
     from cbdsl.errors.errors import UsageError
     from cbdsl.robot.urdf import UrdfError

@@ -34,12 +34,12 @@ class StartContacts(NamedTuple):
 def start_contacts(
     model: UrdfModel, effectors: Mapping[str, SemanticGroup], postures: Mapping[str, Postures]
 ) -> StartContacts:
-    """Postures in which fewer links touch than in the first ones, and the links that touch still.
+    """Return the postures ordered so that few links touch, and the links that still touch.
 
     Args:
-        model: of the robot.
-        effectors: those that are proposed.
-        postures: of each, the preferred one first; those of an SRDF stay in their order.
+        model: Model of the robot.
+        effectors: Proposed effectors by name.
+        postures: Postures by effector, preferred one first; the order of an SRDF is kept.
     """
     try:
         from cbdsl.robot.self_contacts import SelfContacts

@@ -22,7 +22,7 @@ _WIDTH_OF_PIPES = 200
 
 
 def console() -> Console:
-    """A rich console on the standard output."""
+    """Return a rich console on the standard output."""
     from rich.console import Console
 
     width = None if sys.stdout.isatty() else _WIDTH_OF_PIPES
@@ -63,7 +63,7 @@ def _cell(value: object) -> str:
 
 
 def print_problem(message: str) -> None:
-    """Print what kept a command from doing anything."""
+    """Print the reason why a command failed."""
     print(f"cb: {message}", file=sys.stderr)
 
 

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 
 @contextmanager
 def termination_interrupts() -> Iterator[None]:
-    """Let SIGTERM end a command as Ctrl-C does: the terminal is left clean, workers are ended.
+    """Let SIGTERM end a command as Ctrl-C does, with a clean terminal and ended workers.
 
     Raises:
-        KeyboardInterrupt: the signal came.
+        KeyboardInterrupt: The signal was received.
     """
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:

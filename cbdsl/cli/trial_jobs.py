@@ -12,15 +12,15 @@ if TYPE_CHECKING:
 
 
 def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> None:
-    """Run all episodes of an experiment in other processes; its folder keeps them.
+    """Run all episodes of an experiment in other processes, and keep them in its folder.
 
     Args:
-        experiment: in which the robot learns.
-        settings: of it.
-        workers: how many processes.
+        experiment: Experiment in which the robot learns.
+        settings: Settings of the experiment.
+        workers: Number of processes.
 
     Raises:
-        UsageError: a job could not be carried out; what is over is kept.
+        UsageError: A job failed; finished episodes are kept.
     """
     from cbdsl.backends.backend import find_backend
     from cbdsl.reproduction.trial_job import trial_jobs

@@ -11,13 +11,13 @@ _HELP = ("--help", "-h", "help")
 
 
 def asks_for_backends(words: Sequence[str]) -> bool:
-    """Whether help is asked for where the name of a backend belongs: ``--backend --help``.
+    """Return whether a word for help stands in place of a backend: ``--backend --help``.
 
     Args:
-        words: all that follow ``cb``.
+        words: Command-line words after ``cb``.
 
     Raises:
-        UsageError: ``--backend`` stands last and names none.
+        UsageError: ``--backend`` is the last word and has no name.
     """
     if words[-1:] == ["--backend"]:
         raise UsageError(f"--backend is given no name (known: {', '.join(_backends())})")
@@ -35,15 +35,15 @@ def _backends() -> Sequence[str]:
 
 
 def require_words(words: Sequence[str]) -> None:
-    """Refuse an empty word, which is most often a variable of a shell that nobody has set.
+    """Reject an empty word, which is most often an unset variable of a shell.
 
-    As a path it would be the working folder, and as a name the default.
+    An empty path would be the working folder, and an empty name the default.
 
     Args:
-        words: all that follow ``cb``.
+        words: Command-line words after ``cb``.
 
     Raises:
-        UsageError: one is empty, or an option's text after ``=`` is.
+        UsageError: A word is empty, or the text of an option after ``=`` is.
     """
     for before, word in zip(["cb", *words], words, strict=False):
         option, equals, text = word.partition("=")

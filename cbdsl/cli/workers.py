@@ -12,10 +12,10 @@ _HERE = ("localhost", "")
 
 
 def require_workers(workers: int) -> None:
-    """Refuse more processes than this machine could ever keep busy.
+    """Reject more processes than this machine can keep busy.
 
     Raises:
-        UsageError: there are more.
+        UsageError: The number of workers exceeds the limit.
     """
     from cbdsl.errors.counting import count
     from cbdsl.errors.errors import UsageError
@@ -30,9 +30,9 @@ def require_workers(workers: int) -> None:
 
 
 def warn_of_open_scheduler(address: str) -> None:
-    """Warn of a scheduler off this machine whose connections are neither encrypted nor checked.
+    """Warn of a remote scheduler with connections that are neither encrypted nor authenticated.
 
-    Whoever reaches one can run any code on its workers, and on this machine by what they answer.
+    A host that can connect to it can run any code on its workers, and by replies on this machine.
     """
     from urllib.parse import urlsplit
 
