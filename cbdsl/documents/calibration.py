@@ -20,42 +20,42 @@ from cbdsl.documents.robot import Correction, RobotDocument
 
 
 class CalibratedCamera(Correction):
-    """Displacement of one camera, and how well it is known."""
+    """Displacement of one camera, with its uncertainty."""
 
     position_deviation: Size
     """Standard deviation of the position along its least certain direction."""
     rotation_deviation: Angle
     """Standard deviation of the rotation about its least certain axis."""
     views: PositiveCount
-    """How many views it was estimated from."""
+    """Number of views in the estimate."""
     error_before: Pixels
-    """Root mean square distance between seen and expected image points, uncalibrated."""
+    """Root mean square distance between seen and expected image points, px, without calibration."""
     error_after: Pixels
-    """The same with the calibration, in views that it was not estimated from."""
+    """The same distance with the calibration, px, in views that the estimate did not use."""
 
 
 class CalibrationOrigin(Section):
     """Circumstances of a calibration."""
 
     command: str
-    """Command that makes it again."""
+    """Command that repeats the calibration."""
     program: Name
-    """Program that showed the hand."""
+    """Program that showed the hand to the cameras."""
     stage: Name
-    """Stage that it ran on."""
+    """Stage of the program."""
     seed: Count
-    """Seed of all chance."""
+    """Seed of all random numbers."""
     body: Count | None = None
-    """Number of the simulated body whose cameras these are."""
+    """Number of the simulated body that has these cameras."""
     backend: str
-    """Backend that embodied the robot."""
+    """Backend of the robot."""
 
 
 class CalibrationDocument(Document):
-    """Displacements of a robot's cameras from where its model has them."""
+    """Displacements of a robot's cameras from their places in its model."""
 
     kind: Literal["calibration"]
-    """Says that this document is a calibration."""
+    """Kind of this document: a calibration."""
     robot: Name
     """Robot whose cameras were calibrated."""
     cameras: Annotated[dict[Name, CalibratedCamera], Field(min_length=1)]
@@ -64,7 +64,7 @@ class CalibrationDocument(Document):
 
 
 def with_corrections(robot: RobotDocument, known: Mapping[str, Correction]) -> RobotDocument:
-    """A robot that takes each of its cameras to be where a correction has it, if there is one."""
+    """Return a robot with the given corrections of its cameras."""
     cameras = {
         name: camera.model_copy(update={"correction": known.get(name)})
         for name, camera in robot.cameras.items()
@@ -73,7 +73,7 @@ def with_corrections(robot: RobotDocument, known: Mapping[str, Correction]) -> R
 
 
 def calibrated(robot: RobotDocument, calibration: CalibrationDocument) -> RobotDocument:
-    """A robot that takes its cameras to be where a calibration found them."""
+    """Return a robot with its cameras corrected by a calibration."""
     known = {
         name: Correction(position=camera.position, rotation=camera.rotation)
         for name, camera in calibration.cameras.items()

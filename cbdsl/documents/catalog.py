@@ -1,4 +1,4 @@
-"""The catalog document: what an object affords, and how sure that is (Section 6.2)."""
+"""Catalog document: affordances of an object, with their uncertainty (Section 6.2)."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ Probability = Annotated[float, quantity(ge=0, le=1)]
 
 
 class SampleModel(Section):
-    """A multivariate Gaussian of features, as mean and covariance of its samples."""
+    """Multivariate Gaussian of features, as mean and covariance of its samples."""
 
     count: PositiveCount
-    """How many samples."""
+    """Number of samples."""
     mean: Annotated[tuple[Number, ...], Field(min_length=1)]
-    """Mean of each component, in SI."""
+    """Mean of each component, in SI units."""
     covariance: Annotated[tuple[tuple[Number, ...], ...], Field(min_length=1)]
-    """Covariance of the components, row by row, in SI."""
+    """Covariance of the components, by rows, in SI units."""
 
     @model_validator(mode="after")
     def _is_square(self) -> Self:
@@ -41,23 +41,23 @@ class SampleModel(Section):
 
 
 class FeatureSection(Section):
-    """A signal that the model of an affordance is over."""
+    """Signal of an affordance's models."""
 
     signal: str
-    """Resource that it is read from when the action begins to act on it."""
+    """Resource that gives the signal when the action begins to act on the object."""
     unit: str
-    """Unit of its components, in SI."""
+    """SI unit of the components."""
     components: PositiveCount
-    """How many numbers it has."""
+    """Number of components."""
 
 
 class Habituation(Section):
-    """How sure the model is by now."""
+    """Certainty of a model."""
 
     variance: NonNegative
-    """Variance of the model with its prior, in units of the prior's."""
+    """Variance of the model with its prior, as a multiple of the prior's variance."""
     change: NonNegative
-    """Change of it when the action was last rewarded, relative to the largest of the catalog."""
+    """Change of the variance at the last reward, relative to the largest change of the catalog."""
     habituated: bool
     """True if the change is so small that the action teaches nothing new."""
 
@@ -66,26 +66,26 @@ class AffordanceSection(Section):
     """Knowledge of one action."""
 
     program: Name
-    """Program that runs."""
+    """Program of the action."""
     with_: Annotated[dict[Name, str], Field(alias="with")] = {}
-    """Values of its parameters."""
+    """Values of the parameters of the program."""
     tried: Count
-    """How often it was taken."""
+    """Number of trials."""
     rewarded: Count
-    """How often it was rewarded."""
+    """Number of rewarded trials."""
     interval: tuple[Probability, Probability] | None = None
-    """Interval of 95 % of the probability of reward, Pr(reward | a)."""
+    """95 % interval of the probability of reward, Pr(reward | a)."""
     features: dict[Name, FeatureSection] = {}
-    """Signals that the models are over, in the order of their components."""
+    """Signals of the models, in the order of their components."""
     with_reward: SampleModel | None = None
     """Features with reward, Pr(f | reward, a) (Eq 6.1)."""
     without_reward: SampleModel | None = None
     """Features without reward."""
     habituation: Habituation | None = None
     value: Number = 0.0
-    """Reward to expect of taking it again (Eq 6.4)."""
+    """Expected reward of the next trial (Eq 6.4)."""
     failed: str = ""
-    """Reason if it cannot run."""
+    """Reason why the action cannot run."""
 
     @model_validator(mode="after")
     def _is_rewarded_at_most_always(self) -> Self:
@@ -95,16 +95,16 @@ class AffordanceSection(Section):
 
 
 class StepColumns(Section):
-    """The actions in turn, one entry each."""
+    """Actions in order, one entry each."""
 
     action: tuple[Name, ...]
-    """Action that was taken; noop is none."""
+    """Chosen action; ``noop`` for none."""
     rewarded: tuple[bool, ...]
-    """Whether it was rewarded."""
+    """True if the action was rewarded."""
     change: tuple[NonNegative, ...]
-    """Change of the variance of its model, in units of the prior's."""
+    """Change of the variance of the action's model, as a multiple of the prior's variance."""
     reward: tuple[Number, ...]
-    """Reward by Eq 6.2, relative to the largest change so far."""
+    """Reward by Eq 6.2, relative to the largest change up to this step."""
 
     @model_validator(mode="after")
     def _is_even(self) -> Self:
@@ -115,62 +115,62 @@ class StepColumns(Section):
 
 
 class JoinedActions(Section):
-    """Actions that joined an exploration when it had begun."""
+    """Actions added to an exploration after it began."""
 
     after: Count
-    """Number of actions at that time."""
+    """Number of actions before the addition."""
     programs: tuple[Name, ...]
-    """Actions that joined, none where the world alone changed."""
+    """Added actions; none if only the stage changed."""
     stage: Identity
-    """World that it went on in."""
+    """Stage from then on."""
 
 
 class CatalogProvenance(Section):
-    """Everything that the catalog depends on."""
+    """Origin of a catalog: everything that determines its content."""
 
     command: str
-    """Command that explores it again."""
+    """Command that repeats the exploration."""
     programs: dict[Name, Identity]
     """Program of each action."""
     policies: dict[Name, Sha256] = {}
-    """Learned policies that ran inside of them, by name."""
+    """Learned policies within these programs, by name."""
     robot: Identity
-    """Robot that acted."""
+    """Robot of the exploration."""
     stage: Identity
-    """World that it acted in."""
+    """Stage of the exploration."""
     algorithm: Name
-    """How actions were chosen, such as explore_catalog (Algorithm 3)."""
+    """Algorithm that chose the actions, such as explore_catalog (Algorithm 3)."""
     constants: dict[Name, Count | Number | str]
-    """Constants of the algorithm, in SI."""
+    """Constants of the algorithm, in SI units."""
     seed: Count
-    """Seed of all chance."""
+    """Seed of all random numbers."""
     trial: Count = 0
-    """Which of several trials with this seed."""
+    """Number of the trial among those with this seed."""
     actions: Count
-    """How many actions were taken."""
+    """Number of actions taken."""
     joined: tuple[JoinedActions, ...] = ()
-    """Actions that joined later, in their order."""
+    """Actions added later, in their order."""
     backend: str
-    """Backend that embodied the robot."""
+    """Backend of the robot."""
     renderer: str
-    """Renderer that made the images."""
+    """Renderer of the images."""
     versions: dict[str, str]
-    """Of the packages that the outcome depends on."""
+    """Versions of the packages that can change the outcome."""
 
 
 class CatalogDocument(Document):
-    """The affordances that belong to a visual feature, as a robot has explored them."""
+    """Affordances of a visual feature, as explored by a robot."""
 
     kind: Literal["catalog"]
-    """Says that this document is a catalog."""
+    """Kind of this document: a catalog."""
     robot: Name
-    """Robot that explored it."""
+    """Robot of the exploration."""
     feature: str
-    """Channel of vision by which the object is known."""
+    """Channel of vision that identifies the object."""
     affordances: Annotated[dict[Name, AffordanceSection], Field(min_length=1)]
     """Affordances by name of the action."""
     over: tuple[Name, ...] = ()
-    """Catalogs that this one joins."""
+    """Catalogs joined by this one."""
     steps: StepColumns | None = None
     provenance: CatalogProvenance | None = None
 

@@ -17,16 +17,17 @@ _KINDS = {
 
 
 def contents(path: Path, most: int) -> bytes:
-    """Bytes of a file.
+    """Return the bytes of a file.
 
-    A pipe would keep its reader waiting for ever, a device may never end: neither is opened.
+    Pipes and devices are not opened, because reading them may block or never end.
 
     Args:
-        path: of the file.
-        most: bytes that it may have.
+        path: Path of the file.
+        most: Maximum number of bytes.
 
     Raises:
-        OSError: it is not there, or no file, or may not be read; ``EFBIG``: it has more bytes.
+        OSError: The file does not exist, is not a regular file, or cannot be read; ``EFBIG`` if it
+            has more bytes.
     """
     try:
         status = path.stat()
@@ -50,7 +51,7 @@ def contents(path: Path, most: int) -> bytes:
 
 
 def is_file(path: Path) -> bool:
-    """Return whether a name that a document gives is that of a file; impossible names are not."""
+    """Return whether a name from a document is that of a file; false for impossible names."""
     try:
         return path.is_file()
     except (OSError, ValueError):  # too long, or in a folder that may not be searched
@@ -58,7 +59,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_folder(path: Path) -> bool:
-    """Return whether a name that a document gives is that of a folder; see ``is_file``."""
+    """Return whether a name from a document is that of a folder; see ``is_file``."""
     try:
         return path.is_dir()
     except (OSError, ValueError):

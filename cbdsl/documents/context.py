@@ -27,45 +27,48 @@ from cbdsl.documents.document import (
 
 
 class BesideSection(Section):
-    """A place at a level distance from a fixture or another placed thing."""
+    """Place at a horizontal distance from a fixture or another placed object."""
 
     name: Name
-    """Fixture or placed thing that it is beside."""
+    """Fixture or placed object at that distance."""
     by: SizeSpan
-    """Level distance between the centres."""
+    """Horizontal distance between the centres."""
     direction: AngleSpan = (-math.pi, math.pi)
-    """Direction from there in the world frame, 0 along x."""
+    """Direction from its centre in the world frame, 0 along x."""
 
 
 class PlaceSection(Section):
-    """Where a thing is put: on or beside something, at a height, or in reach of a hand."""
+    """Place of an object: on or beside something, at a height, or within reach of a hand."""
 
     x: LengthSpan = (0.0, 0.0)
-    """Where it is along x, from the first to the last value. On a placed thing, or a fixture whose
-    position is drawn, x, y, pitch and yaw are in the frame of that, else in the world frame."""
+    """Position along x, from the first to the last value. x, y, pitch and yaw are in the world
+    frame, or on a placed object or a fixture with a drawn position, in its frame."""
     y: LengthSpan = (0.0, 0.0)
-    """Where it is along y."""
+    """Position along y."""
     z: LengthSpan | None = None
     """Height of the centre."""
     on: Name | None = None
-    """Fixture or placed thing that it stands on, instead of ``z``."""
+    """Fixture or placed object that supports the object, instead of ``z``."""
     beside: BesideSection | None = None
-    """Neighbour that replaces x and y; without ``on`` and ``z`` it stands as low as its
+    """Neighbour that replaces x and y; without ``on`` and ``z``, the object stands as low as its
     neighbour."""
     gap: LengthSpan | None = None
-    """Distance between its surface and the tip of ``hand`` along +z, instead of ``z``."""
+    """Distance between the surface of the object and the tip of ``hand`` along +z, instead of
+    ``z``."""
     hand: Name | None = None
-    """Effector in whose reach it is put; x, y, z, yaw and pitch are then in the tip's frame."""
+    """Effector that has the object within reach; x, y, z, yaw and pitch are then in the tip's
+    frame."""
     pitch: AngleSpan = (0.0, 0.0)
-    """Turn about its own y axis, after yaw; a positive one makes its -x side look upwards."""
+    """Rotation about the object's own y axis, after yaw; a positive pitch turns its -x side
+    upwards."""
     yaw: AngleSpan = (0.0, 0.0)
-    """How it is turned about z."""
+    """Rotation about z."""
     held: bool = False
-    """Held still by the experimenter against any force until its release."""
+    """True if the experimenter holds the object against any force until its release."""
 
     @property
     def neighbours(self) -> tuple[str, ...]:
-        """Names of the fixtures and placed things that it is on or beside."""
+        """Names of the fixture and the object that the place refers to."""
         beside = None if self.beside is None else self.beside.name
         return tuple(name for name in (self.on, beside) if name is not None)
 
@@ -82,7 +85,7 @@ class PlaceSection(Section):
 
 
 class Motion(Section):
-    """How the experimenter carries a thing along until it is touched, shakes it, or throws it."""
+    """Motion by the experimenter: the object is carried until it is touched, shaken, or thrown."""
 
     speed: SpeedSpan
     """Horizontal speed."""
@@ -91,12 +94,12 @@ class Motion(Section):
     upward: SpeedSpan = (0.0, 0.0)
     """Vertical speed of a throw."""
     thrown: bool = False
-    """Given its speed once, instead of carried at it."""
+    """True if the object gets its speed once, instead of being carried."""
     after: TimeSpan = (0.0, 0.0)
-    """When the motion starts."""
+    """Start of the motion."""
     within: Size | None = None
-    """Shaken so far to either side of its place, at that speed in the middle, instead of carried
-    straight on; a throw has none."""
+    """Amplitude of a shaking motion about its place, with the given speed in the middle; without
+    it, the object is carried straight on. Not for a throw."""
 
     @model_validator(mode="after")
     def _is_shaken_or_thrown(self) -> Self:
@@ -106,73 +109,73 @@ class Motion(Section):
 
 
 class Scatter(Section):
-    """How far the experimenter moves a thing about in each turn."""
+    """Random displacement of an object by the experimenter in each turn."""
 
     deviation: Size
     """Standard deviation along x and along y from its first place."""
     x: LengthSpan
-    """Bounds of its place along x, in the world frame."""
+    """Bounds of its position along x, in the world frame."""
     y: LengthSpan
-    """Bounds of its place along y, in the world frame."""
+    """Bounds of its position along y, in the world frame."""
 
 
 class Displacement(Section):
-    """A move of a thing in one turn of the experimenter, after which it belongs there."""
+    """Permanent displacement of an object in one turn of the experimenter."""
 
     turn: PositiveCount
-    """Which turn."""
+    """Number of the turn."""
     by: Point
-    """How far, in the world frame."""
+    """Displacement, in the world frame."""
 
 
 class Presentation(Section):
-    """A thing that is shown, its place, and the experimenter's actions on it."""
+    """Object that is shown, its place, and the experimenter's actions on it."""
 
     things: tuple[Name, ...] = ()
-    """One of these is presented, drawn evenly; none: nothing is."""
+    """Objects to draw one from, with equal probability; without any, no object is shown."""
     place: PlaceSection | None = None
     motion: Motion | None = None
     released_after: Time | None = None
-    """When the experimenter lets go of a held thing; never without it."""
+    """Time after which the experimenter releases a held object; never without it."""
     removed_after: Time | None = None
-    """When the thing is taken away."""
+    """Time after which the object is removed."""
     returned_after: Time | None = None
-    """How long after it fell from where it was put the experimenter puts it there again."""
+    """Time between the fall of the object from its place and its return by the experimenter."""
     from_turn: Count = 0
-    """Turn of the experimenter in which it is put there; 0 is the first episode's beginning."""
+    """Turn of the experimenter in which the object appears; 0 is the start of the first episode."""
     scattered: Scatter | None = None
-    """How it is moved in each turn."""
+    """Random displacement in each turn."""
     displaced: tuple[Displacement, ...] = ()
-    """Moves that last."""
+    """Permanent displacements."""
 
     @property
     def takes_turns(self) -> bool:
-        """Whether it comes or moves between episodes."""
+        """True if the object appears or moves between episodes."""
         return bool(self.from_turn or self.scattered or self.displaced)
 
 
 class PlacedSection(Presentation):
-    """One of several things that are in the world together, under a name of its own."""
+    """One of several objects that are present simultaneously, with a name of its own."""
 
     things: Annotated[tuple[Name, ...], Field(min_length=1)]
-    """One of these is presented, drawn evenly."""
+    """Objects to draw one from, with equal probability."""
     place: PlaceSection
     apart: Annotated[float, quantity("length", ge=0)] = 0.0
-    """Least distance between its surface and those of all other placed things, except for
+    """Minimum distance between its surface and those of all other placed objects, except for
     support contacts."""
 
 
 class Context(Presentation):
-    """One way in which an episode can begin."""
+    """One way to begin an episode."""
 
     share: Positive = 1.0
     """Relative frequency."""
     placed: dict[Name, PlacedSection] = {}
-    """Several things, instead of one of ``things``: by the names that they have in the world."""
+    """Several objects instead of one of ``things``, by their names in the world."""
     joints: dict[str, AngleSpan] = {}
-    """Where these joints start, instead of their effector's start posture."""
+    """Start positions of joints that replace their effector's start posture."""
     dark_after: Time | None = None
-    """When the light goes out, after which cameras see nothing."""
+    """Time after which the light goes out and cameras see nothing."""
 
     @model_validator(mode="after")
     def _places_one_or_several(self) -> Self:

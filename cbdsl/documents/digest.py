@@ -9,13 +9,13 @@ from cbdsl.documents.document import Document
 
 
 class ProgramDigest(NamedTuple):
-    """Digest of a program, and of the learned policies that run inside of it.
+    """Digest of a program and of its learned policies.
 
     Attributes:
-        sha256: of the program without its own policy, and of the programs and models that it uses;
-            whatever was learned for a program holds for it as long as this is the same.
-        policies: SHA-256 of each learned policy that it uses, itself or by a program that it uses,
-            with the models that belong to it, by name.
+        sha256: Digest of the program without its own policy, and of the programs and models that
+            it uses. Knowledge of a program is valid as long as this digest is unchanged.
+        policies: SHA-256 of each learned policy that the program uses, directly or through other
+            programs, with the models of the policy, by name.
     """
 
     sha256: str
@@ -23,14 +23,14 @@ class ProgramDigest(NamedTuple):
 
 
 def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
-    """SHA-256 of a document's content, in hexadecimal.
+    """Return the SHA-256 of a document's content, in hexadecimal.
 
-    Its description, comments and layout do not matter, nor does a default that is written out. Of a
-    mesh its content counts, and not where it lies. A robot's drivers do not change its body.
+    The description, comments, layout and explicit default values do not change it. The content of a
+    mesh counts, and its path does not. The drivers of a robot do not count.
 
     Args:
-        document: the document.
-        leave_out: keys at its top that do not matter either.
+        document: Document.
+        leave_out: Further keys at the top level that do not count.
     """
     data = document.model_dump(
         mode="json",
@@ -43,5 +43,5 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
 
 
 def digest_of_text(text: str) -> str:
-    """SHA-256 of a text, in hexadecimal."""
+    """Return the SHA-256 of a text, in hexadecimal."""
     return hashlib.sha256(text.encode()).hexdigest()

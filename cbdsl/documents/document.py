@@ -30,7 +30,7 @@ class ValueSchema:
 
 
 def quantity(*dimensions: str, **limits: Any) -> ValueSchema:
-    """Number in SI, or text with a unit; limits are ``gt``, ``ge``, ``lt`` and ``le``."""
+    """Return the type of a number in SI or a text with a unit; limits are ``gt`` to ``le``."""
     read, number = partial(read_quantity, dimensions=dimensions), float_schema(**limits)
     return ValueSchema(no_info_before_validator_function(read, number))
 
@@ -40,7 +40,7 @@ def _several(part: ValueSchema, count: int) -> ValueSchema:
 
 
 def _span(part: ValueSchema) -> ValueSchema:
-    """Pair of first and last value; one value alone is both."""
+    """Return the type of a first and last value; a single value is both."""
 
     def pair(value: Any) -> Any:
         return value if isinstance(value, (list, tuple)) else (value, value)
@@ -49,7 +49,7 @@ def _span(part: ValueSchema) -> ValueSchema:
 
 
 def _named(what: str) -> ValueSchema:
-    """Name from the URDF; ``what`` is the element that has it."""
+    """Return the type of a name from the URDF; ``what`` is its XML element."""
     wanted = f'the name of a {what}, as in <{what} name="..."> of the URDF, in quotes if a number'
 
     def require_text(value: Any) -> Any:
@@ -107,17 +107,17 @@ Color = Annotated[tuple[float, float, float], _several(_SHARE, 3)]
 
 
 class Section(BaseModel):
-    """A part of a document: immutable, and unknown keys are errors."""
+    """Part of a document: immutable, without unknown keys."""
 
     # Sections are built with the document that holds them, which halves the time to start.
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     renamed: ClassVar[Mapping[str, str]] = {}
-    """Keys of older documents, and their names now."""
+    """Current names of the keys of older documents."""
 
 
 class Document(Section):
-    """The head that every document carries."""
+    """Keys common to all documents."""
 
     cbdsl: Literal[1]
     """Version of the document format."""

@@ -1,4 +1,4 @@
-"""Forms of things and fixtures: shape, size and what their surface shows."""
+"""Forms of objects and fixtures: shape, size and the pattern of their surface."""
 
 import hashlib
 import math
@@ -35,37 +35,37 @@ MOST_PIECES = 16
 
 
 class Spot(Section):
-    """A round spot of another colour on the middle of a side.
+    """Round spot of another colour in the middle of a side.
 
-    It is all of the surface on that side that is within ``radius`` of the axis through its middle.
+    It covers the surface of that side within ``radius`` of the axis through the middle.
     """
 
     face: Side = "-x"
-    """Side that it is on: where it looks while the thing's yaw is 0."""
+    """Side with the spot, named by its direction while the yaw is 0."""
     radius: Size
-    """Radius, across the axis."""
+    """Radius across the axis."""
     color: Color
     """Red, green and blue, each from 0 to 1."""
 
 
 def _require_own_sides(spots: tuple[Spot, ...]) -> None:
-    """Raise ``ValueError`` where a side has two spots."""
+    """Raise ``ValueError`` if two spots are on one side."""
     faces = [spot.face for spot in spots]
     if len(set(faces)) < len(faces):
         raise ValueError("two spots are on the same side")
 
 
 class BallForm(Section):
-    """A sphere."""
+    """Sphere."""
 
     shape: Literal["ball"]
-    """Which shape it is."""
+    """Name of the shape."""
     radius: SizeSpan
-    """Radius, or the span that it is drawn from."""
+    """Radius, or the range to draw it from."""
     spot: Spot | None = None
-    """Pattern that is painted on a side of it."""
+    """Spot painted on a side."""
     spots: tuple[Spot, ...] = ()
-    """Several of them, each on a side of its own."""
+    """Several spots, each on another side."""
 
     @property
     def all_spots(self) -> tuple[Spot, ...]:
@@ -81,14 +81,14 @@ class BallForm(Section):
 
 
 class Pattern(Section):
-    """Black bars printed on the middle of a box's side, upright and next to each other."""
+    """Upright black bars side by side, printed in the middle of a side of a box."""
 
     face: Side = "-x"
-    """Side that is printed on: where it looks while the box's yaw is 0."""
+    """Printed side, named by its direction while the yaw of the box is 0."""
     height: Size
     """Length of the bars."""
     stripes: Annotated[tuple[Size, ...], Field(min_length=1)]
-    """Widths of bar, gap, ..., bar from left to right for a viewer of the side."""
+    """Widths of bar, gap, ..., bar from left to right, as a viewer of the side sees them."""
 
     @model_validator(mode="after")
     def _ends_with_a_bar(self) -> Self:
@@ -98,18 +98,18 @@ class Pattern(Section):
 
 
 class BoxForm(Section):
-    """A cuboid; its edges lie along x, y and z while its yaw is 0."""
+    """Cuboid with edges along x, y and z while its yaw is 0."""
 
     shape: Literal["box"]
-    """Which shape it is."""
+    """Name of the shape."""
     size: tuple[SizeSpan, SizeSpan, SizeSpan]
     """Edge lengths."""
     pattern: Pattern | None = None
-    """Pattern that is printed on a side of it."""
+    """Pattern printed on a side."""
     spot: Spot | None = None
-    """Pattern that is painted on a side of it."""
+    """Spot painted on a side."""
     spots: tuple[Spot, ...] = ()
-    """Several of them, each on a side of its own."""
+    """Several spots, each on another side."""
 
     @property
     def all_spots(self) -> tuple[Spot, ...]:
@@ -138,27 +138,27 @@ class BoxForm(Section):
 
 
 class CylinderForm(Section):
-    """A cylinder that stands upright."""
+    """Upright cylinder."""
 
     shape: Literal["cylinder"]
-    """Which shape it is."""
+    """Name of the shape."""
     radius: SizeSpan
-    """Radius, or the span that it is drawn from."""
+    """Radius, or the range to draw it from."""
     height: SizeSpan
-    """Height, or the span that it is drawn from."""
+    """Height, or the range to draw it from."""
 
 
 class TubeForm(Section):
-    """A cylinder with a bore along its axis, which stands upright; its wall is made of 12 boxes."""
+    """Upright cylinder with a bore along its axis; 12 boxes make its wall."""
 
     shape: Literal["tube"]
-    """Which shape it is."""
+    """Name of the shape."""
     radius: SizeSpan
-    """Outer radius, or the span that it is drawn from."""
+    """Outer radius, or the range to draw it from."""
     height: SizeSpan
-    """Height, or the span that it is drawn from."""
+    """Height, or the range to draw it from."""
     wall: Size
-    """Thickness of its wall."""
+    """Thickness of the wall."""
 
     @model_validator(mode="after")
     def _has_a_bore(self) -> Self:
@@ -168,14 +168,14 @@ class TubeForm(Section):
 
 
 class OpenBoxForm(Section):
-    """A box without a lid, made of 5 boxes."""
+    """Box without a lid, made of 5 boxes."""
 
     shape: Literal["open_box"]
-    """Which shape it is."""
+    """Name of the shape."""
     size: tuple[SizeSpan, SizeSpan, SizeSpan]
     """Outer edge lengths."""
     wall: Size
-    """Thickness of its walls and its bottom."""
+    """Thickness of the walls and the bottom."""
 
     @model_validator(mode="after")
     def _has_an_inside(self) -> Self:
@@ -186,14 +186,14 @@ class OpenBoxForm(Section):
 
 
 class Piece(Section):
-    """A solid that something composed is made of."""
+    """Solid that is part of a composed form."""
 
     form: Annotated[BallForm | BoxForm | CylinderForm, Field(discriminator="shape")]
-    """Its shape and size."""
+    """Shape and size."""
     position: Point = (0.0, 0.0, 0.0)
-    """Centre, in a frame that all pieces share."""
+    """Centre, in the frame common to all pieces."""
     yaw: Angle = 0.0
-    """How it is turned about z."""
+    """Rotation about z."""
 
     @model_validator(mode="after")
     def _is_definite(self) -> Self:
@@ -231,10 +231,10 @@ class Piece(Section):
 
 
 class ComposedForm(Section):
-    """Up to 16 solids that are one thing; its centre is the middle of the box around them."""
+    """Object of up to 16 solids; its centre is the middle of their bounding box."""
 
     shape: Literal["composed"]
-    """Which shape it is."""
+    """Name of the shape."""
     pieces: Annotated[tuple[Piece, ...], Field(min_length=1, max_length=MOST_PIECES)]
     """Solids of the form. `cb show mesh FILE` writes the pieces that fill a mesh."""
 
@@ -257,16 +257,16 @@ class ComposedForm(Section):
 
 
 class MeshForm(Section):
-    """A closed mesh; its centre is the middle of the box around it."""
+    """Closed mesh; its centre is the middle of its bounding box."""
 
     shape: Literal["mesh"]
-    """Which shape it is."""
+    """Name of the shape."""
     file: Annotated[str, Field(min_length=1)]
-    """Its file, STL or OBJ, with the path from the stage's folder."""
+    """STL or OBJ file, relative to the stage's folder."""
     scale: Size = 1.0
-    """Length of the file's unit: 1 mm where its numbers are millimetres."""
+    """Length of the unit of the file: 1 mm if its numbers are millimetres."""
     solid: Literal["hull", "boxes", "ball", "box", "cylinder"] = "hull"
-    """Touched form: the convex hull; up to 16 boxes that fill a hollow mesh; or the surrounding
+    """Form for contacts: the convex hull; up to 16 boxes that fill a hollow mesh; or the bounding
     ball, box or upright cylinder."""
 
     _folder: Path = PrivateAttr(default=Path())
@@ -279,12 +279,12 @@ class MeshForm(Section):
 
     @property
     def path(self) -> Path:
-        """Its file."""
+        """Path of the mesh file."""
         return self._folder / self.file
 
     @field_serializer("file")
     def _by_its_content(self, file: str, info: FieldSerializationInfo) -> str:
-        # What was learned with a mesh holds for this mesh, wherever it lies.
+        # Knowledge learned with a mesh is valid for its content, regardless of its path.
         if info.context is None or not is_file(self.path):
             return file
         try:
@@ -292,7 +292,7 @@ class MeshForm(Section):
         except OSError:
             return file  # as readers of the mesh report
 
-    # A document is what it says, wherever it lies.
+    # Documents are equal by content, regardless of their path.
     def __eq__(self, other: object) -> bool:
         return isinstance(other, MeshForm) and self.model_dump() == other.model_dump()
 

@@ -1,8 +1,8 @@
 """JSON Schema (draft 2020-12) of documents, for editors and for CI without this package.
 
-The schemas say what the models say: keys, types, units, limits, defaults. What relates one key to
-another, or to another document, is left to the checker. They are stricter in one respect: a number
-without a unit is a number, never text.
+The schemas state the constraints of the models: keys, types, units, limits and defaults. Relations
+between keys, or to other documents, are left to the checker. The schemas are stricter in one
+respect: a number without a unit has to be a number, never text.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 
 
 def json_schema(model: type[Document]) -> dict[str, Any]:
-    """The JSON Schema of one kind of document."""
+    """Return the JSON Schema of one kind of document."""
     schema = model.model_json_schema(schema_generator=_Generator)
     definitions = schema.pop("$defs")
     head = {
@@ -42,7 +42,7 @@ def json_schema(model: type[Document]) -> dict[str, Any]:
 
 
 def meaning(value: Mapping[str, Any]) -> tuple[str, str]:
-    """Description of a key and the SI units that its value may have, from its schema."""
+    """Return the description of a key and the SI units of its value, from its schema."""
     words, _, units = value["description"].partition(" Unit: ")
     return words, re.sub(r" \(or written: [^)]*\)", "", units.rstrip("."))
 
@@ -54,12 +54,12 @@ def properties(model: type[BaseModel]) -> dict[str, dict[str, Any]]:
 
 
 def json_text(schema: Mapping[str, Any]) -> str:
-    """A schema as the text of its file."""
+    """Return the text of a file with a schema."""
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 
 def schema_file(kind: str) -> str:
-    """The name of the file that holds the schema of a kind of document."""
+    """Return the name of the file with the schema of a kind of document."""
     return f"{kind}.schema.json"
 
 
@@ -92,7 +92,7 @@ class _Generator(GenerateJsonSchema):
         return result
 
     def _describe(self, value: JsonSchemaValue, words: str) -> None:
-        """Say what a key is for, and in which unit; a section's defaults are told by itself."""
+        """Describe a key and its unit; the schema of a section contains its own defaults."""
         units = dict.fromkeys(self._units[ref] for ref in _references(value) if ref in self._units)
         parts = [part.rstrip(".") for part in (words, *units) if part]
         value["description"] = ". ".join(parts) + "."
@@ -106,7 +106,7 @@ class _Generator(GenerateJsonSchema):
         return result
 
     def dict_schema(self, schema: Any) -> JsonSchemaValue:
-        """A mapping refuses names that are no names, which ``patternProperties`` would not."""
+        """Return a schema that restricts keys by ``propertyNames``, not ``patternProperties``."""
         result: JsonSchemaValue = {"type": "object"}
         keys = self.generate_inner(schema["keys_schema"])
         if keys != {"type": "string"}:
@@ -129,7 +129,7 @@ class _Generator(GenerateJsonSchema):
         return result
 
     def tuple_schema(self, schema: Any) -> JsonSchemaValue:
-        """A list of so many equal parts says so once."""
+        """Return a schema that states the type of equal parts once."""
         result = super().tuple_schema(schema)
         parts = result.get("prefixItems", [])
         if len(parts) == result.get("maxItems") and all(part == parts[0] for part in parts):
@@ -145,7 +145,7 @@ class _Generator(GenerateJsonSchema):
         return super().function_before_schema(schema)
 
     def _span(self, inner: Any) -> JsonSchemaValue:
-        """From the first to the last value, or one value for both."""
+        """Return a schema of a first and last value, or one value for both."""
         one = self.generate_inner(inner["items_schema"][0])
         return {"anyOf": [one, self.generate_inner(inner)]}
 
@@ -163,7 +163,7 @@ class _Generator(GenerateJsonSchema):
         return shared
 
     def _shared(self, name: str, schema: JsonSchemaValue) -> JsonSchemaValue:
-        """A reference to a definition that many fields share."""
+        """Return a reference to a definition that many fields share."""
         key, reference = self.get_cache_defs_ref_schema(name)  # type: ignore[arg-type]
         self.definitions[key] = schema
         return reference
@@ -190,7 +190,7 @@ def _symbols(dimension: str) -> list[str]:
 
 
 def _wording(dimensions: Sequence[str]) -> str:
-    """Units in words, such as ``Unit: m (or written: cm, mm, km)``."""
+    """Return units in words, such as ``Unit: m (or written: cm, mm, km)``."""
     parts = []
     for dimension in dimensions:
         si, *others = _symbols(dimension)
@@ -207,13 +207,13 @@ def _camel(words: str) -> str:
 
 
 def _title(model: type[BaseModel]) -> str:
-    """``TaskSettings`` as ``Task settings``, ``RobotDocument`` as ``Robot``."""
+    """Return ``TaskSettings`` as ``Task settings``, and ``RobotDocument`` as ``Robot``."""
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", model.__name__.removesuffix("Document"))
     return words.capitalize()
 
 
 def _references(schema: Any) -> Iterator[str]:
-    """All definitions that a schema refers to itself."""
+    """Yield all references of a schema to definitions."""
     if isinstance(schema, dict):
         if "$ref" in schema:
             yield schema["$ref"]
@@ -224,14 +224,14 @@ def _references(schema: Any) -> Iterator[str]:
 
 
 def _said_of(field: FieldInfo) -> str:
-    """Docstring of the section that a field holds."""
+    """Return the docstring of the section that a field holds."""
     parts = (field.annotation, *get_args(field.annotation))
     sections = (part for part in parts if isinstance(part, type) and issubclass(part, BaseModel))
     return next((_one_line(section.__doc__ or "") for section in sections), "")
 
 
 def docstrings(model: type[BaseModel]) -> dict[str, str]:
-    """Docstrings of the fields of a model and its bases."""
+    """Return the docstrings of the fields of a model and its bases."""
     texts: dict[str, str] = {}
     for section in reversed(model.__mro__):
         if issubclass(section, BaseModel) and section is not BaseModel:
@@ -241,7 +241,7 @@ def docstrings(model: type[BaseModel]) -> dict[str, str]:
 
 @cache
 def _literals(module: str) -> dict[str, dict[str, str]]:
-    """The docstrings of all fields in a module, by class and name."""
+    """Return the docstrings of all fields in a module, by class and name."""
     tree = ast.parse(inspect.getsource(sys.modules[module]))
     return {
         node.name: dict(_field_literals(node.body))

@@ -12,18 +12,17 @@ if TYPE_CHECKING:
 
 
 class Kind(NamedTuple):
-    """Everything that readers, checkers and commands know of one kind of document.
+    """Kind of document: its model, its folder, its checker and its diagnostics.
 
     Attributes:
-        model: its keys; ``kind: Literal["<name>"]`` among them.
-        folder: where documents of this kind are looked up by name, below a root.
-        checker: ``module:function``, called with a ``Loaded`` document, the ``Session`` and the
-            ``Findings``.
-        unknown: finding for a name that no document of this kind has, filled with ``name`` and
-            ``hint``: a code of the catalogue or an entry of ``entries``.
-        references: kinds of the documents that top-level keys name, by key.
-        stand_ins: values for required keys that are missing, so that the rest is checked.
-        entries: findings of the checker that the catalogue does not have.
+        model: Model of the keys, with ``kind: Literal["<name>"]`` among them.
+        folder: Folder, below a root, in which documents of this kind are looked up by name.
+        checker: ``module:function`` of a ``Loaded`` document, the ``Session`` and the ``Findings``.
+        unknown: Diagnostic for an unknown name, filled with ``name`` and ``hint``: a code of the
+            catalogue or an entry of ``entries``.
+        references: Kinds of the documents that top-level keys name, by key.
+        stand_ins: Values that replace missing required keys, so that the other keys are checked.
+        entries: Diagnostics of the checker that the catalogue does not have.
     """
 
     model: type[Document]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def _record(name: str, record: Any) -> Kind:
-    """Record that readers and checkers can use."""
+    """Return the record of a kind for readers and checkers."""
     if not isinstance(record, Kind):
         raise PluginError(f"is {type(record).__name__}, not cbdsl.documents.kind.Kind")
     if not (isinstance(record.model, type) and issubclass(record.model, Document)):
@@ -62,22 +62,22 @@ KINDS: Registry[Kind] = Registry(
 
 
 def kind_name(model: type[Document]) -> str:
-    """Value of ``kind:`` in documents of a model."""
+    """Return the value of ``kind:`` in documents of a model."""
     return str(get_args(model.model_fields["kind"].annotation)[0])
 
 
 def kind_of(model: type[Document]) -> Kind:
-    """Record of the kind that has a model."""
+    """Return the record of the kind of a model."""
     return KINDS.get(kind_name(model))
 
 
 def models() -> dict[str, type[Document]]:
-    """Models of all kinds that can be used, by name."""
+    """Return the models of all available kinds, by name."""
     return {name: kind.model for name, kind in KINDS.all().items()}
 
 
 def entries() -> dict[str, Entry]:
-    """Findings by code: the catalogue, and those that kinds of other packages add."""
+    """Return the diagnostics of the catalogue and of kinds of other packages, by code."""
     from cbdsl.errors.catalogue import catalogue  # only a fault needs it
 
     added = (entry for kind in KINDS.all().values() for entry in kind.entries)
@@ -85,7 +85,7 @@ def entries() -> dict[str, Entry]:
 
 
 def entry_of(code: str) -> Entry | None:
-    """Finding with a code; package metadata are read only where the catalogue lacks it."""
+    """Return the diagnostic of a code; plug-ins are read only if the catalogue lacks it."""
     from cbdsl.errors.catalogue import hundred
 
     return hundred(code).get(code) or entries().get(code)

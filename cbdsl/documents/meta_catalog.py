@@ -14,40 +14,40 @@ Relation = Literal["on", "in"]
 
 
 class KnownThing(Section):
-    """A thing, by how it is known."""
+    """Object with its channel and its catalog."""
 
     feature: str
-    """Channel of vision by which it is known."""
+    """Channel of vision that identifies the object."""
     catalog: Name | None = None
-    """Catalog of its own affordances."""
+    """Catalog of the affordances of the object."""
 
 
 class PairSection(AffordanceSection):
-    """Knowledge of two things that were brought together: an edge of the graph."""
+    """Knowledge of one object brought to another: an edge of the graph."""
 
     upper: Name
-    """Thing that is brought."""
+    """Object that is brought."""
     lower: Name
-    """Thing that it is brought to, or the top thing on it."""
+    """Object that it is brought to, or on top of which."""
     relation: Relation = "on"
-    """Whether it is to stay on that, or in it."""
+    """Intended relation: on the lower object, or in it."""
 
 
 class MetaCatalogDocument(Document):
-    """Catalogs of things, and the affordances of pairs of them, as a robot has explored them."""
+    """Catalogs of objects and affordances of their pairs, as explored by a robot."""
 
     kind: Literal["meta_catalog"]
-    """Says that this document is a meta-catalog."""
+    """Kind of this document: a meta-catalog."""
     robot: Name
-    """Robot that explored it."""
+    """Robot of the exploration."""
     things: Annotated[dict[Name, KnownThing], Field(min_length=1)]
     """Nodes of the graph, by name."""
     pairs: dict[Name, PairSection] = {}
     """Edges of the graph, by name."""
     over: tuple[Name, ...] = ()
-    """Meta-catalogs that this one joins."""
+    """Meta-catalogs joined by this one."""
     steps: StepColumns | None = None
-    """The actions in turn, by name of the pair."""
+    """Actions in order, by name of the pair."""
     provenance: CatalogProvenance | None = None
 
 

@@ -9,48 +9,49 @@ from cbdsl.documents.kind import Kind
 
 
 class Gaussian(Section):
-    """Independent normal distributions, one a joint or axis."""
+    """Independent normal distributions, one per joint or axis."""
 
     form: Literal["gaussian"]
-    """Says that the density is Gaussian."""
+    """Form of the density: Gaussian."""
     mean: Annotated[tuple[Coordinate, ...], Field(min_length=1)]
     """Mean angle of each joint, or the mean position."""
     deviation: Annotated[tuple[Extent, ...], Field(min_length=1)]
     """Standard deviation of each joint, or along each axis."""
     uniform: NonNegative = 0.0
-    """Share of the draws that are uniform between the joint limits instead; positions have none."""
+    """Share of samples drawn uniformly between the joint limits instead; 0 for positions."""
 
 
 class Kernel(Section):
-    """A Gaussian kernel around each of the samples that were found good."""
+    """Gaussian kernels around samples that were rewarded."""
 
     form: Literal["kernel"]
-    """Says that the density is a sum of kernels."""
+    """Form of the density: a sum of kernels."""
     samples: Annotated[tuple[tuple[Coordinate, ...], ...], Field(min_length=1)]
-    """The configurations, each with one angle a joint; or the positions."""
+    """Configurations with an angle per joint, or positions."""
     bandwidth: Annotated[tuple[Extent, ...], Field(min_length=1)]
     """Standard deviation of the kernels along each joint or axis."""
     uniform: NonNegative = 0.0
-    """Share of the draws that are uniform between the joint limits instead; positions have none."""
+    """Share of samples drawn uniformly between the joint limits instead; 0 for positions."""
 
 
 class ModelDocument(Document):
-    """An internal model: where a controller's reference is likely to be rewarded."""
+    """Internal model: density of references that are likely to be rewarded."""
 
     kind: Literal["model"]
-    """Says that this document is a model."""
+    """Kind of this document: a model."""
     robot: Name
-    """Robot whose configurations it is about."""
+    """Robot of the configurations."""
     effector: Name
-    """Effector or group whose joints it has angles for, in their order; or whose tip goes there."""
+    """Effector or group of the joint angles, in their order, or of the tip that moves to the
+    positions."""
     space: Literal["configuration", "position"] = "configuration"
-    """Space of the density: the effector's joint angles, or positions of targets in the world
+    """Space of the density: joint angles of the effector, or positions of targets in the world
     frame."""
     channel: Name | None = None
-    """Channel that was tracked in these configurations of the head: its background. A program
-    that names the model has `novel.<channel>`, the heading to regions elsewhere."""
+    """Channel tracked in these configurations of the head: its background. A program that names the
+    model has `novel.<channel>`, the heading to regions elsewhere."""
     density: Annotated[Gaussian | Kernel, Field(discriminator="form")]
-    """How likely configurations are, or positions; draws keep within the joint limits."""
+    """Probability density of configurations or positions; samples stay within the joint limits."""
 
 
 MODEL = Kind(

@@ -29,15 +29,15 @@ def is_declared(text: str) -> bool:
 
 
 def is_own(path: Path, text: str) -> bool:
-    """Return whether a file is a document of this project, be it sound or not.
+    """Return whether a file is a document of this project, with or without errors.
 
     Args:
         path: File of the text.
-        text: Its text.
+        text: Text of the file.
 
     Returns:
         True if the text declares it, or if the file is in a folder of documents, such as
-        ``programs/stages``. Kubernetes manifests are no documents, wherever they are.
+        ``programs/stages``. Kubernetes manifests are never documents.
     """
     return is_declared(text) or (_is_filed(path) and not _is_manifest(text))
 
@@ -50,7 +50,7 @@ def _is_manifest(text: str) -> bool:
 def _top(text: str, key: str) -> str | None:
     """Return the first word of the value of a key at the top level, or ``None`` without it.
 
-    Lines and braces tell which keys are at the top, since the text may be no YAML yet.
+    Keys at the top level are recognised by lines and braces, since the text may not be valid YAML.
     """
     root = _BEFORE.match(text)
     assert root is not None, "it matches nothing, too"

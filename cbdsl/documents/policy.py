@@ -25,51 +25,51 @@ class Identity(Section):
 
 
 class Provenance(Section):
-    """Origin of a policy: everything that its outcome depends on."""
+    """Origin of a policy: everything that determines its content."""
 
     command: str
-    """Command that learns it again."""
+    """Command that repeats the learning."""
     program: Identity
-    """Program that was run."""
+    """Program of the episodes."""
     policies: dict[Name, Sha256] = {}
-    """Learned policies that ran inside of it, by name, each with the models that belong to it."""
+    """Learned policies within the program, by name, each with its models."""
     parameters: dict[Name, str] = {}
-    """Values of its parameters."""
+    """Values of the parameters of the program."""
     actions: Annotated[tuple[str, ...], Field(min_length=1)]
-    """Actions that could be chosen."""
+    """Actions to choose from."""
     robot: Identity
-    """Robot that ran it."""
+    """Robot of the episodes."""
     stage: Identity
     """Training context."""
     algorithm: Name
     """Learner, such as accommodate (Algorithm 1)."""
     constants: dict[Name, Count | Number | str]
-    """Constants of the algorithm, in SI."""
+    """Constants of the algorithm, in SI units."""
     seed: Count
-    """Seed of all chance."""
+    """Seed of all random numbers."""
     trial: Count = 0
-    """Which of several trials with this seed."""
+    """Number of the trial among those with this seed."""
     episodes: PositiveCount
-    """How many episodes were learned from."""
+    """Number of episodes."""
     backend: str
-    """Backend that embodied the robot."""
+    """Backend of the robot."""
     renderer: str
-    """Renderer that made the images."""
+    """Renderer of the images."""
     versions: dict[str, str]
-    """Of the packages that the outcome depends on."""
+    """Versions of the packages that can change the outcome."""
 
 
 class Curve(Section):
-    """The learning curve: one entry per episode, while it explored."""
+    """Learning curve: one entry per episode, in the order of exploration."""
 
     context: tuple[Name, ...]
-    """Which of the stage's contexts it was."""
+    """Context of the stage."""
     reward: tuple[Count, ...]
-    """Reward that was earned."""
+    """Reward of the episode."""
     transitions: tuple[PositiveCount, ...]
-    """Transitions that it took."""
+    """Number of state transitions."""
     ticks: tuple[Count, ...]
-    """Control ticks that it took."""
+    """Number of control ticks."""
 
     @model_validator(mode="after")
     def _is_even(self) -> Self:
@@ -80,22 +80,22 @@ class Curve(Section):
 
 
 class PolicyDocument(Document):
-    """A policy that can stand in for the one written in its program."""
+    """Policy that can replace the written policy of its program."""
 
     kind: Literal["policy"]
-    """Says that this document is a policy."""
+    """Kind of this document: a policy."""
     program: Name
-    """Program that it serves."""
+    """Program of the policy."""
     predicates: tuple[str, ...]
-    """The controllers and programs whose predicates make up a state, in order."""
+    """Controllers and programs with the predicates of a state, in order."""
     policy: dict[str, str]
     """Action by state."""
     models: dict[str, Name] = {}
-    """Internal models that take the place of the program's, such as ``head.uniform``."""
+    """Internal models that replace the program's, such as ``head.uniform``."""
     values: dict[State, dict[str, Number]] = {}
-    """Learned values: expected discounted reward by state and action that was tried in it."""
+    """Learned values: expected discounted reward by state and tried action."""
     transitions: dict[State, dict[str, dict[State, PositiveCount]]] = {}
-    """How often a state was followed by another, by state, action and next state."""
+    """Number of transitions by state, action and next state."""
     curve: Curve | None = None
     provenance: Provenance | None = None
 

@@ -33,25 +33,25 @@ Text = str
 
 
 class StandoffSection(Section):
-    """Keep the tip in front of its reference along the tip's own normal (+z).
+    """Distance of the tip from its reference along the tip's own normal (+z).
 
     The distance is the seen radius of the reference plus ``clearance``, within ``least`` and
     ``most``.
     """
 
     clearance: Length
-    """Distance between the tip and the surface that is seen."""
+    """Distance between the tip and the seen surface."""
     least: Length
-    """Smallest distance between the tip and the reference."""
+    """Minimum distance between the tip and the reference."""
     most: Length
-    """Largest distance between the tip and the reference."""
+    """Maximum distance between the tip and the reference."""
 
 
 class FunnelSection(Section):
-    """Come to the reference from above: raised in proportion to the lateral error."""
+    """Approach from above: the reference is raised in proportion to the lateral error."""
 
     height: Length
-    """Largest height above the reference."""
+    """Maximum height above the reference."""
     within: Length
     """Lateral error below which the reference is not raised."""
     slope: Positive = 4.0
@@ -59,45 +59,46 @@ class FunnelSection(Section):
 
 
 class SeekSection(Section):
-    """When a controller acts although its feedback is undefined, as to find contact."""
+    """Search of a controller while its feedback is undefined, as for contact."""
 
     once: Text | None = None
-    """Only after this controller, written as in ``actions``, came ``within`` of its reference.
+    """Controller, written as in ``actions``, that first has to come ``within`` of its reference.
     Its composition is not at rest during the search; its rest is judged at the end."""
     within: Length = 0.02
-    """How near ``once`` has to be."""
+    """Maximum distance of ``once`` from its reference."""
     until: Coordinate | None = None
-    """Angle of the flexing joints past which nothing will be found."""
+    """Angle of the flexing joints that ends the search."""
 
 
 class OnsetSection(Section):
     """Change of a load that makes a controller defined, as when a held object touches down.
 
-    The load is compared with its own mean from the activation on. That mean is the weight of the
-    held object while the object touches nothing else.
+    The load is compared with its own mean since the activation. That mean is the weight of the held
+    object while the object touches nothing else.
     """
 
     change: Tolerance
-    """Smallest change towards the reference."""
+    """Minimum change towards the reference."""
     window: Duration = 0.05
-    """For how long it has to last."""
+    """Minimum duration of the change."""
     pace: Speed = 0.1
-    """Speed of the hand above which no change counts: a load that is accelerated changes, too."""
+    """Speed of the hand above which changes are ignored, because acceleration also changes the
+    load."""
     borne: Tolerance | None = None
-    """Smallest load that the hand alone bears against the change before it, such as the weight of
-    an object that hangs in it; a hand that presses on a table, or drags an object, has none."""
+    """Minimum load against the change that the hand alone bears before it, such as the weight of a
+    hanging object. A hand that presses on a table, or drags an object, bears none."""
     lifted: Length = 0.0
-    """How far the hand has to have carried that load against the change, as when it lifted an
-    object that is then put down."""
+    """Minimum distance by which the hand has carried that load against the change, as when it
+    lifted an object before putting it down."""
 
 
 class ObstacleSection(Section):
-    """An obstacle of a motion: a ball around a resource, or a box that stays."""
+    """Obstacle of a motion: a ball around a resource, or a fixed box."""
 
     center: Text | None = None
     """Resource of the feedback's type, such as the tip of another arm."""
     radius: Extent | None = None
-    """Radius around ``center``; without it the radius that is seen."""
+    """Radius around ``center``; the seen radius if omitted."""
     lower: tuple[Coordinate, ...] | None = None
     """Lower corner of a box."""
     upper: tuple[Coordinate, ...] | None = None
@@ -122,17 +123,17 @@ class FieldSection(Section):
     """Workspace and obstacles of a harmonic function."""
 
     lower: tuple[Coordinate, ...] | None = None
-    """Lower corner of the workspace; without it the lower limits of the joints."""
+    """Lower corner of the workspace; the lower limits of the joints if omitted."""
     upper: tuple[Coordinate, ...] | None = None
-    """Upper corner of the workspace; without it the upper limits of the joints."""
+    """Upper corner of the workspace; the upper limits of the joints if omitted."""
     spacing: Extent
-    """Distance between neighbours on the grid that the function is computed on."""
+    """Distance between neighbours on the grid of the function."""
     scale: Extent = 0.1
-    """Displacement that is asked for where the function is 1, far from the goal."""
+    """Requested displacement if the function is 1, far from the goal."""
     clearance: Distance = 0.0
-    """Distance kept from obstacles, for all of the body that surrounds the feedback."""
+    """Distance from obstacles that covers the body around the feedback."""
     obstacles: tuple[ObstacleSection | Text, ...] = ()
-    """Resources of the feedback's type, with the radius that is seen, or balls and boxes."""
+    """Resources of the feedback's type with their seen radius, or balls and boxes."""
 
 
 Axis = Annotated[Text, Field(json_schema_extra={"pattern": r"^([xyz]|\$[A-Za-z][A-Za-z0-9_]*)$"})]
@@ -140,48 +141,50 @@ Axis = Annotated[Text, Field(json_schema_extra={"pattern": r"^([xyz]|\$[A-Za-z][
 
 
 class ControllerSection(Section):
-    """A typed triple c(phi, sigma, tau)."""
+    """Typed triple c(phi, sigma, tau)."""
 
     renamed: ClassVar[Mapping[str, str]] = {"given": "requires"}
 
     parameters: tuple[Name, ...] = ()
     """Names that a call such as ``reach(sat_10, right_arm)`` binds, in order."""
     potential: Name
-    """The artificial potential phi."""
+    """Artificial potential phi."""
     feedback: Text
-    """The resource sigma that is measured."""
+    """Measured resource sigma."""
     reference: Text | tuple[Text | Number, ...] | Number | None = None
-    """The reference rho: a resource, a literal such as ``[0 deg, 0 deg]``, or either ``here``, the
-    feedback's value at activation, or a resource displaced by a literal in the world frame:
-    ``here + [0 cm, 0 cm, 15 cm]``."""
+    """Reference rho: a resource, a literal such as ``[0 deg, 0 deg]``, or either ``here``, the
+    feedback's value at activation, or a resource displaced by a literal in the world frame: ``here
+    + [0 cm, 0 cm, 15 cm]``."""
     effector: Text
-    """The resource tau that is moved."""
+    """Moved resource tau."""
     gain: AnyGain | None = None
-    """kappa, 1/s; without it the robot's setting for the feedback's type."""
+    """kappa, 1/s; the robot's setting for the feedback's type if omitted."""
     speed: AnySpeed | None = None
-    """Largest rate of the task; without it the robot's setting for the feedback's type."""
+    """Maximum rate of the task; the robot's setting for the feedback's type if omitted."""
     acceleration: AnyAcceleration | None = None
-    """Largest acceleration of the task; without it the robot's setting."""
+    """Maximum acceleration of the task; the robot's setting if omitted."""
     quiescence: QuiescenceSection | None = None
     free_axis: Literal["x", "y", "z"] | None = None
-    """Axis of the tip about which an orientation may turn freely, or that looks at a point."""
+    """Axis of the tip about which an orientation may turn freely, or that points at a position."""
     axes: tuple[Axis, ...] | None = None
     """Axes of the world frame along which a position, force or torque is compared, or parameters
-    that stand for them; all without it. The reference has one component for each."""
+    that stand for them; all if omitted. The reference has one component for each."""
     manipulator: Literal["position", "pose"] | None = None
-    """Which Jacobian of the tip a manipulability is of; of its position without it."""
+    """Jacobian of the tip that a manipulability is computed from; that of its position if
+    omitted."""
     standoff: StandoffSection | None = None
     funnel: FunnelSection | None = None
     seek: SeekSection | None = None
     requires: Text | None = None
-    """Undefined without this controller, written as in ``actions``: acts while that controller
-    is defined or seeks. Manipulation needs a hand that holds the object."""
+    """Controller, written as in ``actions``, that has to be defined or seeking; this one is
+    undefined otherwise. Manipulation needs a hand that holds the object."""
     onset: OnsetSection | None = None
-    """Undefined until the load has changed; for a force or torque whose reference is ``here``."""
+    """Load change that makes the controller defined; for a force or torque with the reference
+    ``here``."""
     field: FieldSection | None = None
     modifiers: dict[Name, dict[Name, Text | Number]] = {}
-    """Changes of the reference in every tick, in turn, by kinds that other packages add; with the
-    options of each."""
+    """Changes of the reference in every tick, in order, by kinds of other packages, with their
+    options."""
 
     @field_validator("reference")
     @classmethod
@@ -193,7 +196,7 @@ class ControllerSection(Section):
 
 
 def _may_be_several(text: str) -> bool:
-    """Whether a text may hold more than one quantity."""
+    """Return whether a text may hold more than one quantity."""
     numbers = (word for word in text.split() if word.lstrip("+-.")[:1].isdigit())
     return "," in text or text[:1] in ("[", "(") or len(list(numbers)) > 1
 
@@ -207,45 +210,45 @@ def _refuse_several(text: str) -> None:
 
 
 class Use(Section):
-    """A program that is used as an action."""
+    """Program used as an action."""
 
     program: Name
     """Name of the program."""
     with_: Annotated[dict[Name, str], Field(alias="with")] = {}
-    """Values of its parameters; ``$name`` refers to this program's own."""
+    """Values of its parameters; ``$name`` refers to a parameter of this program."""
     policy: Name | None = None
     """Learned policy that replaces the written one."""
     schema_: Annotated[Name | None, Field(alias="schema")] = None
-    """Schema that chooses its resources, with a policy of its own."""
+    """Schema that chooses its resources, with its own policy."""
 
 
 class Limits(Section):
-    """When an episode or a transition is given up."""
+    """Limits of an episode and of a transition."""
 
     transitions: PositiveCount = 100
-    """T of Algorithm 1, in state transitions."""
+    """Maximum number of state transitions, T of Algorithm 1."""
     transition_time: Duration = 20.0
-    """Simulated time that one action may run without a change of state."""
+    """Maximum simulated time of one action without a change of state."""
     idle_time: Duration | None = None
-    """The same while no predicate of the state is 0 and nothing is sought, if that is less."""
+    """The same while no predicate of the state is 0 and no controller seeks, if that is less."""
     episode_time: Duration | None = None
-    """Simulated time after which an episode ends in any case."""
+    """Maximum simulated time of an episode."""
     lost_time: Duration | None = None
-    """Simulated time after which a program fails whose object was seen, and is remembered nowhere:
-    not in view, and neither behind a hand nor where no camera looks."""
+    """Simulated time after which a program fails if its object was seen and is lost: neither in
+    view, nor remembered behind a hand or outside of the view of the cameras."""
     reward_ends: bool = True
-    """Whether the first reward ends an episode. While it is learned from, it always does."""
+    """True if the first reward ends an episode; always true during learning."""
 
 
 class GuardsSection(Section):
-    """Bounds on contact forces, to which a program's motion gives way."""
+    """Bounds on contact forces; motion yields to them."""
 
     finger_force: Annotated[float, quantity("force", gt=0)] | None = None
-    """Largest force of a fingertip, in all directions together."""
+    """Maximum force of a fingertip, over all directions."""
     hand_force: Annotated[float, quantity("force", gt=0)] | None = None
-    """Largest net force of a hand."""
+    """Maximum net force of a hand."""
     joint_torque: Annotated[float, quantity("torque", gt=0)] | None = None
-    """Largest torque, of all joints of an arm together, that contacts anywhere on it may cause."""
+    """Maximum torque of contacts anywhere on an arm, over all its joints."""
 
 
 # Stands for a key that is not there; nothing that can be written equals it.
@@ -262,42 +265,42 @@ def _required_without_use(value: Any, info: ValidationInfo) -> Any:
 
 
 class ProgramDocument(Document):
-    """Behaviour: controllers, and a policy over their states."""
+    """Behaviour: controllers and a policy over their states."""
 
     kind: Literal["program"]
-    """Says that this document is a program."""
+    """Kind of this document: a program."""
     robot: Name
-    """Robot that it is for."""
+    """Robot of the program."""
     stage: Name | None = None
-    """Training context used unless another is named."""
+    """Stage to run on, unless another one is named."""
     parameters: dict[Name, str] = {}
-    """Names that resources and compositions may refer to as ``$name``, with defaults."""
+    """Names that resources and compositions may refer to as ``$name``, with default values."""
     resources: dict[Name, Annotated[dict[Name, Text], Field(min_length=1)]] = {}
-    """Kinds of resources that parameters may stand for, such as ``effector of position``; those in
-    one group are replaced together, as an arm with its hand."""
+    """Kinds of resources for parameters, such as ``effector of position``; those in one group are
+    replaced together, as an arm with its hand."""
     use: dict[Name, Use] = {}
-    """Other programs, usable as actions."""
+    """Other programs, available as actions."""
     models: dict[Name, Name] = {}
-    """Internal models that references can be drawn from, as ``<effector>.<name>``."""
+    """Internal models to draw references from, as ``<effector>.<name>``."""
     controllers: Annotated[
         dict[Name, ControllerSection | Text],
         Field(default_factory=lambda: _ABSENT, validate_default=True),
         BeforeValidator(_required_without_use),
     ]
-    """Triples, or compositions of them that are used as one controller; needed without ``use``."""
+    """Triples, or compositions that act as one controller; required without ``use``."""
     background: Text | None = None
-    """Composition that runs below every action, with the remaining freedom."""
+    """Composition that runs below every action in the remaining degrees of freedom."""
     actions: Annotated[tuple[Text, ...], Field(min_length=1)]
     """Controllers, compositions of controllers, or programs."""
     policy: dict[str, Text] = {}
     """Action by state: one of X - 0 1, or * for any, per controller and program of ``actions``."""
     success: tuple[str, ...] = ()
-    """Patterns of states in which the program has succeeded and ends."""
+    """Patterns of states in which the program succeeds and ends."""
     failure: tuple[str, ...] = ()
-    """Patterns of states in which it has failed and ends."""
+    """Patterns of states in which the program fails and ends."""
     rewards: dict[Name, tuple[Text, ...]] = {}
-    """By composition that is used as one controller, those of its parts that have to be at rest for
-    a reward: at least one that reads the environment, and others as conditions."""
+    """Parts of a composed controller that must be at rest for a reward, by its name: at least one
+    that reads the environment, and others as conditions."""
     guards: GuardsSection = GuardsSection.model_construct()
     limits: Limits = Limits.model_construct()
 

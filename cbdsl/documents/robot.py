@@ -1,4 +1,4 @@
-"""The robot document: what can be sensed and moved, and the constants of this body."""
+"""Robot document: sensors, effectors and constants of a robot."""
 
 from typing import Annotated, Literal
 
@@ -39,52 +39,52 @@ from cbdsl.documents.kind import Kind
 
 
 class TipSection(Section):
-    """The frame of an effector that is moved in Cartesian space."""
+    """Frame of an effector that moves in Cartesian space."""
 
     link: LinkName
-    """Link of the URDF that carries the frame."""
+    """Link of the URDF with the frame."""
     offset: Point = (0.0, 0.0, 0.0)
     """Control point in the link's frame."""
 
 
 class Effector(Section):
-    """A synergy: joints that are controlled together (Eq 3.8)."""
+    """Synergy: joints that are controlled together (Eq 3.8)."""
 
     joints: Annotated[tuple[JointName, ...], Field(min_length=1)]
     """Actuated joints of the URDF, in order."""
     tip: TipSection | None = None
-    """The frame that gives this effector a position and an orientation."""
+    """Frame of the position and orientation of this effector."""
     postures: dict[Name, tuple[Coordinate, ...]] = {}
-    """Named joint postures: an angle per joint, or a length where it slides."""
+    """Named joint postures: an angle per joint, or a length if it slides."""
     start: Name | None = None
-    """Posture at the start of an episode; without it, zero within the limits."""
+    """Posture at the start of an episode; zero within the limits if omitted."""
     count_turns: bool = False
-    """Whether whole turns of its joints without limits count, as where cables wind up; without it
+    """True if whole turns of its joints without limits count, as when cables wind up; otherwise
     these joints take the short way to a reference."""
     resolution: Distance = 1e-4
-    """Step of its joints' encoders: an angle, or a length where they slide; ``0`` without steps."""
+    """Step of its joints' encoders: an angle, or a length if they slide; ``0`` for no steps."""
 
 
 class Group(Section):
-    """Effectors that are moved together, such as both arms."""
+    """Effectors that move together, such as both arms."""
 
     members: Annotated[tuple[Name, ...], Field(min_length=2)]
-    """The effectors, in the order of the group's joints."""
+    """Effectors, in the order of the group's joints."""
 
 
 class Coupling(Section):
-    """A passive joint that follows an actuated one."""
+    """Passive joint that follows an actuated one."""
 
     follows: JointName
-    """The actuated joint."""
+    """Actuated joint."""
     ratio: Number
     """Motion of the passive joint per motion of the actuated one."""
     offset: Coordinate = 0.0
-    """Position of the passive joint where the actuated one is at 0."""
+    """Position of the passive joint while the actuated one is at 0."""
 
     @property
     def recorded(self) -> list[str | float]:
-        """The coupling as recordings have it: joint, ratio, and the offset unless it is 0."""
+        """Coupling in recordings: joint, ratio, and the offset unless it is 0."""
         return [self.follows, self.ratio, *([self.offset] if self.offset else [])]
 
 
@@ -95,42 +95,42 @@ def _require_direction(vector: Vector) -> Vector:
 
 
 class LoadCell(Section):
-    """A six-axis load cell on a fingertip."""
+    """Six-axis load cell on a fingertip."""
 
     link: LinkName
-    """Link of the URDF that carries the cell."""
+    """Link of the URDF with the cell."""
     joint: JointName
-    """Actuated joint that flexes this finger, or slides it."""
+    """Actuated joint that flexes or slides this finger."""
     normal: Annotated[Vector, AfterValidator(_require_direction)]
     """Direction in the link's frame in which the finger presses."""
     share: Positive = 1.0
-    """Share of a force reference that this finger takes, so that opposing fingers balance."""
+    """Share of a force reference for this finger, so that opposing fingers balance."""
 
 
 class Sensor(Section):
-    """A sensor of a kind that another package adds."""
+    """Sensor of a kind from another package."""
 
     kind: Name
     """Name of the kind."""
     link: LinkName | None = None
-    """Link of the URDF that carries it."""
+    """Link of the URDF with the sensor."""
     hand: Name | None = None
-    """Effector whose load cells it goes by."""
+    """Effector with the load cells that the sensor uses."""
     options: dict[Name, Number] = {}
-    """Numbers that the kind asks for."""
+    """Numbers for the kind of sensor."""
 
 
 class Correction(Section):
-    """Displacement of a camera from its link, as a calibration found it."""
+    """Displacement of a camera from its link, as estimated by a calibration."""
 
     position: Point = (0.0, 0.0, 0.0)
-    """The optical centre, in the link's frame."""
+    """Optical centre, in the link's frame."""
     rotation: Turn = (0.0, 0.0, 0.0)
-    """Rotation vector from the link's axes to the camera's: its axis times its angle."""
+    """Rotation vector from the link's axes to the camera's: axis times angle."""
 
 
 class Camera(Section):
-    """A pinhole camera; its frame looks along +x, with +y to its left and +z up."""
+    """Pinhole camera; its frame has +x forwards, +y to the left and +z up."""
 
     link: LinkName
     """Link of the URDF at the optical centre."""
@@ -141,11 +141,11 @@ class Camera(Section):
     focal_length: Pixels
     """Focal length at this width, px."""
     correction: Correction | None = None
-    """Where it is instead of exactly at the link, as far as the robot knows."""
+    """Estimated displacement from the link; none if omitted."""
 
 
 class Channels(Section):
-    """How the images are divided into channels (Eq 3.10)."""
+    """Division of the images into channels (Eq 3.10)."""
 
     hue: Count = 10
     """Number of equal hue bins, numbered from 1."""
@@ -154,176 +154,178 @@ class Channels(Section):
     intensity: Count = 10
     """Number of equal intensity bins, numbered from 1."""
     motion: bool = True
-    """Whether there is a channel for pixels that changed since the image before."""
+    """True to have a channel of the pixels that changed since the last image."""
     least_intensity: NonNegative = 0.16
-    """Darker pixels have neither hue nor saturation."""
+    """Intensity below which pixels have neither hue nor saturation."""
     least_saturation: NonNegative = 0.3
-    """Paler pixels have no hue."""
+    """Saturation below which pixels have no hue."""
     aliases: dict[Name, str] = {}
     """Further names of channels, such as ``green: hue_4``."""
 
 
 class Regions(Section):
-    """When a channel's pixels count as a region, and how its position is remembered."""
+    """Conditions on regions of a channel, and memory of their positions."""
 
     least_area: PositiveCount = 12
-    """Smaller regions are noise, px."""
+    """Minimum area of a region, px; smaller ones are noise."""
     ray_gap: Length = 0.02
-    """Largest distance between the two lines of sight at their crossing."""
+    """Maximum distance between the two lines of sight at their crossing."""
     farthest: Length = 2.5
-    """Farthest position that is believed."""
+    """Maximum distance of a position."""
     instances: Annotated[int, Field(ge=1, le=6)] = 4
-    """How many things of one channel are kept apart."""
+    """Maximum number of objects of one channel."""
     least_visible: NonNegative = 0.98
-    """Share of the largest apparent size below which a region counts as hidden in part."""
+    """Share of the largest apparent size below which a region counts as partly occluded."""
     linger: Time = 0.25
-    """How long a heading outlives its region."""
+    """Time for which a heading is kept after its region disappears."""
     hold: Time = 0.5
-    """How long a position outlives its region when no hand explains the loss."""
+    """Time for which a position is kept after its region disappears, if no hand explains it."""
     hand_radius: Length = 0.18
-    """A hand this near to the line of sight explains that a region is hidden."""
+    """Maximum distance of a hand from the line of sight to explain an occluded region."""
     prediction: Time = 3.0
-    """How long a moving region is predicted while hidden."""
+    """Time for which a moving region is predicted while occluded."""
     gains: tuple[NonNegative, NonNegative] = (0.5, 0.12)
     """Gains of the alpha-beta filter on positions."""
     least_speed: AnySpeed = 0.008
-    """Slower regions are taken to stand still."""
+    """Minimum speed of a moving region; slower ones count as stationary."""
 
 
 class VisionSection(Section):
-    """How images are made and read."""
+    """Generation and processing of images."""
 
     rate: Rate = 15.0
     """Images per second."""
     latency: Time = 1 / 15
-    """From an exposure until its image can be read."""
+    """Time between the exposure of an image and its availability."""
     noise: NonNegative = 2.0
-    """Standard deviation of a pixel's value, of 255; ideal cameras measure regions as much worse as
-    that makes them."""
+    """Standard deviation of a pixel's value, of 255; ideal cameras add the equivalent error to
+    regions."""
     renderer: Literal["auto", "opengl", "tiny", "mujoco"] = "auto"
-    """``opengl`` needs EGL; ``tiny``, of the backend bullet, runs everywhere; ``mujoco`` is that of
-    the backend mujoco, and needs EGL; ``auto`` takes the first that works of the former two."""
+    """``opengl`` needs EGL; ``tiny``, of the backend bullet, runs everywhere; ``mujoco``, of the
+    backend mujoco, needs EGL; ``auto`` takes the first of ``opengl`` and ``tiny`` that works."""
     channels: Channels = Channels.model_construct()
     regions: Regions = Regions.model_construct()
 
 
 class QuiescenceSection(Section):
-    """When a controller is at rest: the range of phi over a window, per window (Eq 4.1)."""
+    """Criterion of a controller at rest: range of phi over a window, per window (Eq 4.1)."""
 
     rate: Positive
-    """Largest rate of phi at rest, in its unit per second."""
+    """Maximum rate of phi at rest, in its unit per second."""
     window: Duration
-    """How long phi is watched."""
+    """Length of the window."""
     within: Positive | None = None
-    """Largest residual at rest, as a share of the reference's norm; beyond it, 0 is read."""
+    """Maximum residual at rest, as a share of the reference's norm; beyond it, the predicate is
+    0."""
     tolerance: Tolerance | None = None
-    """Largest residual at rest, in the feedback's unit; beyond it, the predicate is 0."""
+    """Maximum residual at rest, in the feedback's unit; beyond it, the predicate is 0."""
 
 
 class TaskSettings(Section):
-    """How a controller whose feedback is of one type behaves unless it says otherwise."""
+    """Default settings of controllers with feedback of one type."""
 
     gain: Rate
     """kappa: Newton steps per second, 1/s. A spring's Newton step is half its residual."""
     speed: AnySpeed | None = None
-    """Largest rate of the task coordinates."""
+    """Maximum rate of the task coordinates."""
     acceleration: AnyAcceleration | None = None
-    """Largest acceleration of the task coordinates."""
+    """Maximum acceleration of the task coordinates."""
     quiescence: QuiescenceSection
 
 
 class Control(Section):
-    """The control cycle and its guards."""
+    """Control cycle and its guards."""
 
     rate: Rate
     """Control ticks per second."""
     joint_speed: AngularSpeed = 1.5
-    """Largest joint speed that the law asks for."""
+    """Maximum joint speed of the control law."""
     lead: Angle = 0.12
-    """Largest distance of a joint's reference from its measured position."""
+    """Maximum distance of a joint's reference from its measured position."""
     limit_margin: Angle = 0.01
-    """Joints are kept this far from their limits."""
+    """Distance of joints from their limits."""
     damping: Number = 0.01
-    """Largest damping of a step near a singularity."""
+    """Maximum damping of a step near a singularity."""
     singular_value: Number = 0.04
-    """Singular value below which damping sets in."""
+    """Singular value below which steps are damped."""
     tasks: dict[str, TaskSettings]
     """Settings by the type of the feedback."""
     stiffness: Positive = 5.0
-    """Fingertip force per joint angle assumed by force -> displacement, N/rad."""
+    """Assumed fingertip force per joint angle of the cast force -> displacement, N/rad."""
     slide_stiffness: Positive = 1500.0
-    """The same of finger joints that slide, N/m."""
+    """The same for finger joints that slide, N/m."""
     contact_stiffness: Positive = 100.0
-    """Force per displacement of the link that feels it assumed by force -> displacement, N/m."""
+    """Assumed force per displacement of the measuring link of the cast force -> displacement,
+    N/m."""
     contact_torsion: Positive = 1.0
-    """Torque per turn of the link that feels it assumed by torque -> displacement, N m/rad."""
+    """Assumed torque per turn of the measuring link of the cast torque -> displacement, N m/rad."""
 
 
 class Contact(Section):
-    """Threshold of contact on a load cell, and its measurement errors."""
+    """Contact threshold of load cells, and their measurement errors."""
 
     threshold: Force = 0.1
-    """Smaller forces are noise."""
+    """Force below which a measurement is noise."""
     noise: Force = 0.03
     """Standard deviation of each measured component."""
     bias: Force = 0.2
-    """Standard deviation of each component's reading without load, in the cell's own frame."""
+    """Standard deviation of each component's reading without load, in the cell's frame."""
     drift: Force = 0.003
-    """Standard deviation of how far that has wandered after a second; it grows with the square root
-    of the time."""
+    """Standard deviation of the change of the bias after a second; it grows with the square root of
+    time."""
     filter: Time = 0.02
     """Time constant of the load cells' low-pass filter."""
     zero_tracking: Duration = 5.0
-    """Time constant with which a cell that feels nothing follows its drift."""
+    """Time constant with which a cell without contact follows its drift."""
     self_contact: Length = 0.04
-    """Fingertips of two hands that feel something and are no farther apart feel each other."""
+    """Maximum distance between loaded fingertips of two hands that counts as mutual contact."""
 
 
 class JointTorques(Section):
-    """Drives that measure the torques of their joints, which feel contacts anywhere on an arm."""
+    """Drives that measure joint torques, and thus contacts anywhere on an arm."""
 
     threshold: Torque = 10.0
-    """Torques, of all joints of an arm together, that motion without contact may cause."""
+    """Torque over all joints of an arm that motion without contact may cause."""
     filter: Time = 0.05
-    """Time constant of the low-pass filter behind them."""
+    """Time constant of the low-pass filter of the torques."""
 
 
 class TipSurface(Section):
-    """The material of the links that touch things."""
+    """Material of the links that touch objects."""
 
     links: tuple[LinkName, ...] = ()
     """Links of the URDF; a trailing * matches any ending."""
     friction: NonNegative = 1.0
     """Coefficient of lateral friction."""
     stiffness: Number | None = None
-    """Contact stiffness, N/m; rigid without it."""
+    """Contact stiffness, N/m; rigid if omitted."""
     damping: Number | None = None
     """Contact damping, N s/m."""
     friction_anchor: bool = False
-    """Whether points of contact that stick return to where they first touched. Without it, those of
-    soft surfaces creep under a steady load."""
+    """True if sticking points of contact return to where they first touched; otherwise soft
+    surfaces creep under a steady load."""
 
 
 class MujocoSection(Section):
-    """Constants of the engine ``mujoco``; the defaults hold things that are grasped."""
+    """Constants of the engine ``mujoco``; the defaults hold grasped objects."""
 
     servo_frequency: Rate = 90.0
-    """Natural frequency of the joint servos, rad/s: their stiffness per inertia, square root."""
+    """Natural frequency of the joint servos, rad/s: square root of stiffness per inertia."""
     armature: NonNegative = 1.0
-    """Inertia of the joints' drives, as a share of the moved inertia; 1 is matched gearing."""
+    """Inertia of the joints' drives, as a share of the moved inertia; 1 for matched gearing."""
     contact_time: Duration = 0.01
-    """Time constant with which contacts push things apart."""
+    """Time constant of the separation of penetrating objects."""
     spinning_friction: Lever = 0.005
-    """Torque about the normal of a contact that friction bears, per force of the contact."""
+    """Maximum frictional torque about the normal of a contact, per force of the contact."""
     friction_stiffness: Positive = 1.0
-    """How much stiffer contacts are along the surfaces than across them."""
+    """Ratio of the stiffness of contacts along the surfaces to that across them."""
     noslip_iterations: Count = 5
-    """Iterations that end all creeping, so that things stay in the hand; without any, contacts
-    creep under load."""
+    """Iterations that end creeping, so that objects stay in the hand; with 0, contacts creep under
+    load."""
 
 
 class Simulation(Section):
-    """Constants that only a simulated body needs."""
+    """Constants of simulated robots."""
 
     physics_rate: Rate = 240.0
     """Physics steps per second."""
@@ -338,19 +340,19 @@ class Simulation(Section):
     surfaces: tuple[TipSurface, ...] = ()
     """Materials of links; the others have those of the URDF."""
     no_contact: tuple[tuple[LinkName, ...], ...] = ()
-    """Groups of links whose mutual contacts are ignored; a trailing * matches any ending."""
+    """Groups of links without contacts among each other; a trailing * matches any ending."""
     mujoco: MujocoSection = MujocoSection.model_construct()
 
 
 class RobotDocument(Document):
-    """Everything that the framework knows about one robot."""
+    """Robot: model, effectors, sensors and settings."""
 
     kind: Literal["robot"]
-    """Says that this document is a robot."""
+    """Kind of this document: a robot."""
     model: str
     """URDF file, relative to this document."""
     base: LinkName
-    """Link whose frame is the world frame."""
+    """Link with the world frame."""
     effectors: dict[Name, Effector]
     """Groups of joints that move, by name."""
     groups: dict[Name, Group] = {}
@@ -362,25 +364,25 @@ class RobotDocument(Document):
     cameras: dict[Name, Camera] = {}
     """Cameras, by name; two of them triangulate."""
     calibration: Name | None = None
-    """Calibration that corrects where they are."""
+    """Calibration that corrects the places of the cameras."""
     sensors: dict[Name, Sensor] = {}
-    """Sensors of kinds that other packages add, by name."""
+    """Sensors of kinds from other packages, by name."""
     vision: VisionSection = VisionSection.model_construct()
     contact: Contact = Contact.model_construct()
     joint_torques: JointTorques | None = None
-    """Without it no joint's torque is measured."""
+    """Measurement of joint torques; none if omitted."""
     control: Control
     drivers: dict[Name, Driver] = {}
-    """Connections to the real robot, by name; a simulated one needs none."""
+    """Connections to the real robot, by name; none for a simulated one."""
     simulation: Simulation = Simulation.model_construct()
 
     def members(self, effector: str) -> tuple[str, ...]:
-        """The effectors of a group, or the one effector that is named itself."""
+        """Return the effectors of a group, or the named effector itself."""
         group = self.groups.get(effector)
         return (effector,) if group is None else group.members
 
     def joints(self, effector: str) -> tuple[str, ...]:
-        """The actuated joints of an effector, or of a group's members in turn."""
+        """Return the actuated joints of an effector, or of all members of a group in order."""
         return tuple(j for name in self.members(effector) for j in self.effectors[name].joints)
 
 

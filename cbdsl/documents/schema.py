@@ -1,4 +1,4 @@
-"""The schema document: a program whose resources are chosen by what is sensed (Section 5.3)."""
+"""Schema document: a program with resources chosen by features (Section 5.3)."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ Probability = Annotated[float, quantity(ge=0, le=1)]
 
 
 class AbstractAction(Section):
-    """An abstract action a(phi, t_in, t_out): a controller without its resources."""
+    """Abstract action a(phi, t_in, t_out): a controller without its resources."""
 
     potential: Name
-    """The artificial potential phi."""
+    """Artificial potential phi."""
     in_: Annotated[str, Field(alias="in")]
-    """Characteristic input type: that of the feedback."""
+    """Characteristic input type: type of the feedback."""
     out: str
-    """Characteristic output type: that of the effector."""
+    """Characteristic output type: type of the effector."""
 
 
 class ChoiceQuestion(Section):
-    """A question of the tree that chooses allocations."""
+    """Condition of the tree that chooses allocations."""
 
     if_: Annotated[str, Field(alias="if")]
     """Comparison of a feature with a quantity, such as ``place.y > 2 cm``."""
@@ -37,7 +37,7 @@ class ChoiceQuestion(Section):
 
 
 class RewardQuestion(Section):
-    """A question of the tree that predicts reward."""
+    """Condition of the tree that predicts reward."""
 
     if_: Annotated[str, Field(alias="if")]
     """Comparison of a feature with a quantity, such as ``place.x > 1.02 m``."""
@@ -55,33 +55,33 @@ RewardTree = RewardQuestion | Probability
 
 
 class SchemaDocument(Document):
-    """A policy over abstract actions, and how they are allocated with resources."""
+    """Policy over abstract actions, with the allocation of their resources."""
 
     kind: Literal["schema"]
-    """Says that this document is a schema."""
+    """Kind of this document: a schema."""
     program: Name
-    """Program whose actions it allocates."""
+    """Program of the actions."""
     policy: Name
-    """Learned policy that chooses the abstract actions, pi."""
+    """Learned policy pi that chooses the abstract actions."""
     actions: dict[Name, AbstractAction] = {}
-    """The declarative part of the program's controllers, by name (Eq 5.1)."""
+    """Declarative part of the program's controllers, by name (Eq 5.1)."""
     catalog: Name | None = None
-    """Catalog whose probabilities of reward features can be, such as ``affords.reachtouch``."""
+    """Catalog with probabilities of reward for use as features, such as ``affords.reachtouch``."""
     features: Annotated[dict[Name, str], Field(min_length=1)]
-    """Signals by which it allocates, with ``$name`` for parameters of the program."""
+    """Signals that determine the allocation, with ``$name`` for parameters of the program."""
     look: dict[Name, Use] = {}
-    """Programs that define features before anything is allocated, by the feature's name."""
+    """Programs that define features before the allocation, by name of the feature."""
     allocations: Annotated[dict[Name, dict[Name, str]], Field(min_length=1)]
-    """Values of the program's parameters, and programs in the place of its members, by the name of
-    the allocation (Eq 5.2)."""
+    """Values of the program's parameters, and programs that replace its members, by name of the
+    allocation (Eq 5.2)."""
     choose: ChoiceTree
-    """The procedural policy psi (Eq 5.3): which allocation, by features."""
+    """Procedural policy psi (Eq 5.3): allocation by features."""
     otherwise: Annotated[tuple[Name, ...], Field(min_length=1)]
-    """Allocations where a feature is undefined, the first one first."""
+    """Allocations for an undefined feature, in order of preference."""
     reward: RewardTree | None = None
     """Probability of reward by features, Pr(reward | pi, f)."""
     least_reward: Probability = 0.5
-    """Below this probability the schema is undefined, and moves nothing."""
+    """Probability of reward below which the schema is undefined and moves nothing."""
     curve: Curve | None = None
     provenance: Provenance | None = None
 

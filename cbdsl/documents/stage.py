@@ -26,39 +26,39 @@ from cbdsl.documents.kind import Kind
 
 
 class Surface(Section):
-    """Material of a thing."""
+    """Material of an object."""
 
     color: Color = (1.0, 0.0, 0.0)
     """Red, green and blue, each from 0 to 1."""
     friction: NonNegative = 0.8
     """Coefficient of lateral friction."""
     rolling_friction: NonNegative = 0.002
-    """Coefficient of rolling friction: the lever of the normal force, m."""
+    """Coefficient of rolling friction: lever of the normal force, m."""
     spinning_friction: NonNegative | None = None
-    """Coefficient of friction against turning about the contact's normal, m; as much as that of
-    rolling where it is not given."""
+    """Coefficient of friction against turning about the contact's normal, m; that of rolling if
+    omitted."""
 
     @property
     def spinning(self) -> float:
-        """Coefficient of spinning friction, given or not."""
+        """Coefficient of spinning friction, given or by default."""
         given = self.spinning_friction
         return self.rolling_friction if given is None else given
 
 
 class Fixture(Surface):
-    """A thing that does not move."""
+    """Object that does not move."""
 
     # Not the red of things, which robots look for.
     color: Color = (0.6, 0.45, 0.3)
     """Red, green and blue, each from 0 to 1."""
     form: Annotated[Form, Field(discriminator="shape")]
-    """Its shape and size."""
+    """Shape and size."""
     position: tuple[LengthSpan, LengthSpan, LengthSpan]
-    """Centre, in the world frame; a span of a coordinate is drawn from."""
+    """Centre, in the world frame; a coordinate may be a range to draw it from."""
 
     @property
     def is_drawn(self) -> bool:
-        """Whether chance decides where it is."""
+        """True if the position is random."""
         return any(first != last for first, last in self.position)
 
     @field_serializer("position")
@@ -67,12 +67,12 @@ class Fixture(Surface):
 
 
 class ThingSection(Surface):
-    """A thing that can be touched and moved."""
+    """Object that can be touched and moved."""
 
     form: Annotated[Form, Field(discriminator="shape")]
-    """Its shape and size."""
+    """Shape and size."""
     mass: MassSpan
-    """Mass, or the span that it is drawn from."""
+    """Mass, or the range to draw it from."""
 
 
 class Disturbance(Section):
@@ -81,39 +81,40 @@ class Disturbance(Section):
     image_noise: NonNegative = 0.0
     """Standard deviation of pixel values, of 255."""
     camera_position: Length = 0.0
-    """Distance of each camera from where the robot believes it to be."""
+    """Distance of each camera from its assumed place."""
     camera_rotation: Angle = 0.0
-    """Angle of each camera from how the robot believes it to be turned."""
+    """Angle of each camera from its assumed orientation."""
     body: Count | None = None
-    """Number of the body, whose cameras keep their errors; drawn in each episode without it."""
+    """Number of the body, which determines the errors of its cameras; drawn in each episode if
+    omitted."""
 
 
 class WorldSection(Section):
-    """The world from one episode to the next."""
+    """World between episodes."""
 
     persistent: bool = False
-    """Whether episodes go on in the world as the one before left it, robot and all."""
+    """True if each episode starts from the state of robot and world at the end of the last one."""
     put_back: Literal["nothing", "fallen", "moved"] = "fallen"
-    """Things that the experimenter returns to their first places between episodes, unless the
-    robot touches them or is in the way: things that fell 20 cm or more below that place, or
-    moved 2 cm or more from it."""
+    """Objects that the experimenter returns to their first places between episodes, unless the
+    robot touches them or is in the way: those that fell by 20 cm or more, or moved by 2 cm or
+    more."""
     where: Literal["same", "anew"] = "same"
-    """Whether they are put where they were, or at a place that is drawn anew."""
+    """Place of the return: the first one, or a newly drawn one."""
 
 
 class StageDocument(Document):
-    """Which things are shown to a robot, where, and how."""
+    """Objects that are shown to a robot, with their places and motions."""
 
     kind: Literal["stage"]
-    """Says that this document is a stage."""
+    """Kind of this document: a stage."""
     robot: Name
-    """Robot to which things are shown."""
+    """Robot of the stage."""
     fixtures: dict[Name, Fixture] = {}
-    """Things that do not move, by name."""
+    """Objects that do not move, by name."""
     things: dict[Name, ThingSection] = {}
-    """Things that can be touched, by name."""
+    """Objects that can be touched, by name."""
     contexts: Annotated[dict[Name, Context], Field(min_length=1)]
-    """Ways in which an episode can begin, by name."""
+    """Ways to begin an episode, by name."""
     disturbance: Disturbance = Disturbance.model_construct()
     world: WorldSection = WorldSection.model_construct()
 
