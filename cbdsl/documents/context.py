@@ -185,5 +185,5 @@ class Context(Presentation):
 
     @property
     def presentations(self) -> dict[str | None, Presentation]:
-        """All that it shows, by name; ``None`` for what has the name of the thing that is drawn."""
+        """Presentations by name; the key of a single drawn object is ``None``."""
         return dict(self.placed.items()) if self.placed else {None: self}

@@ -19,8 +19,8 @@ def declared_kind(text: str) -> str | None:
 def is_declared(text: str) -> bool:
     """Return whether a text declares itself a document of this project.
 
-    It does by the key ``cbdsl``, or by a known ``kind`` outside of a Kubernetes manifest. Neither
-    the rest of the text nor its syntax has to be sound.
+    The key ``cbdsl`` declares it, as does a known ``kind`` outside of a Kubernetes manifest. Other
+    parts of the text, and its syntax, may be invalid.
     """
     if _top(text, "cbdsl") is not None:
         return True
