@@ -1,11 +1,11 @@
-"""Hessians of task coordinates from the axes of the joints; compiled.
+"""Hessians of task coordinates; compiled.
 
-A joint i before joint j of the same chain turns the lever and the axis of j. The velocity v_j of a
-point changes by w_i x v_j, and the axis w_j by w_i x w_j. In exponential coordinates of a rotation,
-half of the latter is the second derivative. A tip that may turn about its own axis a couples the
-turn about a with the turns across: s . (a x w_j) (a . w_i), for a task coordinate s . w.
-Coordinates that are linear in the signal have the Hessians of the signal's rows. These are springs
-of configurations, positions, orientations and poses, along some axes or all.
+Model. The task coordinates of a spring are a slope times the rows of its feedback, so that their
+Hessian is the slope times the derivative of those rows (``sensing.curvature``), made symmetric. In
+exponential coordinates of a rotation, half of the derivative of the axes is the second derivative,
+which is the same. A tip that may turn about its own axis a couples the turn about a with the turns
+across: s . (a x w_j) (a . w_i), for a task coordinate s . w. Assumption: the slope itself counts as
+constant. That is exact for springs along some axes or all, and for small angles otherwise.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ from cbdsl.control.potential import call_at
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import cross, dot
-from cbdsl.sensing.forward import bend_point, place_point
-from cbdsl.sensing.refresh import MIXTURE, TIP, WRITTEN, stand_off
+from cbdsl.sensing.curvature import BENDING, bend_carried, bend_row
 
 Integers = NDArray[np.int64]
 Records = NDArray[Any]
@@ -29,8 +28,7 @@ Records = NDArray[Any]
 @compiled
 def has_hessian(slot: Any, table: Records) -> bool:
     """Return whether the task coordinates of a slot's spring bend as the joints move."""
-    kind = table[slot.feedback].kind
-    return bool(kind in (TIP, MIXTURE) or (kind == WRITTEN and slot.carried))
+    return bool(slot.carried or table[slot.feedback].kind in BENDING)
 
 
 @compiled_once
@@ -60,88 +58,14 @@ def write_hessian(
     """
     feedback = table[slot.feedback]
     bends = np.zeros((feedback.rows, jacobian.shape[1], jacobian.shape[1]))
-    if feedback.kind == TIP:
-        _bend_tip(feedback, table, parts, support, tree, frames, axes, 1.0, bends)
-    elif feedback.kind == MIXTURE:
-        _bend_mixture(feedback, table, parts, support, tree, frames, axes, bends)
+    if slot.carried:
+        bend_carried(jacobian[feedback.row : feedback.row + 3], tree, axes, bends)
     else:
-        _bend_carried(jacobian[feedback.row : feedback.row + 3], tree, axes, bends)
+        bend_row(feedback, table, parts, support, tree, frames, axes, bends)
     slope = _slope(slot, feedback, table, value, parameters)
     _select(bends, slope, columns, hessian)
     if slot.spin >= 0:
         _spin(slot, feedback, value, jacobian, slope, columns, hessian)
-
-
-@compiled
-def _bend_tip(
-    row: Any,
-    table: Records,
-    parts: Records,
-    support: Integers,
-    tree: Records,
-    frames: Floats,
-    axes: Floats,
-    weight: float,
-    bends: Floats,
-) -> None:
-    """Add the weighted change of a tip's Jacobian per joint, shape (rows, n, n)."""
-    part, joints = parts[row.part], bends.shape[1]
-    origin, point = np.empty(3), np.empty(3)
-    stand_off(row, table, part, origin)
-    place_point(frames[part.frame], origin, point)
-    change = np.zeros((6, joints, joints))
-    own = support[part.support : part.support + part.joints]
-    bend_point(point, own, tree, frames, axes, change)
-    first = 0 if row.linear else 3
-    for i in range(len(bends)):
-        for j in range(joints):
-            for k in range(joints):
-                bends[i, j, k] += weight * change[first + i, j, k]
-
-
-@compiled
-def _bend_mixture(
-    row: Any,
-    table: Records,
-    parts: Records,
-    support: Integers,
-    tree: Records,
-    frames: Floats,
-    axes: Floats,
-    bends: Floats,
-) -> None:
-    """Write the change of a weighted sum of tips, for those parts that are tips."""
-    for number in range(row.part, row.part + row.parts):
-        part = parts[number]
-        source = table[part.source]
-        if source.kind == TIP:
-            own = bends[part.shift : part.shift + source.rows]
-            _bend_tip(source, table, parts, support, tree, frames, axes, part.weight, own)
-
-
-@compiled
-def _bend_carried(rows: Floats, tree: Records, axes: Floats, bends: Floats) -> None:
-    """Write the change of the Jacobian (3, n) of a point that moves with the last of its joints."""
-    turn, change = np.empty(3), np.empty(3)
-    for last in range(len(tree)):
-        column = tree[last].column
-        if column < 0 or tree[last].ratio == 0.0:
-            continue
-        velocity = rows[:, column].copy()
-        if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
-            continue
-        joint = last
-        while joint >= 0:
-            other = tree[joint].column
-            if not tree[joint].slides and other >= 0:
-                for i in range(3):
-                    turn[i] = tree[joint].ratio * axes[joint, i]
-                cross(turn, velocity, change)
-                for i in range(3):
-                    bends[i, other, column] += change[i]
-                    if joint != last:
-                        bends[i, column, other] += change[i]
-            joint = tree[joint].parent - 1
 
 
 @compiled

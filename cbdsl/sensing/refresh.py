@@ -18,8 +18,14 @@ Records = NDArray[Any]
 
 #: Kinds of rows by the source of their numbers: written by Python; joint positions; a tip; the
 #: Jacobian of tips; a weighted sum of other rows; the forces along the normals of load cells; a row
-#: displaced by another.
-WRITTEN, CONFIGURATION, TIP, MANIPULATOR, MIXTURE, NORMAL_FORCES, DISPLACED = range(7)
+#: displaced by another; headings and contact forces, which Python writes, too, and whose parts say
+#: how they bend.
+(
+    WRITTEN, CONFIGURATION, TIP, MANIPULATOR, MIXTURE, NORMAL_FORCES, DISPLACED, HEADING, CONTACT,
+) = range(9)  # fmt: skip
+
+#: Kinds of rows that Python writes.
+READ = (WRITTEN, HEADING, CONTACT)
 
 #: States of a row: undefined; readable without a measurement, such as a force without contact;
 #: measured.
@@ -52,7 +58,9 @@ ROW = np.dtype(
 )
 
 #: A part of a row: a place in a frame, with the joints that move it; another row, with its weight
-#: and its place in the sum; or a load cell, with its normal in the frame.
+#: and its place in the sum; a load cell, with its normal in the frame; a camera, with the share of
+#: its heading and the heading, rad; or a fingertip in contact, with its stiffness, N/m, and the
+#: frame of the only direction that counts, -1 for all.
 PART = np.dtype(
     [
         ("frame", np.int64),
@@ -65,6 +73,8 @@ PART = np.dtype(
         ("shift", np.int64),
         ("cell", np.int64),
         ("normal", np.float64, 3),
+        ("guide", np.int64),
+        ("angles", np.float64, 2),
     ]
 )
 

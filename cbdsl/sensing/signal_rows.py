@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.sensing.reading import Reading
-from cbdsl.sensing.refresh import WRITTEN
+from cbdsl.sensing.refresh import READ, WRITTEN
 from cbdsl.sensing.table import Form, SignalTable
 
 Integers = NDArray[np.int64]
@@ -70,9 +70,13 @@ class SignalRows:
         """Bind a row that the caller writes with ``table.write``; return its number."""
         return self.table.bind(Form(WRITTEN, size, size))
 
-    def bind_read(self, size: int, reader: Reader) -> int:
-        """Bind a row that Python reads; return its number."""
-        number = self.bind_written(size)
+    def bind_read(self, size: int, reader: Reader, form: Form | None = None) -> int:
+        """Bind a row that Python reads; return its number.
+
+        Args:
+            form: Form of the row, by default one without parts.
+        """
+        number = self.table.bind(form or Form(WRITTEN, size, size))
         self._readers[number] = reader
         return number
 
@@ -88,7 +92,7 @@ class SignalRows:
         ordered: dict[int, None] = {}
         for number in rows:
             ordered.update(dict.fromkeys((*self._made_of.get(number, ()), number)))
-        compiled = [n for n in ordered if self.table.records["kind"][n] != WRITTEN]
+        compiled = [n for n in ordered if self.table.records["kind"][n] not in READ]
         read = tuple((n, self._readers[n]) for n in ordered if n in self._readers)
         return Selection(np.array(compiled, dtype=np.int64), read)
 

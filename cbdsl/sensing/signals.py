@@ -20,8 +20,11 @@ from cbdsl.sensing.novelty import Novelty
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading, shaped
 from cbdsl.sensing.refresh import (
+    CONTACT,
     DISPLACED,
+    HEADING,
     NORMAL_FORCES,
+    WRITTEN,
     refresh,
 )
 from cbdsl.sensing.sensor_faults import require_finite
@@ -286,9 +289,21 @@ class Signals:
             return binder(source)
         see = self._seen_by.get(type(source))
         if see is not None:
-            return self._rows.bind_read(resource.type.size, lambda: see(source, chains))
+            return self._bind_read(resource, lambda: see(source, chains))
         read = self._read_by[type(source)]
-        return self._rows.bind_read(resource.type.size, lambda: read(source))
+        return self._bind_read(resource, lambda: read(source))
+
+    def _bind_read(self, resource: Resource, reader: Reader) -> int:
+        """Bind a row that Python reads, with parts if its Jacobian bends."""
+        source, size = resource.source, resource.type.size
+        form = None
+        if isinstance(source, (Heading, Headings, NovelHeading, MarkHeading)):
+            shift = 2 if isinstance(source, Headings) else 0
+            form = Form(HEADING, size, size, self.sight.camera_parts(shift))
+        elif isinstance(source, (FingerLoad, NetLoad, NetForces)):
+            parts = self.touch.contact_parts(source)
+            form = Form(CONTACT if parts else WRITTEN, size, size, parts)
+        return self._rows.bind_read(size, reader, form)
 
     def _affordance(self, source: AffordanceProbability) -> Reading | None:
         """Return Pr(reward | f, a) for the current features, ``None`` while one is undefined."""
@@ -304,7 +319,8 @@ class Signals:
     def _bind_normal_forces(self, source: FingerForces | NetForces) -> int:
         if isinstance(source, NetForces):
             hands = len(self.touch.hands(source.group))
-            return self._rows.bind_read(hands, lambda: self.touch.palm_forces(source))
+            form = Form(CONTACT, hands, hands, self.touch.palm_parts(source))
+            return self._rows.bind_read(hands, lambda: self.touch.palm_forces(source), form)
         parts, flexion = self.touch.pads(source.hand)
         number = self._rows.bind(Form(NORMAL_FORCES, len(parts), len(parts), parts))
         self.table.rows(number)[:] = flexion

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.reading import Reading, Sight
 from cbdsl.sensing.refresh import DEFINED, PART, READABLE, ROW, UNDEFINED
 
 Floats = NDArray[np.float64]
@@ -27,6 +27,8 @@ class RowPart(NamedTuple):
     shift: int = 0
     cell: int = -1
     normal: Sequence[float] | Floats = (0.0, 0.0, 0.0)
+    guide: int = -1
+    angles: Sequence[float] | Floats = (0.0, 0.0)
 
 
 class Form(NamedTuple):
@@ -156,8 +158,19 @@ class SignalTable:
         values[:] = reading.value.ravel()
         if reading.jacobian is not None:
             rows[:] = reading.jacobian
+        if reading.sights:
+            self._write_sights(number, reading.sights)
         self._stamp[number], self._radius[number] = reading.stamp, reading.radius
         self._defined[number] = DEFINED if reading.measured else READABLE
+
+    def _write_sights(self, number: int, sights: Sequence[Sight]) -> None:
+        """Write the cameras' own headings, if the row has a part for each camera."""
+        record = self.records[number]
+        first, count = record["part"], record["parts"]
+        if count:
+            self._weight[first : first + count] = 0.0
+            for camera, share, angles in sights:
+                self._weight[first + camera], self._angles[first + camera] = share, angles
 
     def forget(self, number: int) -> None:
         """Set a row to undefined."""
@@ -197,6 +210,7 @@ class SignalTable:
         self._parts: dict[int, tuple[Floats, Floats]] = {}
         self._stamp, self._radius = self.records["stamp"], self.records["radius"]
         self._defined = self.records["defined"]
+        self._weight, self._angles = self.parts["weight"], self.parts["angles"]
 
     def _take(self, name: str, size: int) -> int:
         """Allocate a block of an array, which grows if necessary."""

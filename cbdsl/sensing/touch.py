@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -210,6 +210,40 @@ class Touch:
             normal = link.rotation.dot(self._normals[cell.link])
             parts.append(RowPart(link.frame, cell=place, normal=normal))
         return parts, self._flexions[hand]
+
+    def contact_parts(self, source: FingerLoad | NetLoad | NetForces) -> list[RowPart]:
+        """Return the fingertips as parts of a row of forces; torques have none."""
+        if isinstance(source, NetForces):
+            hands = self.hands(source.group)
+            return [
+                part._replace(shift=3 * place)
+                for place, hand in enumerate(hands)
+                for part in self._force_parts(hand, self._fingers(hand))
+            ]
+        if source.part == "torque":
+            return []
+        only = [source.finger] if isinstance(source, FingerLoad) else self._fingers(source.hand)
+        return self._force_parts(source.hand, only)
+
+    def palm_parts(self, source: NetForces) -> list[RowPart]:
+        """Return the fingertips as parts of a row of forces along palms' normals."""
+        parts = []
+        for place, hand in enumerate(self.hands(source.group)):
+            palm = self._tips.part(self.carriers[hand])
+            normal = np.reshape(palm.rotation, (3, 3))[:, 2]
+            parts += [
+                part._replace(shift=place, guide=palm.frame, normal=normal)
+                for part in self._force_parts(hand, self._fingers(hand))
+            ]
+        return parts
+
+    def _force_parts(self, hand: str, fingers: Iterable[str]) -> list[RowPart]:
+        links = [self._kinematics.link(self._fingers(hand)[finger].link) for finger in fingers]
+        stiffness = float(self._yielding[0])
+        return [
+            RowPart(link.frame, link.position, support=link.support, weight=stiffness)
+            for link in links
+        ]
 
     def palm_forces(self, source: NetForces) -> Reading:
         """Return forces of hands along their palms' normals, N, with Jacobians by arm joints."""

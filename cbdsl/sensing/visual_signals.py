@@ -21,9 +21,9 @@ from cbdsl.sensing.chain import MANIPULATOR, carry
 from cbdsl.sensing.hold import Content, Hold, find_hold, held_jacobian
 from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
-from cbdsl.sensing.reading import Reading, mean, stacked
+from cbdsl.sensing.reading import Reading, Sight, mean, stacked
 from cbdsl.sensing.stereo import Ray, triangulate
-from cbdsl.sensing.table import records_of
+from cbdsl.sensing.table import RowPart, records_of
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.vision import SeenHeading, Vision
@@ -59,6 +59,7 @@ class VisualSignals:
         self._tips = tips
         self._touch = touch
         self._still = np.zeros((3, len(kinematics.joints)))
+        self._places = {name: place for place, name in enumerate(robot.cameras)}
         self._carriers = tuple(touch.carriers.values())
         self._tip_parts = records_of([tips.part(carrier) for carrier in self._carriers])
         self._cell_links = [
@@ -136,6 +137,16 @@ class VisualSignals:
             if seen_heading is not None:
                 seen.append(self._moving_heading(name, thing, seen_heading, chains))
         return mean(seen) if seen else None
+
+    def camera_parts(self, shift: int) -> list[RowPart]:
+        """Return the cameras as parts of a row of headings, which lie ``shift`` rows apart."""
+        links = [self._kinematics.link(camera.link) for camera in self._robot.cameras.values()]
+        return [
+            RowPart(
+                link.frame, rotation=link.rotation.ravel(), support=link.support, shift=shift * i
+            )
+            for i, link in enumerate(links)
+        ]
 
     def headings(self, source: Headings, chains: tuple[Chain, ...]) -> Reading | None:
         """Return the headings in both cameras, or ``None`` unless both see the object whole.
@@ -223,7 +234,9 @@ class VisualSignals:
             steps |= self._hold_steps(memory.position)
             steps[SIGHTING.name] = steps[TRIANGULATION.name] = self._sight(link, memory.position)
         own = [carry(chain, steps) for chain in chains if chain[-1].name in steps]
-        return Reading(seen.angles, sum(own[1:], own[0]) if own else self._still[:2], seen.stamp)
+        jacobian = sum(own[1:], own[0]) if own else self._still[:2]
+        sights = (Sight(self._places[camera], 1.0, seen.angles),)
+        return Reading(seen.angles, jacobian, seen.stamp, sights=sights)
 
     def _sight(self, link: str, position: Floats) -> Step:
         """Return the step from an object's motion to that of its heading."""

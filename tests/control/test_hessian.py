@@ -19,7 +19,16 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
-from cbdsl.sensing.refresh import CONFIGURATION, MIXTURE, NORMAL_FORCES, ROW, TIP, WRITTEN
+from cbdsl.sensing.refresh import (
+    CONFIGURATION,
+    CONTACT,
+    HEADING,
+    MIXTURE,
+    NORMAL_FORCES,
+    ROW,
+    TIP,
+    WRITTEN,
+)
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Centroid, Separation, Source, Tip
 from cbdsl.yaml_text.library import Library, shipped
@@ -181,9 +190,12 @@ def test_hessian_leaves_joints_out_that_the_slot_does_not_move(rng: np.random.Ge
 
 @pytest.mark.parametrize(("kind", "carried", "bends"), [
     (TIP, False, True), (MIXTURE, False, True), (WRITTEN, True, True), (WRITTEN, False, False),
-    (CONFIGURATION, False, False), (NORMAL_FORCES, False, False),
+    (HEADING, False, True), (CONTACT, False, True), (CONFIGURATION, False, False),
+    (NORMAL_FORCES, False, False),
 ])  # fmt: skip
-def test_signals_of_tips_and_carried_objects_bend(kind: int, carried: bool, bends: bool) -> None:
+def test_has_hessian_signals_that_bend_and_carried_objects_alone(
+    kind: int, carried: bool, bends: bool
+) -> None:
     table, slots = np.zeros(1, ROW), np.zeros(1, SLOT)
     table["kind"], slots["carried"] = kind, carried
     assert has_hessian.py_func(slots.view(np.recarray)[0], table.view(np.recarray)) is bends

@@ -148,3 +148,32 @@ def test_lower_levels_leave_an_unreachable_level_where_it_rests_alone(seed: int)
     case = stretched(seed)._replace(stack="prq")
     together, alone = settle(case), settle(case._replace(stack="p"))
     assert together.error <= alone.error + 2e-3
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0, 1.3])
+def test_stretched_arm_that_cannot_press_harder_rests_at_the_largest_force(share: float) -> None:
+    """A spring of 100 N/m is 10 cm short of the end of the arm's reach; another level bends it."""
+    chain, stiffness, wall, length = Chain.planar(3, 0.7), 100.0, 0.6, 0.7
+    largest = stiffness * (length - wall)
+
+    def motion(bent: bool) -> tuple[float, float]:
+        q, law = np.full(3, 0.3), Law(np.full(3, -3.0), np.full(3, 3.0), LawSettings(STEP))
+        for _ in range(600):
+            position, _, rows = chain.pose(q)
+            force, bend = stiffness * (position[0] - wall), stiffness * chain.hessian(q)
+            press = capped(FRACTION * np.array([share * largest - force]), 5.0 * PERIOD)
+            aside = capped(FRACTION * np.array([0.1 - position[1]]), 0.35 * PERIOD)
+            hessian = bend[:1] if bent else None
+            stack = [
+                Level("press", stiffness * rows[:1], press, hessian, FRACTION),
+                Level("aside", rows[1:2], aside, chain.hessian(q)[1:2], FRACTION),
+            ]
+            moved = law.solve(stack, q).displacement
+            q = q + moved
+        return float(np.abs(moved).max()), stiffness * (chain.pose(q)[0][0] - wall)
+
+    still, force = motion(bent=True)
+    assert still <= STILL
+    assert force == pytest.approx(min(share, 1.0) * largest, rel=1e-3)
+    if share > 1.0:
+        assert motion(bent=False)[0] > 10 * STILL

@@ -1,0 +1,232 @@
+"""Derivatives of the Jacobians of rows by the joint positions; compiled.
+
+Model. A joint i before joint j of the same chain turns the lever and the axis of j: the velocity
+v_j of a point changes by w_i x v_j, and the axis w_j by w_i x w_j. A heading is that of a direction
+d = R' s in the axes R of a camera, for a distant point: its Jacobian is N(angles) W, with the
+camera's own axes W_j = R' w_j. For i before j, N W_i changes per joint j by dN(J_j) W_i + N (W_i x
+W_j). A contact force is that of springs of a constant stiffness at the fingertips, whose points
+bend as those of tips do. Assumptions: the direction in which a palm presses counts as constant, and
+so do torques and the part of a heading that follows from the motion of a held object.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.numeric.compiled import compiled
+from cbdsl.numeric.vector import cross
+from cbdsl.sensing.forward import bend_point, multiply, place_point, twist_of
+from cbdsl.sensing.refresh import CONTACT, HEADING, MIXTURE, TIP, stand_off
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Records = NDArray[Any]
+
+#: Kinds of rows whose Jacobians change with the joint positions.
+BENDING = (TIP, MIXTURE, HEADING, CONTACT)
+
+
+@compiled
+def bend_row(
+    row: Any,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+    bends: Floats,
+) -> None:
+    """Add the change of a row's Jacobian per joint.
+
+    Args:
+        row: Row of the signal table, of one of the kinds ``BENDING``.
+        table, parts, support, tree, frames, axes: Arguments of ``refresh``.
+        bends: Sum so far, shape (rows, n, n). The change of the Jacobian's entry (k, i) per joint j
+            is added to entry (k, i, j).
+    """
+    if row.kind == TIP:
+        _bend_tip(row, table, parts, support, tree, frames, axes, 1.0, bends)
+    elif row.kind == MIXTURE:
+        _bend_mixture(row, table, parts, support, tree, frames, axes, bends)
+    elif row.kind == HEADING:
+        _bend_heading(row, parts, support, tree, frames, axes, bends)
+    elif row.kind == CONTACT:
+        _bend_contact(row, parts, support, tree, frames, axes, bends)
+
+
+@compiled
+def _bend_tip(
+    row: Any,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+    weight: float,
+    bends: Floats,
+) -> None:
+    """Add the weighted change of a tip's Jacobian per joint, shape (rows, n, n)."""
+    part, joints = parts[row.part], bends.shape[1]
+    origin, point = np.empty(3), np.empty(3)
+    stand_off(row, table, part, origin)
+    place_point(frames[part.frame], origin, point)
+    change = np.zeros((6, joints, joints))
+    own = support[part.support : part.support + part.joints]
+    bend_point(point, own, tree, frames, axes, change)
+    first = 0 if row.linear else 3
+    for i in range(len(bends)):
+        for j in range(joints):
+            for k in range(joints):
+                bends[i, j, k] += weight * change[first + i, j, k]
+
+
+@compiled
+def _bend_mixture(
+    row: Any,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+    bends: Floats,
+) -> None:
+    """Write the change of a weighted sum of tips, for those parts that are tips."""
+    for number in range(row.part, row.part + row.parts):
+        part = parts[number]
+        source = table[part.source]
+        if source.kind == TIP:
+            own = bends[part.shift : part.shift + source.rows]
+            _bend_tip(source, table, parts, support, tree, frames, axes, part.weight, own)
+
+
+@compiled
+def _bend_heading(
+    row: Any,
+    parts: Records,
+    support: Integers,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+    bends: Floats,
+) -> None:
+    """Add the weighted change of the headings in all cameras that see the target."""
+    joints = bends.shape[1]
+    for number in range(row.part, row.part + row.parts):
+        part = parts[number]
+        if part.weight == 0.0:
+            continue
+        own = support[part.support : part.support + part.joints]
+        turns = np.empty((len(own), 3))
+        _turn_camera(part, own, tree, frames, axes, turns)
+        bend = np.zeros((2, joints, joints))
+        _bend_direction(part.angles, own, turns, tree, bend)
+        for i in range(2):
+            for j in range(joints):
+                for k in range(joints):
+                    bends[part.shift + i, j, k] += part.weight * bend[i, j, k]
+
+
+@compiled
+def _turn_camera(
+    part: Any, own: Integers, tree: Records, frames: Floats, axes: Floats, turns: Floats
+) -> None:
+    """Write the angular velocity of a camera in its own axes per joint, shape (joints, 3)."""
+    camera, twist = np.empty(9), np.empty(6)
+    multiply(frames[part.frame], part.rotation, camera)
+    for i in range(len(own)):
+        twist_of(frames[part.frame, 9:], own[i], tree, frames, axes, twist)
+        for row in range(3):
+            turns[i, row] = 0.0
+            for k in range(3):
+                turns[i, row] += camera[3 * k + row] * twist[3 + k]
+
+
+@compiled
+def _bend_direction(
+    angles: Floats, own: Integers, turns: Floats, tree: Records, bend: Floats
+) -> None:
+    """Add the change per joint of the Jacobian of a distant point's heading, shape (2, n, n)."""
+    sine, cosine = math.sin(angles[0]), math.cos(angles[0])
+    tangent, change = math.tan(angles[1]), np.empty(3)
+    for j in range(len(own)):
+        last = turns[j]
+        # Change of both angles.
+        sideways = tangent * (cosine * last[0] + sine * last[1]) - last[2]
+        upwards = cosine * last[1] - sine * last[0]
+        steeper = (1.0 + tangent * tangent) * upwards
+        other = tree[own[j]].column
+        for i in range(j + 1):
+            first, one = turns[i], tree[own[i]].column
+            cross(first, last, change)
+            along = cosine * first[0] + sine * first[1]
+            across = cosine * first[1] - sine * first[0]
+            azimuth = steeper * along + tangent * sideways * across
+            azimuth += tangent * (cosine * change[0] + sine * change[1]) - change[2]
+            elevation = -sideways * along + cosine * change[1] - sine * change[0]
+            bend[0, one, other] += azimuth
+            bend[1, one, other] += elevation
+            if i != j:
+                bend[0, other, one] += azimuth
+                bend[1, other, one] += elevation
+
+
+@compiled
+def _bend_contact(
+    row: Any,
+    parts: Records,
+    support: Integers,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+    bends: Floats,
+) -> None:
+    """Add the change of forces at fingertips, in all axes of the world or along a palm's normal."""
+    joints, point = bends.shape[1], np.empty(3)
+    for number in range(row.part, row.part + row.parts):
+        part = parts[number]
+        place_point(frames[part.frame], part.origin, point)
+        own = support[part.support : part.support + part.joints]
+        change = np.zeros((3, joints, joints))
+        bend_point(point, own, tree, frames, axes, change)
+        for k in range(3):
+            place, weight = part.shift + k, part.weight
+            if part.guide >= 0:
+                place, turned = part.shift, 0.0
+                for inner in range(3):
+                    turned += frames[part.guide, 3 * k + inner] * part.normal[inner]
+                weight *= turned
+            for i in range(joints):
+                for j in range(joints):
+                    bends[place, i, j] += weight * change[k, i, j]
+
+
+@compiled
+def bend_carried(rows: Floats, tree: Records, axes: Floats, bends: Floats) -> None:
+    """Write the change of the Jacobian (3, n) of a point that moves with the last of its joints."""
+    turn, change = np.empty(3), np.empty(3)
+    for last in range(len(tree)):
+        column = tree[last].column
+        if column < 0 or tree[last].ratio == 0.0:
+            continue
+        velocity = rows[:, column].copy()
+        if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
+            continue
+        joint = last
+        while joint >= 0:
+            other = tree[joint].column
+            if not tree[joint].slides and other >= 0:
+                for i in range(3):
+                    turn[i] = tree[joint].ratio * axes[joint, i]
+                cross(turn, velocity, change)
+                for i in range(3):
+                    bends[i, other, column] += change[i]
+                    if joint != last:
+                        bends[i, column, other] += change[i]
+            joint = tree[joint].parent - 1
