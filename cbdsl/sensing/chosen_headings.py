@@ -13,7 +13,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.camera import heading, heading_jacobian
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.reading import Reading, Sight, mean
+from cbdsl.sensing.reading import CameraHeading, Reading, mean
 from cbdsl.sensing.vision import Vision
 from cbdsl.types.resource import MarkHeading, NovelHeading, Resource
 
@@ -96,5 +96,5 @@ class ChosenHeadings(ABC, Generic[Chosen]):
         link = self._robot.cameras[camera].link
         angles = heading(self._kinematics.frame(link).rotation.T.dot(line))
         jacobian = heading_jacobian(angles).dot(self._kinematics.own_turning(link))
-        sights = (Sight(self._places[camera], 1.0, angles),)
-        return Reading(angles, jacobian, image, sights=sights)
+        cameras = (CameraHeading(self._places[camera], 1.0, angles),)
+        return Reading(angles, jacobian, image, cameras=cameras)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-class Sight(NamedTuple):
+class CameraHeading(NamedTuple):
     """Heading in one camera, of which a heading is made.
 
     Attributes:
@@ -37,7 +37,7 @@ class Reading(NamedTuple):
         stamp: Count of the measurements, by which repeated values are recognised.
         radius: Apparent radius of a seen object, m.
         measured: False for a force without contact.
-        sights: Headings in the cameras of which a heading is made.
+        cameras: Headings in the cameras of which a heading is made.
     """
 
     value: Floats
@@ -45,7 +45,7 @@ class Reading(NamedTuple):
     stamp: int
     radius: float = 0.0
     measured: bool = True
-    sights: tuple[Sight, ...] = ()
+    cameras: tuple[CameraHeading, ...] = ()
 
 
 def stacked(readings: Sequence[Reading]) -> Reading:
@@ -54,7 +54,7 @@ def stacked(readings: Sequence[Reading]) -> Reading:
         np.concatenate([reading.value for reading in readings]),
         np.concatenate([jacobian_of(reading) for reading in readings]),
         max(reading.stamp for reading in readings),
-        sights=tuple([sight for reading in readings for sight in reading.sights]),
+        cameras=tuple([sight for reading in readings for sight in reading.cameras]),
     )
 
 
@@ -68,9 +68,13 @@ def mean(readings: Sequence[Reading]) -> Reading:
     for reading in others:
         value, jacobian = value + reading.value, jacobian + jacobian_of(reading)
     share = 1.0 / len(readings)
-    sights = [Sight(s.camera, share * s.share, s.angles) for each in readings for s in each.sights]
+    cameras = [
+        CameraHeading(s.camera, share * s.share, s.angles)
+        for each in readings
+        for s in each.cameras
+    ]
     stamp = max([each.stamp for each in readings])
-    return Reading(share * value, share * jacobian, stamp, sights=tuple(sights))
+    return Reading(share * value, share * jacobian, stamp, cameras=tuple(cameras))
 
 
 def jacobian_of(reading: Reading) -> Floats:

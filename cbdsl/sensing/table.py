@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.sensing.reading import Reading, Sight
+from cbdsl.sensing.reading import CameraHeading, Reading
 from cbdsl.sensing.refresh import DEFINED, PART, READABLE, ROW, UNDEFINED
 
 Floats = NDArray[np.float64]
@@ -158,18 +158,18 @@ class SignalTable:
         values[:] = reading.value.ravel()
         if reading.jacobian is not None:
             rows[:] = reading.jacobian
-        if reading.sights:
-            self._write_sights(number, reading.sights)
+        if reading.cameras:
+            self._write_cameras(number, reading.cameras)
         self._stamp[number], self._radius[number] = reading.stamp, reading.radius
         self._defined[number] = DEFINED if reading.measured else READABLE
 
-    def _write_sights(self, number: int, sights: Sequence[Sight]) -> None:
+    def _write_cameras(self, number: int, cameras: Sequence[CameraHeading]) -> None:
         """Write the cameras' own headings, if the row has a part for each camera."""
         record = self.records[number]
         first, count = record["part"], record["parts"]
         if count:
             self._weight[first : first + count] = 0.0
-            for camera, share, angles in sights:
+            for camera, share, angles in cameras:
                 self._weight[first + camera], self._angles[first + camera] = share, angles
 
     def forget(self, number: int) -> None:

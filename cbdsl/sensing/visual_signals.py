@@ -21,7 +21,7 @@ from cbdsl.sensing.chain import MANIPULATOR, carry
 from cbdsl.sensing.hold import Content, Hold, find_hold, held_jacobian
 from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
-from cbdsl.sensing.reading import Reading, Sight, mean, stacked
+from cbdsl.sensing.reading import CameraHeading, Reading, mean, stacked
 from cbdsl.sensing.stereo import Ray, triangulate
 from cbdsl.sensing.table import RowPart, records_of
 from cbdsl.sensing.tips import Tips
@@ -235,8 +235,8 @@ class VisualSignals:
             steps[SIGHTING.name] = steps[TRIANGULATION.name] = self._sight(link, memory.position)
         own = [carry(chain, steps) for chain in chains if chain[-1].name in steps]
         jacobian = sum(own[1:], own[0]) if own else self._still[:2]
-        sights = (Sight(self._places[camera], 1.0, seen.angles),)
-        return Reading(seen.angles, jacobian, seen.stamp, sights=sights)
+        cameras = (CameraHeading(self._places[camera], 1.0, seen.angles),)
+        return Reading(seen.angles, jacobian, seen.stamp, cameras=cameras)
 
     def _sight(self, link: str, position: Floats) -> Step:
         """Return the step from an object's motion to that of its heading."""
