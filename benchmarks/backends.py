@@ -1,13 +1,13 @@
-"""Episodes per second on each backend, and where the time of the kinematic one goes.
+"""Episodes per second on each backend, with the costs of the kinematic one.
 
-The same seeds run on both backends, in turn: after each episode on bullet, all of them on the
-kinematic backend, one after another as wherever it is used. A single one right after the renderer
-would mostly measure how long the processor takes to get its memory back. For each program it
-prints the time of an episode on each, the ratio of the two, and what a control tick on the
-kinematic backend spends in the backend itself and in the robot's own signals, law and program;
-those two backends share, so that their part bounds the ratio. Times are of the processor, which
-other work on the machine disturbs less than the wall clock. Run with
-``python benchmarks/backends.py --episodes 10``.
+The same seeds run on both backends in turn: after each episode on bullet, all seeds run one after
+another on the kinematic backend, as in normal use. A single episode directly after the renderer
+would mostly measure cold caches. For each program, the output has the time of an episode on each
+backend, their ratio, and the share of a kinematic control tick that is spent in the backend and in
+the signals, law and program of the robot. Both backends share the latter, which thus bounds the
+ratio. Times are processor times, because other work on the machine disturbs them less.
+
+    python benchmarks/backends.py --episodes 10
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""Cameras before and after ``cb calibrate``, and ``reachtouch`` with them, on seeds of your choice.
+"""Camera errors before and after ``cb calibrate``, and rewards of ``reachtouch`` with both.
 
-Bodies are drawn by their numbers from the camera errors of the stage ``noisy_right``. Each shows
-itself a ball, is calibrated from what it saw, and then runs its share of the episodes, once without
-and once with its calibration. What the simulator knows is used for two things only: how far the
-cameras are from where the robot takes them to be, and whether all three fingertips touch the thing
-in a rewarded episode. Rates come with exact (Clopper-Pearson) 95 % intervals. Exits 1 where the
+Bodies are drawn by their numbers from the camera errors of the stage ``noisy_right``. Each robot
+shows itself a ball and is calibrated from its views. It then runs its share of the episodes, once
+without and once with the calibration. The simulator's truth serves two purposes only: the distance
+of the cameras from their assumed places, and contact of all three fingertips with the object in a
+rewarded episode. Rates have exact (Clopper-Pearson) 95 % intervals. The exit status is 1 if the
 calibrated robot misses a target.
 
     python benchmarks/calibration.py --episodes 100 --seed 5000000 [--bodies 10] [--json]

@@ -1,10 +1,10 @@
-"""Claims of success, judged by the simulator's truth: what a program says against the world.
+"""Claims of success of programs, judged by the simulator's truth.
 
-A claim is a success where a program states one, and its reward otherwise. It is false where the
-world contradicts it: an object that was to be placed was never lifted, lies off its goal, moves, or
-is still in the hand; an upper object does not stand on the lower one alone; an object that was to
-be lifted or touched is not. A claim that is not made is no fault here. Shares come with an exact
-(Clopper-Pearson) 95 % interval. Exits with 1 where one claim is false.
+A program claims success by its ``success``, or by its reward if it states none. The claim is false
+if the world contradicts it. An object to be placed must have been lifted, and be at rest on its
+goal and out of the hand. An upper object must stand on the lower one alone. An object to be lifted
+or touched must be lifted or touched. A missing claim is not a fault here. Shares have exact
+(Clopper-Pearson) 95 % intervals. The exit status is 1 if any claim is false.
 
     python benchmarks/claims.py --episodes 4 --seed 40000000 [--only deliver,stand]
         [--backend mujoco] [--cameras ideal] [--each] [--json]

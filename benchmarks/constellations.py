@@ -1,11 +1,14 @@
-"""What a robot tells of two things by their constellation: on or beside, and which pair.
+"""Relations and pairs recognised from the constellation of two objects.
 
-Each pair is stacked by ``stand``, and looked at before and after. Four things are counted.
-Judged: how often the robot's own judgement, by which it explores, is the simulator's truth. On or
-beside: how often the pair's own model of a meta-catalog says so of what lies before and stands
-after. Pair: which of the pairs that are known the standing ones are taken for, by the constellation
-alone and with the offset, where no channel says which things they are. Exits with 1 where the robot
-takes anything to stand that does not, or on or beside is told in fewer than 90 %.
+Each pair is stacked by ``stand``, and observed before and after. Four shares are counted:
+
+- judged: agreement of the robot's own judgement, by which it explores, with the simulator's truth;
+- on or beside: correct answers of the pair's model of a meta-catalog, before and after stacking;
+- pair: standing pairs recognised among all known pairs by the constellation alone, and by the
+  constellation with the offset; no channel identifies the objects.
+
+The exit status is 1 if the robot takes a fallen object to stand, or if on or beside is correct in
+fewer than 90 %.
 
     python benchmarks/constellations.py --episodes 8 --seed 8970000 [--catalog four_things]
         [--only football_on_blue_box] [--backend bullet] [--cameras rendered] [--json]

@@ -1,26 +1,26 @@
-"""One tick of the same inverse kinematics with this package and with others, in turn.
+"""One tick of the same inverse kinematics with this package and with other libraries.
 
-Two arms of seven joints: a reach with one hand, that arm's manipulability, and a posture of both
-arms, with joint limits. All get the same URDF, postures and goals. Those that have no
-manipulability solve less, and say so. Weights stand for priorities where there are none.
+Two arms of seven joints have three tasks: a reach with one hand, the manipulability of that arm,
+and a posture of both arms, with joint limits. All libraries get the same URDF, postures and goals.
+A library without manipulability solves less, and the output says so. Weights replace priorities in
+libraries that have none.
 
-Ours is timed twice: the path from joint positions to joint references, with predicates as a running
-program has it, and the whole control cycle of Dexter (``control_cycle.py``).
+This package is timed twice. The first row covers joint positions to joint references, with the
+predicates of a running program. The second covers the whole control cycle of Dexter
+(``control_cycle.py``).
 
-Everyone solves every posture twice: in blocks, several ticks in a row, and tick by tick in turn
-with all others. A robot sees the blocks: its control loop runs the same code on the same data, tick
-after tick, so that both stay in the processor's caches. In single turns everyone finds there the
-code and data of the others, which would not be in the same loop, and has to load its own again:
-that is a larger part of a short tick than of a long one.
+Each library solves every posture twice: in blocks of several ticks, and tick by tick in turn with
+all others. Blocks correspond to a robot, because its control loop runs the same code on the same
+data, which stay in the processor's caches. In single turns each library first has to load its code
+and data again, which takes a larger part of a short tick than of a long one.
 
-A library that needs other versions than the rest runs in a process of its own, on the same core,
-with the interpreter that ``--python`` names for it; it takes part in blocks only. placo wants an
-environment such as ``python -m venv placo && placo/bin/pip install placo "cmeel-boost==1.87.*"
-"cmeel-urdfdom<5" "cmeel-tinyxml2<11"``. A library that cannot be imported is reported with the
-reason.
+A library that needs other versions runs in a process of its own, on the same core, with the
+interpreter named by ``--python``. It takes part in blocks only. placo needs an environment such as
+``python -m venv placo && placo/bin/pip install placo "cmeel-boost==1.87.*" "cmeel-urdfdom<5"
+"cmeel-tinyxml2<11"``. A library that cannot be imported is reported with the reason. The benchmark
+takes one or two minutes.
 
-Run with ``python benchmarks/control_peers.py --python placo=placo/bin/python``; it takes a minute
-or two.
+    python benchmarks/control_peers.py --python placo=placo/bin/python
 """
 
 from __future__ import annotations

@@ -1,12 +1,14 @@
 """One tick of the control law against the textbook: a pseudoinverse and a projector per level.
 
-Run with ``python benchmarks/control_tick.py``. Both solve the same random stacks of three levels
-on 14 joints (a 3-D reach, a posture of 7 joints, one further row), turn by turn in one process.
+Both solve the same random stacks of three levels on 14 joints (a 3-D reach, a posture of 7 joints,
+one further row), in turn in one process.
 
-Ours writes its levels into a stack that is allocated once, as controllers do in a running program.
-Building the stack anew for every call, as ``Law.solve`` does for levels without a past, took two
-thirds of its time: 0.29 of the textbook's time with it, 0.11 without. The threads of BLAS (one or
-two), the caches (in blocks or in turn) and the sizes are not what makes that difference.
+The law writes its levels into a stack that is allocated once, as controllers do in a running
+program. ``Law.solve`` builds the stack for every call if levels have no past, which takes two
+thirds of its time: 0.29 of the textbook's time with it, 0.11 without. The number of threads of
+BLAS, the caches and the sizes do not explain that difference.
+
+    python benchmarks/control_tick.py
 """
 
 from __future__ import annotations

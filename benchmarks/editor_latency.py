@@ -1,9 +1,9 @@
-"""Latency of the language server's check: from a changed text to its findings, a keystroke each.
+"""Latency of the language server, from a changed text to its diagnostics, per keystroke.
 
-A program of 500 lines is typed into, letter by letter, with what is wrong in between. Prints JSON:
-the median and the 95th percentile in milliseconds of processor time, the latter of wall time, too,
-the memory of the process in MB, and what it takes to colour and to format the program, in
-milliseconds. Exit 1 where the 95th percentile of processor time is above 50 ms.
+A program of 500 lines is typed letter by letter, with faults in between. Prints JSON: the median
+and the 95th percentile of processor time, the 95th percentile of wall time, all in milliseconds,
+and the memory of the process in MB. It also has the times to colour and to format the program, in
+milliseconds. The exit status is 1 if the 95th percentile of processor time is above 50 ms.
 
     python benchmarks/editor_latency.py [--keystrokes 200] [--controllers 100]
 """

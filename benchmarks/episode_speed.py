@@ -1,12 +1,13 @@
-"""Episodes of ``reachtouch`` with the thing in view: how fast they run, and what takes the time.
+"""Speed of ``reachtouch`` episodes with the object in view, by engine and by part.
 
 The same seeds run in turn on bullet with the fast renderer and with its own, and on mujoco with the
-fast renderer and with ideal cameras. For each it prints simulated per wall-clock seconds, with the
-resets between episodes, that speed over bullet's with the fast renderer, and the shares of physics
-(with joints and load cells), rendering (images with their noise, or regions), perception (regions
-and positions), control (signals, controllers, law, program) and everything else. It ends with 1
-where bullet is slower than 4 times real time, or perception takes more than 12 % of its time, or
-where mujoco is slower than 8 times real time, or than 30 times with ideal cameras.
+fast renderer and with ideal cameras. Each row has the simulated per wall-clock seconds, including
+the resets between episodes, and the ratio to bullet with the fast renderer. It also has the shares
+of physics (with joints and load cells), rendering (images with their noise, or regions), perception
+(regions and positions), control (signals, controllers, law, program) and the rest.
+
+The exit status is 1 if a limit is missed: 4 times real time on bullet with at most 12 % for
+perception, and on mujoco 8 times real time, or 30 times with ideal cameras.
 
     python benchmarks/episode_speed.py --seed 0 --episodes 3 [--json]
 """

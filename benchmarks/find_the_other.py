@@ -1,9 +1,9 @@
-"""How often ``find_the_other`` touches one of two red balls, and then the other.
+"""Success rate of ``find_the_other``, which touches one of two red balls and then the other.
 
-Every rewarded episode is checked against the simulator's own contacts: three fingertips have been
-on one ball, and at the end three are on the other one and none on the first. Rates come with exact
-(Clopper-Pearson) 95 % intervals. Exits with 1 where the rate is below its target or an episode is
-rewarded without these contacts.
+Every rewarded episode is checked against the simulator's own contacts. Three fingertips must have
+been on one ball, and at the end three must be on the other one and none on the first. Rates have
+exact (Clopper-Pearson) 95 % intervals. The exit status is 1 if the rate is below its target, or if
+an episode is rewarded without these contacts.
 
     python benchmarks/find_the_other.py --episodes 20 --seed 5000000 [--backend kinematic] [--json]
 """

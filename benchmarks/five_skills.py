@@ -1,16 +1,15 @@
-"""All five skills of Chapter 4 from zero, bottom up, for one seed: how long, and how good they are.
+"""Duration and quality of learning all five skills of Chapter 4 from scratch, for one seed.
 
-In a folder of its own, which begins with the shipped programs and robots and with no knowledge at
-all: what a skill uses of another is what was learned before it there. Each policy then runs
-episodes that it did not learn from. Prints one line of JSON a skill and one for all of them:
-wall-clock, processor and simulated seconds of learning, transitions, rewarded episodes by context.
-What is in the folder already is not learned again, so an interrupted run goes on.
+The run works in a folder that initially has the shipped programs and robots and no knowledge, so
+that a skill uses only skills learned in that folder. Each learned policy then runs held-out
+episodes. Prints one line of JSON per skill and one for all of them: wall-clock, processor and
+simulated seconds of learning, transitions, and rewarded episodes by context. Skills that are in the
+folder are not learned again, so that an interrupted run can continue.
 
     python benchmarks/five_skills.py FOLDER --seed 2 [--backend kinematic] [--cameras ideal]
         [--held-out 50] [--try-on bullet] [--try-with rendered]
 
-With ``--try-on`` and ``--try-with`` the policies are tried on another engine than they were learned
-on, or with other cameras.
+``--try-on`` and ``--try-with`` select the engine and the cameras of the held-out episodes.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""How well ``press_and_slide`` keeps its force, judged by the simulator and not by the robot.
+"""Force error of ``press_and_slide``, judged by the simulator.
 
-From drawn places into drawn directions the hand slides by 10 cm. It is good where the true force of
-the fingertips on the table, in means of all physics steps of 0.1 s, stays within 0.5 N of 3 N, and
-the palm arrives within 5 mm. The share comes with an exact (Clopper-Pearson) 95 % interval; exits
-with 1 where it is below its target.
+The hand slides by 10 cm from random places into random directions. A slide succeeds if the true
+force of the fingertips on the table, in means of all physics steps of 0.1 s, stays within 0.5 N of
+3 N, and the palm arrives within 5 mm. The share has an exact (Clopper-Pearson) 95 % interval. The
+exit status is 1 if it is below its target.
 
     python benchmarks/force.py --episodes 40 --seed 5000000 [--left] [--json]
 """

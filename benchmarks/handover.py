@@ -1,9 +1,9 @@
-"""How often a thing is handed over: balls, cubes and cylinders, in either direction.
+"""Success rate of handing over balls, cubes and cylinders, in both directions.
 
-The simulator judges, not the robot: at the end fingertips of the receiving hand alone touch the
-thing, which is as far from that hand as when the other let go of it, above the table and away from
-the other hand. Half of the episodes go from the right to the left, half the other way round. Rates
-come with exact (Clopper-Pearson) 95 % intervals; exits with 1 where one is below its target.
+The simulator judges. At the end only fingertips of the receiving hand touch the object. Its
+distance from that hand is unchanged since the other hand released it, and it is above the table and
+away from the other hand. Half of the episodes go from right to left, half from left to right. Rates
+have exact (Clopper-Pearson) 95 % intervals. The exit status is 1 if a rate is below its target.
 
     python benchmarks/handover.py --episodes 40 --seed 8000000 [--only ball,cube] [--from right]
         [--backend mujoco] [--cameras ideal] [--json]

@@ -1,12 +1,14 @@
-"""Harmonic functions on cubes with a dozen balls in them: multigrid against a direct solution.
+"""Harmonic functions on cubes with a dozen balls: multigrid against a direct solution.
 
-The direct solution is that of SciPy's SuperLU on the same equations, with the ordering that is for
-symmetric matrices, or with SciPy's default one (``--ordering COLAMD``), in a process of its own
-that may use up its time and memory: then the ratio is more than what is printed. With pyamg
-installed, algebraic multigrid is measured too. Multigrid stops where every vertex is the mean of
-its neighbours up to 1e-5 of its own value. Warm solutions begin from that of a scene in which the
-goal or one ball was one cell elsewhere. Run with ``python benchmarks/harmonic.py``; the direct
-solution takes minutes for 64 cells along each axis, and ``--direct`` chooses another number.
+The direct solution is SciPy's SuperLU on the same equations, with the ordering for symmetric
+matrices, or with SciPy's default one (``--ordering COLAMD``). It runs in a process of its own with
+bounded time and memory; if it reaches a bound, the ratio is larger than the printed one. If pyamg
+is installed, algebraic multigrid is measured as well. Multigrid stops if every vertex is the mean
+of its neighbours up to 1e-5 of its own value. Warm solutions start from that of a scene with the
+goal or one ball displaced by a cell. The direct solution takes minutes for 64 cells along each
+axis; ``--direct`` selects another number.
+
+    python benchmarks/harmonic.py
 """
 
 from __future__ import annotations

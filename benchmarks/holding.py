@@ -1,9 +1,8 @@
-"""How well a hand keeps what it carries: ``pick_and_lift`` on things of several forms.
+"""Success rate of keeping an object in the hand: ``pick_and_lift`` with several forms.
 
-The simulator tells where the thing is in the hand when the grasp is made, before it is lifted, and
-at the end of the way.
-A thing is lost when it is not in the hand at the end. Shares come with exact (Clopper-Pearson) 95 %
-intervals. Exits with 1 where a target is missed.
+The simulator gives the place of the object in the hand when the grasp closes, before the lift, and
+at the end. An object is lost if it is not in the hand at the end. Shares have exact
+(Clopper-Pearson) 95 % intervals. The exit status is 1 if a target is missed.
 
     python benchmarks/holding.py --episodes 40 --seed 5000000 [--only ball,cube] [--left] [--json]
 """

@@ -1,10 +1,10 @@
-"""The whole control cycle of a hybrid stack of six levels, against that of another checkout.
+"""Control cycle of a hybrid stack of six levels, against that of another checkout.
 
-Here, ``hybrid.yaml`` beside this file: force along one axis and position along the others, below
-guards, with a posture, fingers and the head. There, what ``control_cycle.py`` measures, six levels
-of force and position in ``reach ◁ touch``; here as well, for comparison. Checkouts take turns in
-processes of their own, with this interpreter, and times are medians. Exits with 1 where the median
-ratio of the hybrid cycle to the other checkout's is above 1.
+This checkout runs ``hybrid.yaml`` beside this file: force along one axis and position along the
+others, below guards, with a posture, fingers and the head. The other checkout runs the cycle of
+``control_cycle.py``, six levels of force and position in ``reach ◁ touch``; this one runs it too,
+for comparison. Checkouts take turns in processes of their own, with this interpreter, and times are
+medians. The exit status is 1 if the median ratio to the other checkout's cycle is above 1.
 
     git worktree add ../before 9a0a0bf
     python benchmarks/hybrid_cycle.py --against ../before [--rounds 5] [--json]

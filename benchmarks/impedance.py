@@ -1,10 +1,10 @@
-"""Impedance of six pairs of things, felt by the hand that set one on the other or into it.
+"""Impedance of six pairs of objects, measured by the hand that set one on or into the other.
 
-The profiles are made of what the robot feels and of where its joints are (Section 7.2): in each of
-twelve tests a load along an axis of the world frame, or about one through the palm, is tracked
-within a bounded displacement. A sign is right where a direction is tracked as in Figure 7.13; those
-that friction decides are not judged. Exits with 1 where fewer than 80 % of the signs of a pair are
-right. Signs of one profile depend on each other, so that a profile counts once in the exact
+The profiles come from the sensed forces and the joint positions (Section 7.2). In each of twelve
+tests, a load along an axis of the world frame, or about one through the palm, is tracked within a
+bounded displacement. A sign is correct if a direction is tracked as in Figure 7.13; directions that
+depend on friction are not judged. The exit status is 1 if fewer than 80 % of the signs of a pair
+are correct. Signs of one profile depend on each other, so a profile counts once in the exact
 (Clopper-Pearson) 95 % interval.
 
     python benchmarks/impedance.py --episodes 5 --seed 8400000 [--only box_on_box] [--json]

@@ -1,10 +1,10 @@
-"""How narrow a hole a held thing goes into: ``set_on`` with a cylinder and a box, by clearance.
+"""Success rate of inserting an object into a hole, by clearance: ``set_on`` with two forms.
 
-The stage is ``pairs`` with wider or narrower tubes and trays. The judge is the simulator's truth,
-which no controller sees: the thing is in the hole where it stands at least 2 cm below the rim at
-the end, tilted by less than 10 degrees. Nothing searches for the hole: the hand goes to where the
-robot sees its middle. Shares are of all episodes, with exact (Clopper-Pearson) 95 % intervals.
-Exits with 1 where fewer than 80 % go in with 1 cm of clearance on every side, or 95 % with 2 cm.
+The stage is ``pairs`` with wider or narrower tubes and trays, and the forms are a cylinder and a
+box. The simulator judges: the object is in the hole if it stands at least 2 cm below the rim at the
+end, tilted by less than 10 degrees. The program does not search for the hole; the hand moves to the
+seen middle. Shares are of all episodes, with exact (Clopper-Pearson) 95 % intervals. The exit
+status is 1 if fewer than 80 % succeed with 1 cm of clearance on every side, or 95 % with 2 cm.
 
     python benchmarks/insertion.py --episodes 20 --seed 8600000 [--clearance 2,5,10,20]
         [--backend bullet] [--cameras rendered] [--json]

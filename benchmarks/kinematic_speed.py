@@ -1,11 +1,11 @@
 """Kinematic REACHTOUCH episodes per second of processor time, also against another checkout.
 
 Each checkout runs in a process of its own, with the interpreter of its own ``.venv``, and through
-its command line alone, so that any commit can be measured. The processes take turns by blocks of
-episodes with the same seeds. The first episode of a block sets everything up and is not counted.
-Other work on the machine disturbs processor time less than the wall clock, and both sides alike.
+the command line alone, so that any commit can be measured. The processes take turns by blocks of
+episodes with the same seeds. The first episode of a block includes the start-up and is not counted.
+Other work on the machine disturbs processor time less than wall time, and both sides alike.
 
-Run with ``python benchmarks/kinematic_speed.py --against ../other-checkout``.
+    python benchmarks/kinematic_speed.py --against ../other-checkout
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Cost of a live page to the control ticks, while nobody looks and while a page takes every frame.
+"""Cost of a live page per control tick, without a viewer and with a page that takes every frame.
 
     python benchmarks/live_view.py [--seed N] [--episodes N]
 
-Time that the view takes of each tick of `reachtouch` on the kinematic backend, beside the time of
-the whole tick. A watched tick here makes a frame each time; a run makes at most 30 in a second.
+Prints the time of the view in each tick of `reachtouch` on the kinematic backend, beside the time
+of the whole tick. Here a watched tick makes a frame each time; a run makes at most 30 per second.
 """
 
 from __future__ import annotations

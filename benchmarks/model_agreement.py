@@ -1,10 +1,10 @@
-"""Links of public robot models: where this project has them, and where Pinocchio has them.
+"""Poses of the links of public robot models, compared with those of Pinocchio.
 
-Each URDF below the given folders gets the robot file that ``cb new robot`` proposes. In random
-postures, the placement of each link is compared with that of Pinocchio, which moves the joints
-that mimic others by itself: by the robot's kinematics, the tree of the engine ``kinematic``, and
-the models of the engines ``mujoco`` and ``bullet``. Prints the largest difference of each, m and
-parts of rotation matrices, and why a model is refused. Ends with 1 where links differ.
+Each URDF below the given folders gets the robot file proposed by ``cb new robot``. In random
+postures, the pose of each link is compared with that of Pinocchio, which moves mimic joints itself.
+Compared are the robot's kinematics, the tree of the engine ``kinematic``, and the models of the
+engines ``mujoco`` and ``bullet``. Prints the largest difference of each, in m and in entries of
+rotation matrices, and the reason if a model is refused. The exit status is 1 if links differ.
 
     python benchmarks/model_agreement.py FOLDER... [--postures 5] [--json]
 """

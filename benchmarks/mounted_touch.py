@@ -1,8 +1,9 @@
-"""How often both hands come to touch a thing as printed (Section 4.3.3), on a mount of the arms.
+"""Success rate of touching with both hands as printed (Section 4.3.3), on a mount of the arms.
 
-``bimanualtouch_printed`` takes a thing with the right hand, and then runs MANIPULABILITY(both arms)
-subject to TOUCH(right hand), with TOUCH(left hand). A reward counts where the engine has both hands
-on the thing at the end. Mounts are rows of ``search_mounts.py``; row 0 is today's.
+``bimanualtouch_printed`` grasps an object with the right hand, and then runs MANIPULABILITY(both
+arms) subject to TOUCH(right hand), with TOUCH(left hand). A reward counts if both hands touch the
+object at the end, by the engine's contacts. Mounts are rows of ``search_mounts.py``; row 0 is the
+current one.
 
     python benchmarks/mounted_touch.py build/mounts.jsonl --number 0 --episodes 10 --seed 100
 

@@ -1,13 +1,14 @@
-"""Trials of ``cb learn`` in one process and in two workers: how much sooner they are over.
+"""Duration of trials of ``cb learn`` in one process and in two workers.
 
-Both learn the same, turn by turn, each time from zero and with all that it takes: start-up, the
-cluster, the documents. For each it prints wall-clock and processor seconds, and processor seconds
-per trial: what two workers spend more is what side by side costs, however busy the machine is.
-The ratio is that of the wall-clock seconds, round by round and their median. What can be had at
-best, the bound, is what two processes come to that have nothing to do with each other: half of the
-trials in one process, alone and beside another one that does the same. It fails where the documents
-differ. Run with ``python benchmarks/parallel_trials.py``, for about four minutes on an idle machine
-of two processors or more; more rounds show how far its numbers can be trusted.
+Both learn the same, in turn, each time from scratch and including start-up, cluster and documents.
+Each row has wall-clock and processor seconds, and processor seconds per trial; the difference of
+the latter is the cost of the second worker, regardless of other work on the machine. The ratio is
+that of the wall-clock seconds, by round and as a median. The bound is the ratio of two unrelated
+processes: half of the trials in one process, alone and beside another process that does the same.
+The benchmark fails if the documents differ. It takes about four minutes on an idle machine of two
+processors or more. More rounds reduce the uncertainty.
+
+    python benchmarks/parallel_trials.py
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
-"""How well a thing is placed on a pad that is seen: ``deliver``, judged by the simulator.
+"""Accuracy of placing an object on a seen pad: ``deliver``, judged by the simulator.
 
-The judge is the simulator's truth, which no controller sees. ``pick_and_place`` is rewarded
-falsely where the thing then touches nothing but the hand, or touched nothing else within 0.1 s
-before. A thing is placed when it stands at the end within 2 cm of the pad's centre, by itself, at
-rest, and tilted by less than 10 degrees. Shares come with exact (Clopper-Pearson) 95 % intervals.
-Exits with 1 where a target is missed.
+``pick_and_place`` is rewarded falsely if the object then touches nothing but the hand, or touched
+nothing else within 0.1 s before. An object is placed if it stands at the end within 2 cm of the
+pad's centre, by itself, at rest, and tilted by less than 10 degrees. Shares have exact
+(Clopper-Pearson) 95 % intervals. The exit status is 1 if a target is missed.
 
     python benchmarks/pick_and_place.py --episodes 100 --seed 8000000 [--only ball,cube]
         [--backend mujoco] [--cameras ideal] [--each] [--json]

@@ -1,11 +1,11 @@
-"""How well a hand puts down what it holds: ``take_and_put_down``, judged by the simulator.
+"""Accuracy of putting down a held object: ``take_and_put_down``, judged by the simulator.
 
 A report of contact is the moment at which the controller that waits for an onset becomes defined.
-It is false where what is held touched nothing but the hand within 0.1 s before, and missed where it
-touched something for 1 s without a report. A thing is placed when it stands within 2 cm of where it
-was held, by itself, at rest, and tilted by less than 10 degrees. Shares are of the things that were
-held off the table; they come with exact (Clopper-Pearson) 95 % intervals. Exits with 1 where a
-target is missed.
+It is false if the held object touched nothing but the hand within 0.1 s before. It is missed if the
+object touched something for 1 s without a report. An object is placed if it stands within 2 cm of
+its place in the hand, by itself, at rest, and tilted by less than 10 degrees. Shares are of the
+objects that were held off the table, with exact (Clopper-Pearson) 95 % intervals. The exit status
+is 1 if a target is missed.
 
     python benchmarks/placing.py --episodes 200 --seed 5000000 [--left] [--json]
 """

@@ -1,9 +1,8 @@
-"""Stacks of three that are planned from a meta-catalog alone, without a written order.
+"""Success rate of stacks of three that are planned from a meta-catalog alone.
 
-In each trial three of the meta-catalog's things lie on the table in an order that chance chose. The
-plan is the surest path through those that it knows to stand on each other; ``stack_three`` is bound
-to the channels of the things on it. The judge is the simulator's truth, which no controller sees.
-Exits with 1 where fewer than half of the stacks stand.
+In each trial three objects of the meta-catalog lie on the table in a random order. The plan is the
+most probable path through the pairs known to stand; ``stack_three`` is bound to the channels of the
+objects on it. The simulator judges. The exit status is 1 if fewer than half of the stacks stand.
 
     python benchmarks/planned_stacks.py --trials 20 --seed 8950000 [--catalog four_things]
         [--backend bullet] [--cameras rendered] [--json]

@@ -1,10 +1,10 @@
-"""Public robot models on every engine with physics: which run, and why the others are refused.
+"""Public robot models on every engine with physics: models that run, and reasons of refusals.
 
-Sixty URDFs of the packages ``pybullet_data``, which comes with PyBullet, and ``example-robot-data``
-(``pip install --no-deps example-robot-data``). Each is given the robot file that ``cb new robot``
-proposes, holds its posture for a second, and then moves each joint by a tenth of a radian or a
-centimetre. It runs where it is not refused and all its positions stay finite; for each engine there
-is the share of joints that arrive within 0.02 rad or m. Ends with 1 where a model runs on the first
+Sixty URDFs come from the packages ``pybullet_data``, part of PyBullet, and ``example-robot-data``
+(``pip install --no-deps example-robot-data``). Each gets the robot file proposed by ``cb new
+robot``, holds its posture for a second, and then moves each joint by a tenth of a radian or a
+centimetre. A model runs if it is not refused and all its positions stay finite. Each engine has the
+share of joints that arrive within 0.02 rad or m. The exit status is 1 if a model runs on the first
 engine and not on another.
 
     python benchmarks/public_models.py [--only panda,ur] [--json]

@@ -1,8 +1,9 @@
-"""Relations between two things, named from what a hand felt of pairs that were not learned from.
+"""Relations between two objects, named from the impedance of pairs outside of the training set.
 
-A tree is grown from profiles that ``benchmarks/impedance.py --profiles FILE`` wrote of the six
-pairs of the source, and names those of other pairs (``--others``). A profile that is not whole is
-not learned from, and counts as not named. Exits with 1 where fewer than 90 % are named right.
+A tree is grown from the profiles of the six pairs of the source, as written by
+``benchmarks/impedance.py --profiles FILE``. It names those of other pairs (``--others``). An
+incomplete profile is not used for training, and counts as not named. The exit status is 1 if fewer
+than 90 % are named correctly.
 
     python benchmarks/relation_names.py --known known.json ... --others others.json ... [--json]
 """

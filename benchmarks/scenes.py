@@ -1,21 +1,20 @@
-"""How well several things are told apart, remembered out of view, forgotten when gone, and held.
+"""Errors of the memory of several objects: separated, out of view, removed, and held.
 
-Three balls lie on a table, two of them of one hue. What the robot remembers is compared with the
-simulator's truth in every image:
+Three balls lie on a table, two of them of one hue. In every image the robot's memory is compared
+with the simulator's truth:
 
-- ``in view``: both cameras see the whole of each. A position is right within 1 cm; one outside of
+- ``in view``: both cameras see all of each ball. A position is correct within 1 cm; one outside of
   every ball of its hue is a ghost.
-- ``anywhere``: the same where some are out of view, cut off by an image's border, or before each
-  other. Only ghosts count: such things may be unknown.
-- ``remembered``: the head looks away for 10 s, so that none is in view, and back.
-- ``removed``: meanwhile one of the two is taken away. It has to be forgotten within 1 s from when
+- ``anywhere``: some balls are out of view, cut off by an image's border, or occluded. Only ghosts
+  count, since such balls may be unknown.
+- ``remembered``: the head looks away for 10 s, so that no ball is in view, and back.
+- ``removed``: one of the two balls is removed meanwhile. It has to be forgotten within 1 s after
   both cameras show its place, and nothing else may be.
 - ``carried``: a hand takes one of two balls that both cameras see, and holds it above the other, of
-  the same hue or not. That stays where it is, and so has what is remembered of it. Scenes in which
-  nothing is carried there, such as where the hand pushes the other ball away, are left out and
-  counted.
+  the same hue or not. The other ball and its remembered position must not move. Scenes in which the
+  carry fails, such as those in which the hand pushes the other ball, are left out and counted.
 
-Intervals are exact (Clopper-Pearson, 95 %). The exit status is 1 where a target is missed.
+Intervals are exact (Clopper-Pearson, 95 %). The exit status is 1 if a target is missed.
 
     python benchmarks/scenes.py --seed 5000000 --episodes 200 [--backend bullet] [--only removed]
 """

@@ -1,12 +1,12 @@
-"""What schemas learn in some episodes: which hands an object needs, and what no hand reaches.
+"""Quality of schemas after some episodes: required hands, and objects out of reach.
 
-Trials of ASSIMILATE from a learned policy, each with chance of its own. What is right is not told
-but tried: in held-out episodes every allocation has its turn, and those rewarded are right. A
-tree's first choice is right where it is one of these. A schema that expects no reward is right
-where none is rewarded and, by the simulator's truth, which no controller sees, the robot touches
-the thing in none of them: that is out of reach. What was touched and not rewarded is counted by
-itself, and has no aim. Held-out episodes may be tried on another backend than the one learned on.
-Exits with 1 where too few trials reach their aims.
+Each trial of ASSIMILATE starts from a learned policy with its own random numbers. Correct answers
+come from held-out episodes, in which every allocation is tried; the rewarded ones are correct. The
+first choice of a tree is correct if it is one of these. A schema that expects no reward is correct
+if no allocation is rewarded and, by the simulator's truth, the robot touches the object in none of
+them: the object is out of reach. Objects that are touched without a reward are counted separately,
+without an aim. Held-out episodes may run on another backend than the learning. The exit status is 1
+if too few trials reach their aims.
 
     python benchmarks/schemas.py --seed 1 [--episodes 50] [--trials 10] [--held-out 200]
         [--held-out-seed 8400000] [--json]

@@ -1,14 +1,14 @@
-"""Which mounts of Dexter's arms let manipulability bring its hands together (Eq 4.15).
+"""Search for mounts of Dexter's arms with which manipulability joins the hands (Eq 4.15).
 
 For each mount, Dexter's model is written with the arms there, and moved by the control law on its
-kinematics: the right hand takes a thing at twelve places of the right half of the table, and both
-arms climb up their manipulability until that is at rest. Mounts are spread over the bounds at
-first, then drawn near the best ones. Rows go to a file as they come, and a search goes on from it.
+kinematics. The right hand grasps an object at twelve places of the right half of the table, and
+both arms ascend their manipulability until it rests. Mounts are first spread over the bounds, then
+drawn near the best ones. Rows are appended to a file, so that a search can continue.
 
     python benchmarks/search_mounts.py build/mounts.jsonl --spread 400 --trials 1000 --seconds 150
 
-With ``--judge`` the mounts of some rows are tried again: things are taken at ``--grasps`` places
-that are drawn with the seed, and both hands reach for as many on either half of the table.
+With ``--judge`` the mounts of some rows are tried again: objects are grasped at ``--grasps`` random
+places, and both hands reach for as many on either half of the table.
 """
 
 from __future__ import annotations

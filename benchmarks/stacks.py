@@ -1,10 +1,10 @@
-"""Which of the source's things stay on each other: ``stack`` and ``stack_three``.
+"""Stability of stacks of the source's objects: ``stack`` and ``stack_three``.
 
-The judge is the simulator's truth, which no controller sees. A stack stands where, at least 1 s
-after the hand has let go, each thing rests and touches the one below it, the one above it and
-nothing else. The pace of the release is the thing's largest speed within 0.2 s after the last
-fingertip left it. Shares are of all episodes, with exact (Clopper-Pearson) 95 % intervals, beside
-those of Tables 7.1 and 7.2. Exits with 1 where flat on flat stays in fewer than 95 %.
+The simulator judges. A stack stands if, at least 1 s after the release, each object rests and
+touches its neighbours in the stack and nothing else. The pace of the release is the largest speed
+of the object within 0.2 s after the last fingertip left it. Shares are of all episodes, with exact
+(Clopper-Pearson) 95 % intervals, beside those of Tables 7.1 and 7.2. The exit status is 1 if flat
+on flat stays in fewer than 95 %.
 
     python benchmarks/stacks.py --episodes 40 --seed 8500000 [--only purple_box_on_blue_box]
         [--backend bullet] [--cameras rendered] [--json]

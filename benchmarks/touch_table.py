@@ -1,10 +1,10 @@
-"""How often ``touch_table`` is rewarded, and whether fingertips then press on the table.
+"""Success rate of ``touch_table``, and contact of the fingertips with the table at the reward.
 
-Every rewarded episode is checked against the simulator's own contacts between load cells and
-table, which the robot does not know: some fingertip is in contact in half of the ticks of the last
-0.1 s or more. (Fingertips on a table press by turns, and in 0 to 5 of the last 240 steps none does,
-while the force on them is 2 N in the mean.) Rates come with exact (Clopper-Pearson) 95 %
-intervals. Exits with 1 where a rate is below its target or an episode is rewarded without contact.
+Every rewarded episode is checked against the simulator's own contacts between load cells and table.
+Some fingertip has to be in contact in at least half of the ticks of the last 0.1 s. (Fingertips on
+a table press in turn: in 0 to 5 of the last 240 steps none is in contact, while the mean force is
+2 N.) Rates have exact (Clopper-Pearson) 95 % intervals. The exit status is 1 if a rate is below its
+target, or if an episode is rewarded without contact.
 
     python benchmarks/touch_table.py --episodes 60 --seed 5000000 [--cameras rendered] [--json]
 """

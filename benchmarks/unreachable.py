@@ -1,15 +1,17 @@
-"""Rest at targets at and beyond the end of an arm's reach, with this law and with others.
+"""Rest at targets at and beyond the reach of an arm, with this law and with others.
 
 A planar arm of 3 to 6 joints has three tasks: the tip's position, its orientation, and a posture,
-by strict priority or, in Pink, by weight. Joints integrate the displacements at 60 Hz for 10 s. For
-each solver and each range of distances, in lengths of the arm, a row gives
+by strict priority or, in Pink, by weight. Joints integrate the displacements at 60 Hz for 10 s.
+Distances are in lengths of the arm. For each solver and each range of distances, a row has
 
-- the share of the targets at which a joint still swings back and forth in the last second, by more
-  than 0.005 deg a tick,
+- the share of the targets at which a joint still oscillates in the last second, by more than
+  0.005 deg a tick,
 - the largest motion of a joint in the last second, deg a tick (median and 95 %),
-- how far beyond the least possible distance the tip ends, mm (median and 95 %).
+- the distance of the tip beyond the least possible distance at the end, mm (median and 95 %).
 
-Libraries that cannot be imported are named. Run with ``python benchmarks/unreachable.py``.
+Libraries that cannot be imported are named.
+
+    python benchmarks/unreachable.py
 """
 
 from __future__ import annotations

@@ -1,11 +1,12 @@
-"""``cb validate robots programs`` against the start-up that its libraries need anyway.
+"""Time of ``cb validate robots programs`` against the start-up of its libraries.
 
-Whole processes, from start to exit, turn by turn: one validates everything that is shipped, one
-only imports pydantic and PyYAML, one also makes a model of pydantic's, which loads the rest
-of it, and the last is Python alone. Processor time is told as well, which other processes disturb
-less. All find their bytecode in a folder of their own, as installed packages do: where a
-checkout's may not be written, every start would compile it. Run with
-``python benchmarks/validate_startup.py``.
+Whole processes run in turn, from start to exit. One validates all shipped documents, one only
+imports pydantic and PyYAML, one also makes a pydantic model, which loads the rest of pydantic, and
+the last is Python alone. Processor time is printed as well, because other processes disturb it
+less. All processes find their bytecode in a folder of their own, as installed packages do; in a
+read-only checkout every start would compile it.
+
+    python benchmarks/validate_startup.py
 """
 
 from __future__ import annotations

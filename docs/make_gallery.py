@@ -1,6 +1,6 @@
 """Make the replays of the gallery.
 
-Run ``python docs/make_gallery.py`` before the site is built for readers: it records each run and
+Run ``python docs/make_gallery.py`` before the site is built for readers. It records each run and
 writes its replay to docs/gallery/, which is not under version control. An existing replay is kept.
 """
 

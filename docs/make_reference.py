@@ -49,7 +49,7 @@ Rows = Iterable[Sequence[object]]
 
 
 def page() -> str:
-    """The whole page."""
+    """Return the page."""
     made = (_types, _potentials, _dexter, _units, _commands, _learners, _documents, _findings)
     return "\n".join([_HEAD, *(part() for part in made)])
 
@@ -123,7 +123,7 @@ def _potentials() -> str:
 
 
 def _accepted(potential: PotentialType) -> str:
-    """The types that a potential is defined on, in the order of Table 3.1."""
+    """Return the types that a potential is defined on, in the order of Table 3.1."""
     if potential.accepts == set(TYPES):
         return "any"
     several = f" x {potential.factors}" if (potential.factors or 1) > 1 else ""
@@ -166,7 +166,7 @@ def _dexter() -> str:
 
 
 def _placeholders(robot: RobotDocument) -> dict[str, list[str]]:
-    """What the words in the names of a robot's resources stand for."""
+    """Return the words that each placeholder in the names of a robot's resources stands for."""
     effectors = robot.effectors
     postures = [name for effector in effectors.values() for name in effector.postures]
     fingers = [finger for cells in robot.load_cells.values() for finger in cells]
@@ -217,7 +217,7 @@ def _commands() -> str:
 
 
 def _leaves(name: str, command: Any) -> Iterator[tuple[str, Any]]:
-    """All commands that do something, with all that is typed for each."""
+    """Yield all commands without subcommands, with their full names."""
     if not hasattr(command, "commands"):
         yield name, command
         return
@@ -237,7 +237,7 @@ def _command(name: str, command: Any) -> str:
 
 
 def _typed(parameter: Any) -> str:
-    """An argument as a word in capitals, or all spellings of an option."""
+    """Return an argument as a word in capitals, or all spellings of an option."""
     if parameter.param_type_name == "option":
         return ", ".join([*parameter.opts, *parameter.secondary_opts])
     word = parameter.metavar or parameter.name.upper()
@@ -246,7 +246,7 @@ def _typed(parameter: Any) -> str:
 
 
 def _preset(parameter: Any) -> str:
-    """The value that an option has without being given."""
+    """Return the default value of an option."""
     value = getattr(parameter.default, "value", parameter.default)
     if parameter.required:
         return "required"
@@ -299,7 +299,7 @@ def _keys(level: int, title: str, schema: Mapping[str, Any], kind: str) -> str:
 
 
 def _meaning(value: Mapping[str, Any]) -> tuple[str, str]:
-    """What a key says, and the SI units that it may have."""
+    """Return the description of a key, and its SI units."""
     words, symbols = meaning(value)
     return words, ", ".join(map(_code, symbols.split(", "))) if symbols else ""
 
@@ -315,7 +315,7 @@ _WORDS = {"string": "text", "boolean": "`true`, `false`", "integer": "whole numb
 
 
 def _shape(value: Mapping[str, Any], kind: str) -> str:
-    """What a value looks like: a word, a list of words, or a link to a section."""
+    """Return the form of a value: a word, a list of words, or a link to a section."""
     if "$ref" in value:
         return _named(value["$ref"].rpartition("/")[2], kind)
     for one_of in ("anyOf", "oneOf"):
@@ -334,7 +334,7 @@ def _shape(value: Mapping[str, Any], kind: str) -> str:
 
 
 def _named(definition: str, kind: str) -> str:
-    """A definition: a section of this kind, a name, or else a quantity."""
+    """Return a definition: a section of this kind, a name, or else a quantity."""
     schema = _schema(kind)["$defs"][definition]
     if schema.get("type") == "object":
         title = schema["title"]
@@ -355,7 +355,7 @@ def _finding(entry: Entry) -> str:
 
 
 def anchor(heading: str) -> str:
-    """The name by which a heading of a page is linked to."""
+    """Return the anchor of a heading."""
     return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
 
 

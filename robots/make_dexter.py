@@ -147,12 +147,12 @@ ARM = (
 
 
 def number(value: float) -> str:
-    """A number with nine significant digits."""
+    """Return a number with nine significant digits as text."""
     return f"{value:.9g}"
 
 
 def text(values: Sequence[float]) -> str:
-    """Numbers separated by spaces."""
+    """Return numbers separated by spaces."""
     return " ".join(map(number, values))
 
 
@@ -163,10 +163,10 @@ class Body:
         self.root = ET.Element("robot", name=name)
 
     def link(self, name: str, mass: float, solids: Sequence[Solid], least_inertia: float) -> None:
-        """A link whose mass is that of its first solid.
+        """Add a link with the mass of its first solid.
 
-        ``least_inertia`` bounds the moments from below: solvers turn unstable where light links
-        carry heavy ones.
+        ``least_inertia`` bounds the moments from below, because solvers become unstable if light
+        links carry heavy ones.
         """
         link = ET.SubElement(self.root, "link", name=name)
         core = solids[0] if solids else Solid("sphere", (0.02,), DARK)
@@ -199,7 +199,7 @@ class Body:
         turned: Triple = ORIGIN,
         drive: Drive | None = None,
     ) -> None:
-        """A joint at ``at``, ``turned`` by roll, pitch and yaw; fixed without a drive."""
+        """Add a joint at ``at``, ``turned`` by roll, pitch and yaw; fixed without a drive."""
         joint = ET.SubElement(self.root, "joint", name=name, type="revolute" if drive else "fixed")
         ET.SubElement(joint, "parent", link=parent)
         ET.SubElement(joint, "child", link=child)
@@ -256,7 +256,7 @@ def add_arm(body: Body, side: str, shoulder: Triple, axes: Triple) -> None:
 
 
 def add_knuckles(body: Body, side: str) -> None:
-    """The fingers' bases: 1 and 2 spread around the palm together, 3 is the fixed thumb."""
+    """Add the bases of the fingers: 1 and 2 spread around the palm, 3 is the fixed thumb."""
     solid = Solid("box", (0.05, 0.022, 0.018), LIGHT, (0.025, 0, -0.002))
     for finger, outward in ((1, -1.0), (2, 1.0), (3, 0.0)):
         link = f"{side}_finger_{finger}_knuckle"
@@ -271,7 +271,7 @@ def add_knuckles(body: Body, side: str) -> None:
 
 
 def add_finger(body: Body, side: str, finger: int) -> None:
-    """The two phalanges of a finger and the fingertip with its load cell."""
+    """Add the two phalanges of a finger and the fingertip with its load cell."""
     name = f"{side}_finger_{finger}"
     proximal = Solid("box", (0.066, 0.018, 0.020), LIGHT, (0.035, 0, 0))
     body.link(f"{name}_proximal", 0.06, (proximal,), least_inertia=5e-5)
@@ -315,7 +315,7 @@ def add_head(body: Body) -> None:
 
 
 def dexter(shoulder: Triple = SHOULDER, axes: Triple = HANGING) -> str:
-    """The text of robots/dexter.urdf, or of a Dexter with other mounts; see ``add_arm``."""
+    """Return the text of robots/dexter.urdf, or of a Dexter with other mounts; see ``add_arm``."""
     body = Body("dexter")
     torso = Solid("box", (0.10, 0.20, 0.5), DARK, (-0.12, 0, -0.1))
     body.link("torso", 40.0, (torso,), least_inertia=1e-2)

@@ -67,7 +67,7 @@ def main() -> None:
 
 
 def hand(robot: ET.Element) -> None:
-    """The gripper: two fingers that slide apart along y."""
+    """Add the gripper: two fingers that slide apart along y."""
     body = element(robot, "panda_hand", 0.7)
     box(body, (0.05, 0.2, 0.05), (0.0, 0.0, 0.03))
     mount = joint(robot, "panda_hand_joint", "fixed", 7, "panda_hand")
@@ -91,7 +91,7 @@ def hand(robot: ET.Element) -> None:
 
 
 def camera(robot: ET.Element, name: str, place: Triple) -> None:
-    """A camera that looks from a place at the middle of the table."""
+    """Add a camera that looks from a place at the middle of the table."""
     x, y, z = (there - here for there, here in zip(LOOKED_AT, place, strict=True))
     turn = (0.0, math.atan2(-z, math.hypot(x, y)), math.atan2(y, x))
     element(robot, name, 0.0)
@@ -102,7 +102,7 @@ def camera(robot: ET.Element, name: str, place: Triple) -> None:
 def link(
     robot: ET.Element, name: str, mass: float, limbs: Sequence[tuple[Triple, Triple, float]]
 ) -> None:
-    """A link whose limbs are cylinders with round ends."""
+    """Add a link with limbs that are cylinders with round ends."""
     body = element(robot, name, mass)
     for start, end, radius in limbs:
         way = [b - a for a, b in zip(start, end, strict=True)]
@@ -115,7 +115,7 @@ def link(
 
 
 def element(robot: ET.Element, name: str, mass: float) -> ET.Element:
-    """A link with the inertia of a ball of its mass and 5 cm radius."""
+    """Add a link with the inertia of a ball of its mass and 5 cm radius."""
     body = ET.SubElement(robot, "link", name=name)
     inertial = ET.SubElement(body, "inertial")
     ET.SubElement(inertial, "mass", value=f"{mass:g}")
@@ -131,7 +131,7 @@ def box(body: ET.Element, size: Triple, place: Triple) -> None:
 
 
 def shape(body: ET.Element, kind: str, place: Sequence[float], turn: Triple, **size: str) -> None:
-    """A shape that is seen and touched."""
+    """Add a shape for both visual and collision."""
     for use in ("visual", "collision"):
         part = ET.SubElement(body, use)
         ET.SubElement(part, "origin", xyz=text(place), rpy=text(turn))
@@ -144,7 +144,7 @@ def shape(body: ET.Element, kind: str, place: Sequence[float], turn: Triple, **s
 def joint(
     robot: ET.Element, name: str, kind: str, parent: int | str, child: int | str
 ) -> ET.Element:
-    """A joint between two links, which numbers name by their place in the arm."""
+    """Add a joint between two links; numbers name the links of the arm."""
     moving = ET.SubElement(robot, "joint", name=name, type=kind)
     for end, given in (("parent", parent), ("child", child)):
         ET.SubElement(moving, end, link=given if isinstance(given, str) else f"panda_link{given}")

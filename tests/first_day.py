@@ -1,7 +1,7 @@
 """First day: a reader who knows only pages of the docs, and types the commands in their blocks.
 
-The reader begins with a clone of the project, sets it up as the README says, and works in an empty
-folder, in a shell whose ``cb`` is that of the clone. Files hold the blocks that name them.
+The reader begins with a clone of the project and sets it up as the README says. The commands run in
+an empty folder, in a shell with the ``cb`` of the clone. Files hold the blocks that name them.
 """
 
 from __future__ import annotations

@@ -2,10 +2,11 @@
 
 A mutant is one change by an operator of cosmic-ray, made in a copy of the checkout. The tests of
 the mutated file run first, then those of its package, then all fast ones; the first failure kills
-it, if the same test passes without the mutant. A sample of them is judged by the exact interval of
-the share that died; known survivors are said with their reason and count as survivors. Run with
-``make mutants``, or ``python -m tests.mutants --sample 20 --seed 3 --reach package``; with ``--keep
-FILE --seconds 150`` piece by piece.
+it, if the same test passes without the mutant. A sample is judged by the exact interval of the
+share that died. Known survivors are listed with their reason and count as survivors.
+
+Run with ``make mutants``, or ``python -m tests.mutants --sample 20 --seed 3 --reach package``.
+``--keep FILE --seconds 150`` runs a part and continues later.
 """
 
 from __future__ import annotations
@@ -146,7 +147,7 @@ def suites_of(file: str, reach: str) -> list[list[str]]:
     """Return arguments of pytest, one list a process, so that a mutant is compiled once.
 
     Tests that mirror a file come first, then those of its package that import it, then the rest of
-    its package, those elsewhere that import it, and the remaining tests within a reach.
+    its package. Those elsewhere that import it follow, and then the remaining tests within a reach.
     """
     _, package, *folders, name = Path(file).parts
     module = ".".join(("cbdsl", package, *folders, Path(name).stem))

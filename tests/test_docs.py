@@ -8,12 +8,15 @@ A page is a session in a folder of its own. The language of a block defines its 
 * ``sh`` are ``cb`` commands, one a line.
 * ``text`` is the output of the ``sh`` block before it; a line ``...`` stands for omitted lines.
 
-Comments before a block say more: ``<!-- file: PATH -->`` where it is written, ``<!-- findings: CODE
-CODE -->`` which findings it has, ``<!-- not run: WHY -->`` that it is only to be read, and
-``<!-- not compared: WHY -->`` that the text is other each time. Every block not run is marked.
+Comments before a block modify its use. Every block that is not run has one.
 
-Commands within sentences run, too. Those with a WORD in capitals are patterns; ``cb learn`` and
-``cb reproduce``, which may take hours, are only held to their options.
+* ``<!-- file: PATH -->``: file that the block is written to.
+* ``<!-- findings: CODE CODE -->``: diagnostics of the document.
+* ``<!-- not run: WHY -->``: the block is not executed.
+* ``<!-- not compared: WHY -->``: the text varies between runs.
+
+Commands within sentences run as well. Those with a WORD in capitals are patterns. ``cb learn`` and
+``cb reproduce``, which may take hours, are only checked for their options.
 """
 
 from __future__ import annotations

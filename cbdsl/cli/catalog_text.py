@@ -28,7 +28,7 @@ def catalog_text(catalog: CatalogDocument) -> str:
 
 
 def count_cells(affordance: AffordanceSection) -> tuple[str, str, str, str]:
-    """Counts, interval, value, and how sure the model is, as text."""
+    """Return counts, interval, value and certainty of an affordance as text."""
     counts = f"{affordance.rewarded} of {affordance.tried}"
     interval = "-"
     if affordance.interval is not None:

@@ -10,7 +10,7 @@ from cbdsl.errors.counting import count
 
 
 def text(report: ValidationReport) -> str:
-    """Findings, and how many there are; in colour where a terminal shows them."""
+    """Return the diagnostics and their numbers as text, in colour for a terminal."""
     if not report.findings:
         return f"{count(report.documents, 'document')}, no findings{_skipped(report)}"
     from cbdsl.errors.rendering import render  # only a finding needs it

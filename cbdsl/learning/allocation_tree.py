@@ -33,7 +33,9 @@ class TriedContext(NamedTuple):
 
     def first_alone(self) -> TriedContext:
         """Return the context with its first trial alone.
-        Later trials find objects where the first one has left them."""
+
+        Later trials find objects where the first one has left them.
+        """
         return TriedContext(self.features, dict([*self.outcomes.items()][:1]), counts=True)
 
     @property

@@ -1,4 +1,4 @@
-"""Both backends embody the same robot in the same world, as far as controllers can tell.
+"""Both backends embody the same robot in the same world, to the precision of controllers.
 
 The slow tests run shipped programs on both and compare the passed states and the outcomes.
 Differences that need physics are stated where a test leaves them out.
@@ -192,8 +192,10 @@ def test_programs_pass_the_same_states_on_both(
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(70001, 70007))
 def test_probing_fingers_are_rewarded_on_both(play: Play, seed: int) -> None:
-    """Allow different states: where a finger is stopped short of its sampled posture, and
-    for how long that counts as rest, depends on how much the fingers and the object give way.
+    """Allow different states.
+
+    The pose of a stopped finger, and the time until it rests, depend on the compliance of the
+    fingers and the object.
     """
     both = play("tactileprobe", "held_right", seed)
     for result in (both.bullet, both.kinematic):
@@ -204,8 +206,10 @@ def test_probing_fingers_are_rewarded_on_both(play: Play, seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", (70002, 70003, 70004))
 def test_spots_are_found_on_both(play: Play, seed: int) -> None:
-    """Allow different states: fingers hide part of objects that they lift from the table, and more
-    of it in images than by ideal silhouettes.
+    """Allow different states.
+
+    Fingers occlude part of the objects that they lift, and more of it in images than by ideal
+    silhouettes.
     """
     both = play("visualinspect", "spotted_right", seed)
     for result in (both.bullet, both.kinematic):
@@ -215,8 +219,9 @@ def test_spots_are_found_on_both(play: Play, seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", (70001, 70002, 70003))
 def test_both_hands_are_rewarded_on_both(play: Play, seed: int) -> None:
-    """Allow different states: without physics no hand pushes the object that the other holds, so
-    that the hold comes to rest earlier.
+    """Allow different states.
+
+    Without physics no hand pushes the object that the other one holds, so the hold rests earlier.
     """
     both = play("bimanualtouch", "table_right", seed)
     for result in (both.bullet, both.kinematic):
@@ -228,8 +233,10 @@ def test_both_hands_are_rewarded_on_both(play: Play, seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(70001, 70005))
 def test_what_is_thrown_away_earns_nothing_on_either(play: Play, seed: int) -> None:
-    """Allow different states: a ball that leaves the table flies by centimetres otherwise
-    after it has bounced, and then may be remembered behind a hand on one and not on the other.
+    """Allow different states.
+
+    After it bounced, the ball flies centimetres apart on the two backends. It may then be
+    remembered behind a hand on one of them alone.
     """
     both = play("reachtouch", "thrown", seed)
     for result in (both.bullet, both.kinematic):

@@ -1,9 +1,9 @@
 """Fuzzing, guided by coverage, of everything that reads text: ``make fuzz SECONDS=60``.
 
-Each entry point runs for so long from its seeds and from the kept corpus. Inputs that reach new
-branches go to ``build/fuzz/NAME``, reduced where a shorter one reaches the same; with ``--keep``
-some of all lengths are kept in ``tests/fuzz/corpus``. Inputs that raise an error are written to
-``build/fuzz/NAME-crash-...`` (or ``-timeout-``, ``-oom-``) and ends the entry point's run.
+Each entry point runs for that time from its seeds and from the kept corpus. Inputs that reach new
+branches go to ``build/fuzz/NAME``; a shorter input replaces a longer one of the same reach. With
+``--keep``, inputs of all lengths are kept in ``tests/fuzz/corpus``. An input that raises an error
+is written to ``build/fuzz/NAME-crash-...`` (or ``-timeout-``, ``-oom-``) and ends the run.
 """
 
 from __future__ import annotations

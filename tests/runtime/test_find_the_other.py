@@ -49,7 +49,7 @@ def test_the_hand_that_withdraws_spoils_nothing(
     stage: Callable[[str], StageDocument],
     seed: int,
 ) -> None:
-    """See the second ball first behind the hand, or in its way home."""
+    """Allow the second ball to appear first behind the hand, or on the way home."""
     backend = BulletBackend(dexter, urdf, cameras="rendered")
     runner = Runner(dexter, kinematics, checked("find_the_other"), backend)
     result = runner.run(stage("two_red_balls"), seed)

@@ -57,7 +57,7 @@ def test_a_thing_is_lifted_carried_and_placed(
 def test_nothing_is_transported_or_placed_by_an_empty_hand(
     backend: object, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
 ) -> None:
-    """Leave both undefined unless something is held, whatever the cameras see."""
+    """Leave both undefined unless an object is held, regardless of the images."""
     program = checked("pick_and_place")
     runner = Runner(dexter, kinematics, program, backend)  # type: ignore[arg-type]
     states: set[str] = set()

@@ -51,7 +51,7 @@ def test_every_resource_can_be_read_and_fits_its_type(
             )
             assert reading.value.shape == shape
             assert reading.jacobian.shape == (resource.type.size, len(signals.joints))
-    # All resources but those that need an image.
+    # All resources except for image resources.
     assert defined > 40
 
 

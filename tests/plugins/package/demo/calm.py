@@ -1,4 +1,4 @@
-"""A modifier that slows a controller down."""
+"""Modifier that slows a controller down."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,7 @@ CALM = ModifierType(
 
 
 def bind(form: SlotForm, options: Mapping[str, float], setting: SlotSetting) -> SlotForm:
-    """The slot of a controller with a share of its gain, 1/s, and of its speed."""
+    """Return the slot of a controller with a share of its gain and its speed."""
     bounds = form.bounds.copy()
     bounds[:2] *= options["share"]
     return form._replace(bounds=bounds)

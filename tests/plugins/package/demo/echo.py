@@ -1,4 +1,4 @@
-"""Driver of a robot that is where its references are, in this process."""
+"""Driver of a robot whose joints are at their references, in this process."""
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,13 +11,13 @@ from cbdsl.robot.driver_kind import DriverKind, Problem
 
 
 def problems(driver: Driver) -> Iterator[Problem]:
-    """Addresses are words after ``echo:``."""
+    """Return whether the addresses are words after ``echo:``."""
     if driver.states is not None and not driver.states.startswith("echo:"):
         yield ("states",), f"'{driver.states}' does not begin with 'echo:'"
 
 
 class EchoLink:
-    """Link to a robot that is where its references are."""
+    """Link to a robot whose joints are at their references."""
 
     def __init__(
         self, robot: RobotDocument, drivers: Mapping[str, Driver], interface: str | None
@@ -58,7 +58,7 @@ class EchoLink:
         return ()
 
     def close(self) -> None:
-        """Hold nothing."""
+        """Release nothing, because nothing was opened."""
 
 
 ECHO = DriverKind("echo", "a robot in this process", problems, "demo.echo:EchoLink")

@@ -1,4 +1,4 @@
-"""A six-joint arm with the interface of LeRobot, without hardware."""
+"""Six-joint arm with the interface of LeRobot, without hardware."""
 
 import time
 from typing import Any

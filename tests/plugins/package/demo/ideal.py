@@ -1,4 +1,4 @@
-"""A robot whose joints follow their references as fast as they can, alone in the dark."""
+"""Robot whose joints follow their references at full speed, without objects or images."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -72,4 +72,4 @@ class IdealBackend:
         self._reference = self._positions
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Release nothing, because nothing was opened."""

@@ -1,4 +1,4 @@
-"""A potential that keeps a point out of a ball around its reference."""
+"""Potential that keeps a point out of a ball around its reference."""
 
 import math
 
@@ -29,7 +29,7 @@ KEEP_OUT = PotentialType(
 
 
 def build(controller: Controller, setting: Setting) -> Potential:
-    """The potential of a controller."""
+    """Return the potential of a controller."""
     return Potential(depth, 1, parameters=np.array([_RADIUS]))
 
 
@@ -37,7 +37,7 @@ def build(controller: Controller, setting: Setting) -> Potential:
 def depth(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
-    """Half the square of the depth in the ball; parameter: its radius, m."""
+    """Return half the square of the depth in the ball; parameter: its radius, m."""
     square = 0.0
     for i in range(3):
         square += (value[i] - reference[i]) ** 2

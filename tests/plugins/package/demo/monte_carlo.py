@@ -1,4 +1,4 @@
-"""Monte Carlo control: actions are worth the mean return that followed them."""
+"""Monte Carlo control: the value of an action is the mean of the returns that followed."""
 
 from collections.abc import Mapping, Sequence
 from typing import Annotated
@@ -22,7 +22,7 @@ class MonteCarloConstants(Section):
     exploration: Annotated[float, quantity(ge=0, le=1)] = 0.1
     """Share of actions chosen at random."""
     patience: Annotated[float, quantity("time", gt=0)] = 60.0
-    """Simulated time after which an episode is not learned from."""
+    """Simulated time after which an episode is ignored, s."""
 
 
 class MonteCarlo:
@@ -40,7 +40,7 @@ class MonteCarlo:
         """Wait for the end of the episode."""
 
     def remember(self, experience: Experience) -> None:
-        """Take in the returns of an episode, from its last transition to its first."""
+        """Record the returns of an episode, from its last transition to its first."""
         if experience.sim_seconds > self._constants.patience:
             return
         following = 0.0
@@ -50,20 +50,20 @@ class MonteCarlo:
             self._returns.setdefault(visited, []).append(following)
 
     def policy(self, rng: np.random.Generator) -> "EpsilonGreedy":
-        """Best known action, or now and then any."""
+        """Return the best known action, or sometimes a random one."""
         return EpsilonGreedy(self.greedy(), self._actions, self._constants.exploration, rng)
 
     def greedy(self) -> dict[str, str]:
-        """Action of the largest mean return, by state."""
+        """Return the action of the largest mean return, by state."""
         means = self._means()
         return {state: max(means[state], key=means[state].__getitem__) for state in means}
 
     def densities(self) -> dict[str, object]:
-        """No internal models."""
+        """Return no internal models."""
         return {}
 
     def documents(self, summary: TrialSummary) -> list[Document]:
-        """Greedy policy and the mean returns behind it."""
+        """Return the greedy policy with its mean returns."""
         values = {
             state: {action: round(mean, 6) for action, mean in means.items()}
             for state, means in self._means().items()
@@ -90,7 +90,7 @@ class EpsilonGreedy:
         self._best, self._actions, self._exploration, self._rng = best, actions, exploration, rng
 
     def choose(self, state: str, *, changed: bool) -> str:
-        """Best known action of a state, or any."""
+        """Return the best known action of a state, or a random one."""
         if state not in self._best or self._rng.random() < self._exploration:
             return self._actions[int(self._rng.integers(len(self._actions)))]
         return self._best[state]

@@ -1,4 +1,4 @@
-"""A modifier that leads a position around its reference, on a level circle."""
+"""Modifier that moves a position around its reference, on a horizontal circle."""
 
 import math
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 
 def orbit(reference: Floats, feedback: Floats, time: float, options: Mapping[str, float]) -> Floats:
-    """The point of the circle at a time."""
+    """Return the point of the circle at a time."""
     angle = 2.0 * math.pi * time / options["period"]
     turned = np.array([math.cos(angle), math.sin(angle), 0.0])
     return reference + options["radius"] * turned

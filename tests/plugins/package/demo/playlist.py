@@ -1,4 +1,4 @@
-"""Playlists: programs of one robot in the order in which they are to run."""
+"""Playlists: programs of one robot in the order of their execution."""
 
 from typing import Annotated, Literal
 
@@ -10,16 +10,16 @@ from cbdsl.errors.entry import Entry
 
 
 class PlaylistDocument(Document):
-    """Programs that are run one after another."""
+    """Programs that run one after another."""
 
     kind: Literal["playlist"]
-    """Says that this document is a playlist."""
+    """Kind of this document: a playlist."""
     robot: Name
     """Robot that runs the programs."""
     programs: Annotated[tuple[Name, ...], Field(min_length=1)]
     """Programs in their order."""
     after: Name | None = None
-    """Playlist that comes before it."""
+    """Playlist that runs before this one."""
     pause: Duration = 1.0
     """Time between one program and the next."""
 

@@ -1,4 +1,4 @@
-"""Playlists against the programs that they name."""
+"""Check of playlists against the programs that they name."""
 
 from itertools import pairwise
 
@@ -11,7 +11,7 @@ from demo.playlist import REPEATED, PlaylistDocument
 
 
 def check(loaded: Loaded[PlaylistDocument], session: Session, findings: Findings) -> None:
-    """Check that every program is there, and that none follows itself."""
+    """Check that every program exists, and that none follows itself."""
     if not loaded.source.is_whole("programs"):
         return
     document, library = loaded.document, session.library

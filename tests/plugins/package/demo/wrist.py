@@ -1,4 +1,4 @@
-"""A force-torque sensor at a wrist, which carries a hand with load cells."""
+"""Force-torque sensor at a wrist, which carries a hand with load cells."""
 
 from collections.abc import Callable, Iterator
 
@@ -13,7 +13,7 @@ from cbdsl.types.resource_type import FORCE, TORQUE
 
 
 def resources(name: str, sensor: Sensor, robot: RobotDocument) -> Iterator[Resource]:
-    """Force and torque of one sensor; none where its document lacks the link or the hand."""
+    """Return force and torque of a sensor; none if its document lacks the link or the hand."""
     if sensor.link is None or sensor.hand not in robot.load_cells:
         return
     for part, kind in (("force", FORCE), ("torque", TORQUE)):
@@ -22,7 +22,7 @@ def resources(name: str, sensor: Sensor, robot: RobotDocument) -> Iterator[Resou
 
 
 def reader(signal: SensorSignal, signals: Signals) -> Callable[[], Reading | None]:
-    """Reads the sum over the hand's load cells, with the levers from the wrist."""
+    """Return a reader of the sum over the hand's load cells, with the levers from the wrist."""
     robot, (wrist,) = signals.robot, signal.links
     hand = robot.sensors[signal.sensor].hand
     first, last = signals.touch.span(hand)
