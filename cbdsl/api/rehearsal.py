@@ -14,7 +14,7 @@ _TICKS = 600
 
 
 def rehearse(request: RunRequest, seed: int = 0) -> None:
-    """Run a program on the kinematic engine, which loads all compiled functions that it calls.
+    """Run a program on the kinematic engine, which loads the compiled functions that it calls.
 
     Machine code that is loaded within a control tick would break the deadline of a real robot. A
     program that cannot run there is not rehearsed.
@@ -25,6 +25,7 @@ def rehearse(request: RunRequest, seed: int = 0) -> None:
     """
     from cbdsl.backends.backend import embody
     from cbdsl.errors.errors import UsageError
+    from cbdsl.numeric.compiled import load_kept
     from cbdsl.runtime.episode import Runner
     from cbdsl.sensing.kinematics import Kinematics
 
@@ -35,3 +36,5 @@ def rehearse(request: RunRequest, seed: int = 0) -> None:
             runner = Runner(request.robot, kinematics, request.program, simulated)
             for _ in islice(runner.ticks(request.stage, seed), _TICKS):
                 pass
+    # The rehearsal may have ended before the program's last states.
+    load_kept()

@@ -8,7 +8,7 @@ import pickle
 import stat
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -55,8 +55,21 @@ class KernelCache(_Cache):
         """Return the kept machine code of a signature, or ``None``."""
         target_context.refresh()
         file = self._file(sig, target_context.codegen())
-        if file is None:
-            return None
+        return None if file is None else self._load(file, target_context)
+
+    def load_others(self, loaded: Iterable[Any], target_context: Any) -> Iterator[Any]:
+        """Yield the kept machine code of each signature but those that are loaded."""
+        target_context.refresh()
+        codegen = target_context.codegen()
+        known = {self._file(sig, codegen) for sig in loaded}
+        for file in self._kept(codegen):
+            if file in known:
+                continue
+            if (result := self._load(file, target_context)) is not None:
+                yield result
+
+    def _load(self, file: Path, target_context: Any) -> Any:
+        """Return the machine code in a file; ``None`` if it cannot be used."""
         try:
             if not _is_own(file):
                 return None
@@ -86,8 +99,13 @@ class KernelCache(_Cache):
 
     def is_kept(self, codegen: Any) -> bool:
         """Return whether the machine code of any signature is kept."""
+        return any(self._kept(codegen))
+
+    def _kept(self, codegen: Any) -> Iterator[Path]:
+        """Yield the files of all signatures."""
         place, digest = folder(), self._digest(codegen)
-        return place is not None and any(place.glob(f"*-{digest}-*.nbc"))
+        if place is not None and digest is not None:
+            yield from place.glob(f"*-{digest}-*.nbc")
 
     def _file(self, sig: Any, codegen: Any) -> Path | None:
         place, digest = folder(), self._digest(codegen)

@@ -29,6 +29,12 @@ import kernels
 from cbdsl.numeric.kernel_cache import problem
 print(kernels.doubled(3.0), sum(kernels.doubled.stats.cache_hits.values()), problem())
 """
+LOAD = """
+import kernels
+from cbdsl.numeric.compiled import load_kept
+print(load_kept(), load_kept(), kernels.doubled(3.0))
+print(sum(kernels.doubled.stats.cache_hits.values()), kernels.doubled.signatures)
+"""
 
 
 @pytest.fixture
@@ -38,13 +44,13 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "kept"
 
 
-def call(folder: Path, text: str = KERNELS) -> str:
+def call(folder: Path, text: str = KERNELS, call: str = CALL) -> str:
     """Call the kernel in a process of its own, from the sources in a folder."""
     folder.mkdir(exist_ok=True)
     (folder / "kernels.py").write_text(text, encoding="utf-8")
     # Without bytecode: Python recognises an edited file by whole seconds and by its size.
     done = subprocess.run(
-        [sys.executable, "-B", "-c", CALL], cwd=folder, capture_output=True, text=True, check=True
+        [sys.executable, "-B", "-c", call], cwd=folder, capture_output=True, text=True, check=True
     )
     return done.stdout.strip()
 
@@ -54,6 +60,15 @@ def test_another_environment_compiles_nothing(kept: Path, tmp_path: Path) -> Non
     assert calls == ["8.0 0 None", "8.0 1 None"]
     (file,) = kept.iterdir()
     assert file.suffix == ".nbc"
+
+
+def test_load_kept_leaves_nothing_to_the_first_call(kept: Path, tmp_path: Path) -> None:
+    call(tmp_path / "one")
+    assert call(tmp_path / "other", call=LOAD) == "1 0 8.0\n0 [(float64,)]"
+
+
+def test_load_kept_compiles_nothing(kept: Path, tmp_path: Path) -> None:
+    assert call(tmp_path / "one", call=LOAD).startswith("0 0 8.0")
 
 
 @pytest.mark.parametrize(

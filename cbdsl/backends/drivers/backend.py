@@ -12,6 +12,7 @@ from cbdsl.backends.backend import BackendError, Person
 from cbdsl.backends.drivers.clock import Clock
 from cbdsl.backends.drivers.link import DriverLink, Endpoint, open_links
 from cbdsl.backends.drivers.person import RefusingPerson
+from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.drivers.sample import Command, ImageSample, RegionsSample, Sample
 from cbdsl.backends.drivers.setup import describe_setup
 from cbdsl.backends.drivers.supervisor import SafetySupervisor, State
@@ -90,9 +91,11 @@ class DrivenBackend:
             for joints in [[j for effector in driver.moves for j in robot.joints(effector)]]
             if driver.commands is not None
         }
+        self._deadline = min(driver.deadline for driver in robot.drivers.values())
         self._person: Person = RefusingPerson()
         self._interface: str | None = None
         self._links: list[DriverLink] = []
+        self._real_time = RealTime() if clock.is_real else None
         self._observation: Observation | None = None
 
     @staticmethod
@@ -128,7 +131,7 @@ class DrivenBackend:
         """
         if self.supervisor.state in (State.OFF, State.READY):
             return None
-        return min(driver.deadline for driver in self._robot.drivers.values())
+        return self.supervisor.patience
 
     def attend(self, person: Person, interface: str | None = None) -> None:
         """Set the person who confirms the stage, and the network interface.
@@ -160,6 +163,8 @@ class DrivenBackend:
         setup = describe_setup(stage, name, self._robot)
         if not self._person.confirm(setup, "is this set up, and may the robot move", released=True):
             raise BackendError("the stage is not set up: no reference was sent")
+        if self._real_time is not None:
+            self._real_time.begin()
         # Messages queued while the person answered are old.
         self.supervisor.rest()
         self._drain()
@@ -295,9 +300,10 @@ class DrivenBackend:
         Raises:
             BackendError: The robot is held.
         """
-        if self.supervisor.state is State.READY:
-            self._catch_up()
         now = self._clock.monotonic()
+        if self.supervisor.state is State.READY or self.supervisor.is_late(now):
+            self._catch_up()
+            now = self._clock.monotonic()
         admitted = self.supervisor.admit(reference, now)
         if admitted is None:
             self._stop()
@@ -305,17 +311,21 @@ class DrivenBackend:
             self._send(admitted)
 
     def _catch_up(self) -> None:
-        """Discard the samples that queued while the first tick loaded machine code."""
+        """Wait for a new state of a standing robot; discard those queued during a long tick.
+
+        Raises:
+            BackendError: None came within the deadline, or a fault holds the robot.
+        """
         self._drain()
-        before = self.supervisor.joints.stamp
-        until = self._clock.monotonic() + _PATIENCE
+        before, until = self.supervisor.joints.stamp, self._clock.monotonic() + self._deadline
         while self.supervisor.joints.stamp <= before and self._clock.monotonic() < until:
             self._clock.sleep(_PAUSE)
             self._gather()
-            if not self.supervisor.passes:
-                self._stop()
         self._due = self._clock.monotonic()
         self.supervisor.resume(self._due)
+        self.supervisor.check(self._due)
+        if not self.supervisor.passes:
+            self._stop()
 
     def _send(self, references: Floats) -> None:
         for name, (joints, columns) in self._commanded.items():
@@ -376,3 +386,5 @@ class DrivenBackend:
         for link in self._links:
             link.close()
         self._links.clear()
+        if self._real_time is not None:
+            self._real_time.end()

@@ -40,6 +40,9 @@ Floats = NDArray[np.float64]
 
 # A reference is at its measured position, rad or m; and the most steps on the way there.
 _SETTLED, _MOST_STEPS = 1e-4, 20
+# Speed of references below which a robot counts as standing, rad/s or m/s; and the longest time
+# between two checks of a standing robot, s.
+_STANDING, _COMPUTING = 0.02, 0.5
 
 
 class State(Enum):
@@ -93,6 +96,26 @@ class SafetySupervisor:
         self._admitted = -np.inf
         horizons = (d.horizon for d in robot.drivers.values() if d.horizon)
         self._pause = min(horizons, default=3.0 * period)
+
+    @property
+    def patience(self) -> float:
+        """Longest time between two checks, s.
+
+        A robot that stands is not endangered by a program that computes for longer, such as a path
+        around obstacles: its controllers hold still, and no reference is sent before a new state.
+        """
+        speeds = np.abs(self.limiter.velocities)
+        is_standing = float(speeds.max(initial=0.0)) < _STANDING
+        return max(self._patience, _COMPUTING) if is_standing else self._patience
+
+    def is_late(self, now: float) -> bool:
+        """Return whether the last check of a running robot is longer ago than its deadline.
+
+        Args:
+            now: Time by a monotonic clock, s.
+        """
+        late = 0.0 if self._checked is None else now - self._checked
+        return self.state is State.RUNNING and late > self._period + self._patience
 
     @property
     def passes(self) -> bool:
@@ -203,7 +226,7 @@ class SafetySupervisor:
     def _require_prompt(self, now: float) -> None:
         """Hold a robot whose program did nothing for longer than a deadline."""
         late = 0.0 if self._checked is None else now - self._checked
-        if self.state is State.RUNNING and late > self._period + self._patience:
+        if self.state is State.RUNNING and late > self._period + self.patience:
             self.hold(f"this process was suspended for {1e3 * late:.0f} ms", blind=True)
 
     def admit(self, reference: Floats, now: float) -> Floats | None:

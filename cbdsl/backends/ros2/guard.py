@@ -12,6 +12,7 @@ import numpy as np
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.drivers.joint_limits import joint_limits
 from cbdsl.backends.drivers.limiter import JointLimits
+from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.drivers.watchdog import Watchdog, WatchdogPhase
 from cbdsl.backends.ros2 import messages as msg
 from cbdsl.backends.ros2.node import RosNode, guarded
@@ -69,6 +70,14 @@ class Guard:
         Returns:
             True if a watchdog held.
         """
+        real_time = RealTime()
+        real_time.begin()
+        try:
+            return self._watch(report, stopped)
+        finally:
+            real_time.end()
+
+    def _watch(self, report: Callable[[str], None], stopped: Callable[[], bool]) -> bool:
         due = time.monotonic()
         while not stopped() and any(
             post.phase is not WatchdogPhase.STOPPED for post in self._posts

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.backend import Backend, BackendError, embody
+from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.ros2 import messages as msg
 from cbdsl.backends.ros2.faults import Faults
 from cbdsl.backends.ros2.follower import Follower
@@ -19,6 +20,7 @@ from cbdsl.backends.ros2.regions_text import write_regions
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.compiled import load_kept
 from cbdsl.robot.joints import Joints
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
@@ -27,6 +29,8 @@ Floats = NDArray[np.float64]
 
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
 _MOST = 64
+# Ticks before an episode: two frames of a camera at a quarter of the control rate.
+_WARMING = 8
 
 
 class Moment(NamedTuple):
@@ -83,7 +87,21 @@ class RobotServer:
         self.refused = ""
 
     def reset(self, stage: StageDocument, context: str | None, seed: int) -> str:
-        """Set up a stage as an episode of a seed begins on it; return the context."""
+        """Set up a stage as an episode of a seed begins on it; return the context.
+
+        The first ticks load machine code and connect writers: they precede the episode, and no
+        fault acts in them.
+        """
+        faults, self._faults = self._faults, Faults(())
+        self._set_up(stage, context, seed)
+        for _ in range(_WARMING):
+            self.tick()
+        load_kept()
+        self._faults = faults
+        return self._set_up(stage, context, seed)
+
+    def _set_up(self, stage: StageDocument, context: str | None, seed: int) -> str:
+        """Begin an episode; return the context."""
         rng = np.random.default_rng([seed, 0])
         name = self._backend.reset(stage, context, rng)
         positions = self._backend.observe().positions
@@ -104,6 +122,14 @@ class RobotServer:
 
     def serve(self, watch: Callable[[Moment], bool]) -> None:
         """Run the robot in real time, until ``watch`` returns false after a control period."""
+        real_time = RealTime()
+        real_time.begin()
+        try:
+            self._serve(watch)
+        finally:
+            real_time.end()
+
+    def _serve(self, watch: Callable[[Moment], bool]) -> None:
         period, due = self._backend.control_period, time.monotonic()
         while True:
             moment = self.tick()

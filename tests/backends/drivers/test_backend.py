@@ -299,6 +299,37 @@ def test_suspended_process_holds(urdf: Path, stage: StageDocument) -> None:
         run(driven, sine, 3)
 
 
+@pytest.mark.parametrize("pause", [0.06, 0.2, 0.4])
+def test_long_tick_of_a_standing_robot_continues(
+    pause: float, urdf: Path, stage: StageDocument
+) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, lambda tick: np.zeros(2), 5)
+    assert driven.deadline is not None and driven.deadline > pause
+    peer.sleep(pause)
+    run(driven, sine, 20)
+    assert driven.supervisor.state is State.RUNNING
+
+
+@pytest.mark.parametrize("name", ["silence", "emergency stop", "nan", "other robot"])
+def test_fault_in_a_long_tick_holds_before_any_reference(
+    name: str, urdf: Path, stage: StageDocument
+) -> None:
+    fault, sentence = FAULTS[name]
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, lambda tick: np.zeros(2), 5)
+    fault(peer)
+    peer.sleep(0.2)
+    sent = len(peer.commands)
+    with pytest.raises(BackendError, match=sentence):
+        driven.apply(sine(1))
+    assert len(peer.commands) == sent
+
+
 events = st.sampled_from([*FAULTS, "none", "halt", "jump", "nan reference", "huge reference"])
 
 

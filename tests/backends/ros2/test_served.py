@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -19,6 +20,7 @@ from tests.conftest import ROOT
 
 pytestmark = pytest.mark.slow
 CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
+LATE = (sys.executable, "-m", "tests.backends.ros2.late_work")
 
 
 # Tests that run side by side do not hear each other.
@@ -59,9 +61,11 @@ def test_robot_is_still_soon_after_a_fault(kind: str) -> None:
 
 
 @contextmanager
-def served(environment: dict[str, str], *options: str) -> Iterator[None]:
+def served(
+    environment: dict[str, str], *options: str, command: tuple[str, ...] = CB
+) -> Iterator[None]:
     process = subprocess.Popen(
-        [*CB, "drive", "serve", "dexter", *options], stdout=subprocess.PIPE, text=True,
+        [*command, "drive", "serve", "dexter", *options], stdout=subprocess.PIPE, text=True,
         env=environment, cwd=ROOT,
     )  # fmt: skip
     try:
@@ -107,3 +111,27 @@ def test_run_without_a_terminal_asks_for_consent(environment: dict[str, str]) ->
         run = cb(environment, *words)
     assert run.returncode == 2
     assert "give --yes if the answer is yes" in run.stderr
+
+
+@pytest.mark.parametrize("cameras", ["ideal", "rendered"])
+@pytest.mark.parametrize(
+    ("program", "stage"),
+    [
+        ("reachtouch", "table_right"),
+        ("visualinspect", "spotted_right"),
+        ("pick_and_place", "things_and_a_pad"),
+    ],
+)
+def test_nothing_is_imported_or_loaded_while_a_robot_moves(
+    program: str, stage: str, cameras: str, environment: dict[str, str], tmp_path: Path
+) -> None:
+    files = tmp_path / "robot", tmp_path / "program"
+    robot, driving = ((*LATE, str(file)) for file in files)
+    options = ("--seed", "3", "--cameras", cameras)
+    with served(environment, "--backend", "mujoco", "--stage", stage, *options, command=robot):
+        words = ("run", program, "--backend", "ros2", "--yes", *options)
+        run = subprocess.run(
+            [*driving, *words], env=environment, cwd=ROOT, capture_output=True, text=True
+        )
+    assert "episode with seed 3" in run.stdout, run.stdout + run.stderr
+    assert [file.read_text() for file in files] == ["", ""]
