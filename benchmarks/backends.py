@@ -3,9 +3,9 @@
 The same seeds run on both backends in turn: after each episode on bullet, all seeds run one after
 another on the kinematic backend, as in normal use. A single episode directly after the renderer
 would mostly measure cold caches. For each program, the output has the time of an episode on each
-backend, their ratio, and the share of a kinematic control tick that is spent in the backend and in
-the signals, law and program of the robot. Both backends share the latter, which thus bounds the
-ratio. Times are processor times, because other work on the machine disturbs them less.
+backend and their ratio. It also has the shares of a kinematic control tick: those of the backend,
+and of the signals, law and program of the robot. Both backends share the latter, which thus bounds
+the ratio. Times are processor times, because other work on the machine disturbs them less.
 
     python benchmarks/backends.py --episodes 10
 """

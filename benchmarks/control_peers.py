@@ -12,7 +12,7 @@ predicates of a running program. The second covers the whole control cycle of De
 Each library solves every posture twice: in blocks of several ticks, and tick by tick in turn with
 all others. Blocks correspond to a robot, because its control loop runs the same code on the same
 data, which stay in the processor's caches. In single turns each library first has to load its code
-and data again, which takes a larger part of a short tick than of a long one.
+and data again. This takes a larger part of a short tick than of a long one.
 
 A library that needs other versions runs in a process of its own, on the same core, with the
 interpreter named by ``--python``. It takes part in blocks only. placo needs an environment such as

@@ -1,7 +1,7 @@
 """One tick of the control law against the textbook: a pseudoinverse and a projector per level.
 
-Both solve the same random stacks of three levels on 14 joints (a 3-D reach, a posture of 7 joints,
-one further row), in turn in one process.
+Both solve the same random stacks of three levels on 14 joints, in turn in one process. The levels
+are a 3-D reach, a posture of 7 joints, and one further row.
 
 The law writes its levels into a stack that is allocated once, as controllers do in a running
 program. ``Law.solve`` builds the stack for every call if levels have no past, which takes two

@@ -1,8 +1,8 @@
 """Latency of the language server, from a changed text to its diagnostics, per keystroke.
 
 A program of 500 lines is typed letter by letter, with faults in between. Prints JSON: the median
-and the 95th percentile of processor time, the 95th percentile of wall time, all in milliseconds,
-and the memory of the process in MB. It also has the times to colour and to format the program, in
+and the 95th percentile of processor time and the 95th percentile of wall time, all in milliseconds.
+It also has the memory of the process, in MB, and the times to colour and to format the program, in
 milliseconds. The exit status is 1 if the 95th percentile of processor time is above 50 ms.
 
     python benchmarks/editor_latency.py [--keystrokes 200] [--controllers 100]

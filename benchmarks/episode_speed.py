@@ -1,10 +1,14 @@
 """Speed of ``reachtouch`` episodes with the object in view, by engine and by part.
 
-The same seeds run in turn on bullet with the fast renderer and with its own, and on mujoco with the
-fast renderer and with ideal cameras. Each row has the simulated per wall-clock seconds, including
-the resets between episodes, and the ratio to bullet with the fast renderer. It also has the shares
-of physics (with joints and load cells), rendering (images with their noise, or regions), perception
-(regions and positions), control (signals, controllers, law, program) and the rest.
+The same seeds run in turn on bullet with the fast renderer and its own, and on mujoco with the fast
+renderer and ideal cameras. Each row has the simulated per wall-clock seconds, including the resets
+between episodes, and the ratio to bullet with the fast renderer. It also has the shares of
+
+- physics, with joints and load cells,
+- rendering: images with their noise, or regions,
+- perception: regions and positions,
+- control: signals, controllers, law, program,
+- the rest.
 
 The exit status is 1 if a limit is missed: 4 times real time on bullet with at most 12 % for
 perception, and on mujoco 8 times real time, or 30 times with ideal cameras.

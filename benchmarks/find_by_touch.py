@@ -35,7 +35,8 @@ def run_episodes(backend: str, seeds: Iterable[int]) -> list[dict[str, Any]]:
 
     request, episodes = read_request("find_by_touch", None, None, {}), []
     with simulation(request, backend) as (body, kinematics):
-        assert isinstance(body, GroundTruthProvider) and isinstance(body.truth, Engine)
+        assert isinstance(body, GroundTruthProvider)
+        assert isinstance(body.truth, Engine)
         truth = body.truth
         runner = Runner(request.robot, kinematics, request.program, body)
         for seed in seeds:

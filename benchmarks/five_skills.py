@@ -1,7 +1,7 @@
 """Duration and quality of learning all five skills of Chapter 4 from scratch, for one seed.
 
-The run works in a folder that initially has the shipped programs and robots and no knowledge, so
-that a skill uses only skills learned in that folder. Each learned policy then runs held-out
+The run works in a folder that initially has the shipped programs and robots and no knowledge. A
+skill thus uses only skills learned in that folder. Each learned policy then runs held-out
 episodes. Prints one line of JSON per skill and one for all of them: wall-clock, processor and
 simulated seconds of learning, transitions, and rewarded episodes by context. Skills that are in the
 folder are not learned again, so that an interrupted run can continue.

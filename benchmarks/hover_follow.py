@@ -1,10 +1,10 @@
 """Share of time for which ``hover_follow`` keeps the palm above a moving ball.
 
-The desired place of the palm is 17 cm above the top of the ball by the simulator's truth, so that
-the fingertips, 7 cm in front of the palm, are 10 cm above it. An episode counts 30 s from 6 s after
-its start, when the hand has left its home. The exit status is 1 if the share of that time within
-3 cm, over all episodes, is below 95 %. The interval is the exact (Clopper-Pearson) one of the
-episodes that reach 95 %.
+The desired place of the palm is 17 cm above the top of the ball by the simulator's truth. The
+fingertips, 7 cm in front of the palm, are then 10 cm above it. An episode counts 30 s from 6 s
+after its start, when the hand has left its home. The exit status is 1 if the share of that time
+within 3 cm, over all episodes, is below 95 %. The interval is the exact (Clopper-Pearson) one of
+the episodes that reach 95 %.
 
     python benchmarks/hover_follow.py --episodes 20 --seed 5000000 [--cameras rendered] [--json]
 """

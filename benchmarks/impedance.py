@@ -1,8 +1,8 @@
 """Impedance of six pairs of objects, measured by the hand that set one on or into the other.
 
-The profiles come from the sensed forces and the joint positions (Section 7.2). In each of twelve
-tests, a load along an axis of the world frame, or about one through the palm, is tracked within a
-bounded displacement. A sign is correct if a direction is tracked as in Figure 7.13; directions that
+The profiles come from the sensed forces and the joint positions (Section 7.2). Twelve tests
+track a load along an axis of the world frame, or about one through the palm, within a bounded
+displacement. A sign is correct if a direction is tracked as in Figure 7.13; directions that
 depend on friction are not judged. The exit status is 1 if fewer than 80 % of the signs of a pair
 are correct. Signs of one profile depend on each other, so a profile counts once in the exact
 (Clopper-Pearson) 95 % interval.

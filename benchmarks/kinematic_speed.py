@@ -1,9 +1,10 @@
 """Kinematic REACHTOUCH episodes per second of processor time, also against another checkout.
 
-Each checkout runs in a process of its own, with the interpreter of its own ``.venv``, and through
-the command line alone, so that any commit can be measured. The processes take turns by blocks of
-episodes with the same seeds. The first episode of a block includes the start-up and is not counted.
-Other work on the machine disturbs processor time less than wall time, and both sides alike.
+Each checkout runs in a process of its own, with the interpreter of its own ``.venv``. It is called
+through the command line alone, so that any commit can be measured. The processes take turns by
+blocks of episodes with the same seeds. The first episode of a block includes the start-up and is
+not counted. Other work on the machine disturbs processor time less than wall time, and both sides
+alike.
 
     python benchmarks/kinematic_speed.py --against ../other-checkout
 """

@@ -62,7 +62,8 @@ def remote_peers(module: str, python: str, scene: Scene) -> Iterator[list[Remote
 
 
 def _ask(process: subprocess.Popen[str], message: dict[str, Any]) -> dict[str, Any]:
-    assert process.stdin is not None and process.stdout is not None
+    assert process.stdin is not None
+    assert process.stdout is not None
     try:
         process.stdin.write(json.dumps(message) + "\n")
         process.stdin.flush()

@@ -1,8 +1,8 @@
 """Accuracy of placing an object on a seen pad: ``deliver``, judged by the simulator.
 
 ``pick_and_place`` is rewarded falsely if the object then touches nothing but the hand, or touched
-nothing else within 0.1 s before. An object is placed if it stands at the end within 2 cm of the
-pad's centre, by itself, at rest, and tilted by less than 10 degrees. Shares have exact
+nothing else within 0.1 s before. An object is placed if it ends within 2 cm of the pad's
+centre, by itself, at rest, and tilted by less than 10 degrees. Shares have exact
 (Clopper-Pearson) 95 % intervals. The exit status is 1 if a target is missed.
 
     python benchmarks/pick_and_place.py --episodes 100 --seed 8000000 [--only ball,cube]

@@ -2,7 +2,7 @@
 
 Sixty URDFs come from the packages ``pybullet_data``, part of PyBullet, and ``example-robot-data``
 (``pip install --no-deps example-robot-data``). Each gets the robot file proposed by ``cb new
-robot``, holds its posture for a second, and then moves each joint by a tenth of a radian or a
+robot``. It holds its posture for a second, and then moves each joint by a tenth of a radian or a
 centimetre. A model runs if it is not refused and all its positions stay finite. Each engine has the
 share of joints that arrive within 0.02 rad or m. The exit status is 1 if a model runs on the first
 engine and not on another.

@@ -3,8 +3,8 @@
 Each trial of ASSIMILATE starts from a learned policy with its own random numbers. Correct answers
 come from held-out episodes, in which every allocation is tried; the rewarded ones are correct. The
 first choice of a tree is correct if it is one of these. A schema that expects no reward is correct
-if no allocation is rewarded and, by the simulator's truth, the robot touches the object in none of
-them: the object is out of reach. Objects that are touched without a reward are counted separately,
+if the object is out of reach: no allocation is rewarded, and the robot touches the object in none
+of them, by the simulator's truth. Objects that are touched without a reward are counted separately,
 without an aim. Held-out episodes may run on another backend than the learning. The exit status is 1
 if too few trials reach their aims.
 
@@ -83,7 +83,8 @@ class TouchWatcher:
     """
 
     def __init__(self, backend: Backend, stage: StageDocument) -> None:
-        assert isinstance(backend, GroundTruthProvider) and isinstance(backend.truth, Engine)
+        assert isinstance(backend, GroundTruthProvider)
+        assert isinstance(backend.truth, Engine)
         self._truth, self._stage = backend.truth, stage
         self.touched = False
 

@@ -1,8 +1,8 @@
 """Time of ``cb validate robots programs`` against the start-up of its libraries.
 
-Whole processes run in turn, from start to exit. One validates all shipped documents, one only
-imports pydantic and PyYAML, one also makes a pydantic model, which loads the rest of pydantic, and
-the last is Python alone. Processor time is printed as well, because other processes disturb it
+Whole processes run in turn, from start to exit. One validates all shipped documents, and one only
+imports pydantic and PyYAML. One also makes a pydantic model, which loads the rest of pydantic. The
+last is Python alone. Processor time is printed as well, because other processes disturb it
 less. All processes find their bytecode in a folder of their own, as installed packages do; in a
 read-only checkout every start would compile it.
 

@@ -54,5 +54,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Return the public names, including those that were not used yet."""
+    """Return all public names, including names not used yet."""
     return sorted({*globals(), *__all__})

@@ -68,7 +68,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Drive:
-    """A revolute joint's axis, limits, strength and, if passive, what it follows."""
+    """Axis, limits and strength of a revolute joint, and the joint that a passive one follows."""
 
     limits: tuple[float, float]
     effort: float
@@ -231,13 +231,13 @@ class Body:
 
 
 def add_arm(body: Body, side: str, shoulder: Triple, axes: Triple) -> None:
-    """Seven joints from the torso to the palm.
+    """Add an arm: seven joints from the torso to the palm.
 
     Args:
-        body: that it is added to.
-        side: left or right, which is the mirror image.
-        shoulder: position of the left arm's joint 1, m.
-        axes: its roll, pitch and yaw, rad.
+        body: Body of the robot.
+        side: Side of the arm, left or right; the right arm is the mirror image of the left one.
+        shoulder: Position of the left arm's joint 1, m.
+        axes: Roll, pitch and yaw of that joint, rad.
     """
     sign, (roll, pitch, yaw) = SIDES[side], axes
     parent, at = "torso", (shoulder[0], sign * shoulder[1], shoulder[2])
@@ -298,7 +298,7 @@ def add_finger(body: Body, side: str, finger: int) -> None:
 
 
 def add_head(body: Body) -> None:
-    """Pan, tilt and two cameras that verge on what is in front of the head."""
+    """Add pan, tilt, and two cameras that converge in front of the head."""
     pan = Solid("cylinder", (0.04, 0.06), DARK, (0, 0, -0.03))
     body.link("head_pan", 1.0, (pan,), least_inertia=1e-3)
     body.joint("pan", "torso", "head_pan", NECK, drive=Drive((-1.7, 1.7), 30, 4))

@@ -1,4 +1,4 @@
-"""The words of cbdsl: none is banned, no class name has two owners, no signature is overlong."""
+"""Words and prose of cbdsl: banned words, class names, signatures, and the measures of prose."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ import io
 import re
 import tokenize
 import tomllib
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import pytest
 
 from tests.conftest import ROOT
+from tests.prose import excess, files, places, read_limits
 
 WORDS = tomllib.loads((ROOT / "tests" / "banned_words.toml").read_text("utf-8"))
 #: No function takes more positional parameters, unless it is compiled.
@@ -60,9 +61,10 @@ def bound(node: ast.AST) -> Iterable[str]:
 def prose(tree: ast.AST, source: str) -> Iterator[Finding]:
     """Yield banned words of docstrings and comments."""
     texts = [(line, text) for line, text in docstrings(tree)]
-    for token in tokenize.generate_tokens(io.StringIO(source).readline):
-        if token.type == tokenize.COMMENT:
-            texts.append((token.start[0], token.string))
+    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
+    texts.extend(
+        (token.start[0], token.string) for token in tokens if token.type == tokenize.COMMENT
+    )
     for word, replacement in WORDS["prose"].items():
         pattern = re.compile(rf"\b{word.replace('*', '[a-z]*')}\b", re.IGNORECASE)
         for line, text in texts:
@@ -126,6 +128,48 @@ def sources() -> dict[str, str]:
 def test_a_module_keeps_to_the_words(file: str) -> None:
     faults = findings((ROOT / "cbdsl" / file).read_text("utf-8"))
     assert [f"cbdsl/{file}:{line}: {message}" for line, message in faults] == []
+
+
+@pytest.mark.parametrize("file", files())
+def test_prose_of_a_file_keeps_within_its_limits(file: str) -> None:
+    found = places(file, (ROOT / file).read_text("utf-8"))
+    beyond = excess(Counter(place.measure for place in found), read_limits().get(file, {}))
+    lines = [f"{file}:{p.line}: {p.measure}: {p.text}" for p in found if p.measure in beyond]
+    assert lines == []
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "measure"),
+    [
+        ("a.py", '"""A.\n\nArgs:\n    robot: of the stage.\n"""', "fragment"),
+        ("a.py", '"""Return what moves."""', "headless clause"),
+        ("a.py", "x = 1  # nobody reads it", "headless clause"),
+        ("a.py", f'"""{"word " * 26}."""', "long sentence"),
+        ("a.md", "Whoever reads it.", "headless clause"),
+        ("a.md", "a " * 26, "long sentence"),
+        ("a.md", "x" * 121, "long line"),
+    ],
+)
+def test_places_finds_each_measure(name: str, text: str, measure: str) -> None:
+    assert [place.measure for place in places(name, text)] == [measure]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.py", '"""A.\n\nArgs:\n    robot: Robot of the stage.\n    what: Noun.\n"""'),
+        ("a.py", f'"""Return ``what``.\n\nText.\n\n    {"word " * 26}\n"""'),
+        ("a.md", f"```\nwhat {'word ' * 26}\n```"),
+        ("a.md", f"| {'word ' * 26} |"),
+        ("a.md", f"- {'word ' * 20}\n- {'word ' * 20}"),
+    ],
+)
+def test_places_skips_code_tables_and_names(name: str, text: str) -> None:
+    assert places(name, text) == []
+
+
+def test_excess_names_the_measures_beyond_their_limits() -> None:
+    assert excess({"fragment": 2, "long line": 1}, {"fragment": 1, "long line": 1}) == ["fragment"]
 
 
 def test_no_class_name_has_two_owners() -> None:

@@ -56,7 +56,8 @@ def learn(
         out: File for the policy, ``NAME.yaml``; internal models are written beside it.
         episodes: Total number of episodes.
         seed: Seed of all random draws.
-        backend, cameras: Backend and cameras, as for ``open_robot``.
+        backend: Name of the backend, as for ``open_robot``.
+        cameras: Kind of cameras, as for ``open_robot``.
         learner: Name of the algorithm.
         constants: Constants of the algorithm, by name, in SI or as text with units.
         resume: True to continue a trial that was begun there.

@@ -30,7 +30,8 @@ def run(
         seed: Seed of the first episode; the others have the following seeds.
         episodes: Number of episodes.
         context: Context of the stage; drawn by share if ``None``.
-        backend, cameras: Backend and cameras, as for ``open_robot``.
+        backend: Name of the backend, as for ``open_robot``.
+        cameras: Kind of cameras, as for ``open_robot``.
         on_transition: Function called with each change of state.
         on_tick: Function called at each control tick, with the observation and the signals.
 

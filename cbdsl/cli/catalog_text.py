@@ -18,10 +18,10 @@ def catalog_text(catalog: CatalogDocument) -> str:
     titles = ("action", "rewarded", "95 % interval", "value", "model")
     widths = [max(len(row[i]) for row in (titles, *rows)) for i in range(len(titles))]
     lines = [head, ""]
-    for row in (titles, *rows):
-        lines.append(
-            "  ".join(f"{cell:{w}s}" for cell, w in zip(row, widths, strict=True)).rstrip()
-        )
+    lines.extend(
+        "  ".join(f"{cell:{w}s}" for cell, w in zip(row, widths, strict=True)).rstrip()
+        for row in (titles, *rows)
+    )
     for name, each in catalog.affordances.items():
         lines += feature_lines(name, each)
     return "\n".join(lines) + "\n"

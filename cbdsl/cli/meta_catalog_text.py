@@ -25,10 +25,10 @@ def meta_catalog_text(catalog: MetaCatalogDocument) -> str:
     ]
     widths = [max(len(row[i]) for row in (_TITLES, *rows)) for i in range(len(_TITLES))]
     lines = [head, f"things: {things}", ""]
-    for row in (_TITLES, *rows):
-        lines.append(
-            "  ".join(f"{cell:{width}s}" for cell, width in zip(row, widths, strict=True)).rstrip()
-        )
+    lines.extend(
+        "  ".join(f"{cell:{width}s}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in (_TITLES, *rows)
+    )
     for name, pair in catalog.pairs.items():
         lines += feature_lines(name, pair)
     return "\n".join(lines) + "\n"

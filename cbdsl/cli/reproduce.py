@@ -82,12 +82,12 @@ def reproduce(
 ) -> None:
     """Measure the results that the dissertation reports.
 
-    Experiments in which the robot learns run trials, and share those of the same programs. With
-    --keep each of their episodes is kept as soon as it is over, and so is each of engines,
-    fig-5.2, fig-5.3-5.5, fig-5.6 and fig-5.12, and each trial of fig-5.10-5.11, fig-7.13-7.14,
-    fig-7.16-7.17 and table-7.1-7.2.
+    Experiments in which the robot learns run trials, and share those of the same programs.
+    --keep keeps each finished episode of these trials and of engines, fig-5.2, fig-5.3-5.5, fig-5.6
+    and fig-5.12. It keeps each finished trial of fig-5.10-5.11, fig-7.13-7.14, fig-7.16-7.17 and
+    table-7.1-7.2.
 
-    Exit 0 after a run with any verdicts, 2 if it could not run.
+    Exit 0 after a run with any verdicts, 2 if it cannot run.
     """
     from cbdsl.cli.terminal import print_json
     from cbdsl.errors.errors import UsageError

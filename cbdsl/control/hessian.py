@@ -1,7 +1,7 @@
 """Hessians of task coordinates; compiled.
 
-Model. The task coordinates of a spring are a slope times the rows of its feedback, so that their
-Hessian is the slope times the derivative of those rows (``sensing.curvature``), made symmetric. In
+Model. The task coordinates of a spring are a slope times the rows of its feedback. Their Hessian is
+thus the slope times the derivative of those rows (``sensing.curvature``), made symmetric. In
 exponential coordinates of a rotation, half of the derivative of the axes is the second derivative,
 which is the same. A tip that may turn about its own axis a couples the turn about a with the turns
 across: s . (a x w_j) (a . w_i), for a task coordinate s . w. Assumption: the slope itself counts as

@@ -134,6 +134,11 @@ def _differentiate_by_rays(
     which is (g + a u_l + b u_r) / 2, where a = y . u_l and b = y . u_r.
 
     Args:
+        by_point: Gradient g by the triangulated point, shape (3,).
+        point: Triangulated point x, m, shape (3,).
+        left: Position of the left camera, m, shape (3,).
+        right: Position of the right camera, m, shape (3,).
+        rays: Unit directions of the left and the right line of sight, shape (2, 3).
         turns: Becomes the gradient by the left, then the right direction, shape (2, 3).
     """
     cosine = dot(rays[0], rays[1])

@@ -2,8 +2,8 @@
 
 phi = -w with w = sqrt(det(J J^T)), the volume that a ball of joint velocities is mapped to. The
 value is J itself, and its Jacobian the curvature, so that only dphi/dJ is needed here. The
-derivative of w by the entries of J is w (J J^T)^-1 J. With the singular values s_i of J and
-singular vectors u_i and v_i, it is sum_i (w / s_i) u_i v_i^T. The factors are products of the other
+derivative of w by the entries of J is w (J J^T)^-1 J. By the singular value
+decomposition of J, it is the sum of (w / s_i) u_i v_i^T. The factors are products of the other
 singular values, so that it is bounded everywhere. At a singularity w has a kink: one s_i vanishes,
 and v_i may be any null vector of J. For every choice, the gradient points to growing w unless it
 vanishes.

@@ -75,7 +75,8 @@ def _cursor(
     text = lines[line] if 0 <= line < len(lines) else ""
     before, after = text[:column], text[column:]
     head, tail = _BEFORE.search(before), _AFTER.search(after)
-    assert head is not None and tail is not None, "both match nothing, too"
+    assert head is not None, "the pattern matches the empty text"
+    assert tail is not None, "the pattern matches the empty text"
     word, start = head[0] + tail[0], len(before) - len(head[0])
     opened, own = _in_line(before)
     indent = len(text) - len(text.lstrip()) if text.strip() else column

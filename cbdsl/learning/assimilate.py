@@ -139,7 +139,8 @@ class Assimilate:
     @property
     def _resolutions(self) -> Mapping[str, float]:
         """Insignificant differences of features, by component."""
-        assert self._program is not None and self._program.schema is not None
+        assert self._program is not None
+        assert self._program.schema is not None
         schema = self._program.schema
         units = {name: _unit(name, schema) for name in schema.components}
         return {name: _RESOLUTION[unit] for name, unit in units.items() if unit in _RESOLUTION}
@@ -196,7 +197,8 @@ class Assimilate:
 
     def document(self, name: str, program: CheckedProgram) -> SchemaDocument:
         """Return a schema of the present knowledge, without curve and provenance."""
-        assert self._program is not None and self._program.schema is not None
+        assert self._program is not None
+        assert self._program.schema is not None
         schema, parameters = self._program.schema, program.parameters
         units = {name: _unit(name, schema) for name in schema.components}
         return SchemaDocument(

@@ -101,7 +101,8 @@ def _best(
         outcomes: Outcomes of the samples.
         least: Fewest samples of a leaf.
         finest: Insignificant differences of each feature, shape (features,).
-        trust, needed: Share and evidence, see ``grow``.
+        trust: Share of a gap, see ``grow``.
+        needed: Evidence that a question needs, see ``grow``.
     """
     best: _Question | None = None
     least_evidence = needed + _NOTHING

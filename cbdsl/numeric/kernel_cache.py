@@ -58,7 +58,7 @@ class KernelCache(_Cache):
         return None if file is None else self._load(file, target_context)
 
     def load_others(self, loaded: Iterable[Any], target_context: Any) -> Iterator[Any]:
-        """Yield the kept machine code of each signature but those that are loaded."""
+        """Yield the kept machine code of each signature that is not loaded."""
         target_context.refresh()
         codegen = target_context.codegen()
         known = {self._file(sig, codegen) for sig in loaded}

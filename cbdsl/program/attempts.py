@@ -50,7 +50,8 @@ class AttemptProgress:
         in which the object is out of sight counts as lost ground, which a search can regain.
 
         Args:
-            before, after: States, equal if an action changed nothing.
+            before: State before the action.
+            after: State after it, equal to ``before`` if the action changed nothing.
         """
         is_first, self._is_first = self._is_first, False
         now, earlier = self._worth.get(after, 0.0), self._worth.get(before, 0.0)

@@ -31,7 +31,7 @@ def state_values(policy: Mapping[str, str], transitions: Counts) -> dict[str, fl
         if (action := chooses.choose(state, changed=True)) is not None and action in counts
     }
     reached = {s for by in transitions.values() for after in by.values() for s in after}
-    values = {state: 1.0 for state in reached - transitions.keys()}
+    values = dict.fromkeys(reached - transitions.keys(), 1.0)
     for _ in range(_SWEEPS):
         for state, after in following.items():
             ways = sum(count * values.get(s, 0.0) for s, count in after.items())

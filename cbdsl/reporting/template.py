@@ -29,7 +29,8 @@ def filled(
     Args:
         name: Template of its body, among the assets.
         title: Title of the page, as text.
-        styles, scripts: Assets, in order.
+        styles: Style sheets among the assets, in order.
+        scripts: Scripts among the assets, in order.
         data: Data that the scripts show.
         slots: Content of the body's slots, by name, as HTML.
         connects: True if the page may connect to its own server, and to no other.

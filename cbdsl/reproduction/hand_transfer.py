@@ -164,7 +164,8 @@ class _AssimilatedTrials:
     def _schema(self, learned: LearnedTrial) -> CheckedProgram:
         """Return the program with all its allocations, under the policy of the trial."""
         learner, program = learned.trial.learner, self._program
-        assert isinstance(learner, Accommodate) and program.schema is not None
+        assert isinstance(learner, Accommodate)
+        assert program.schema is not None
         actions = learner.greedy()
         worth = state_values(actions, dict(learner.counts.items())) if actions else {}
         schema = program.schema._replace(worth=worth)

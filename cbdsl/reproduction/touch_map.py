@@ -1,8 +1,8 @@
 """Touch map: positions at which the world affords touch (Figure 5.6).
 
-Fifty places: 20 on the surface of a table, 20 at an object on it, and 10 where the second hand
-touches the object that the first one brings (Section 5.2.2). Each is the position of contact of
-the fingertips at the reward of an episode, by load cells and kinematics.
+Fifty places: 20 on the surface of a table, 20 at an object on it, and 10 on an object that the
+first hand brings to the second (Section 5.2.2). Each is the position of contact of the fingertips
+at the reward of an episode, by load cells and kinematics.
 """
 
 from __future__ import annotations

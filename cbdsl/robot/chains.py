@@ -18,7 +18,7 @@ class Chain(NamedTuple):
     Attributes:
         name: Name for programs, distinct among the chains of a model.
         joints: Actuated joints, from the root outwards.
-        tip: Acting link, among those that are fixed to the last joint's link.
+        tip: Acting link, among the links fixed to the last joint's link.
     """
 
     name: str

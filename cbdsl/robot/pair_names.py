@@ -44,7 +44,8 @@ class PairName(NamedTuple):
         if isinstance(first, StereoPosition) and isinstance(second, StereoPosition):
             offset = StereoOffset(first.channel, second.channel)
             return Resource(name, OFFSET, Origin.TRIANGULATION, offset)
-        assert isinstance(first, Heading) and isinstance(second, Heading)
+        assert isinstance(first, Heading)
+        assert isinstance(second, Heading)
         seen = ConstellationSignal(first.camera, first.channel, second.channel)
         return Resource(name, CONSTELLATION, Origin.ENVIRONMENT, seen)
 
@@ -77,7 +78,8 @@ def pair_features(
     """Return the constellation of two objects in a camera, and the offset between them.
 
     Args:
-        feature, goal: Channels of the objects.
+        feature: Channel of the first object.
+        goal: Channel of the second object.
         camera: Name of the camera.
         named: Resources of the robot by name.
     """

@@ -75,7 +75,6 @@ def refuse_entities(text: bytes | str, path: Path) -> None:
     Raises:
         UrdfError: If it declares one.
     """
-
     declared = []
 
     def stop(*_: object) -> None:

@@ -83,6 +83,7 @@ class ActionLevels:
         """Return the levels of controllers, whose peers are each other and the controllers below.
 
         Args:
+            runs: Runs of the controllers, highest priority first.
             below: Lower controllers, highest priority first; ``None`` for the program's background.
         """
         below = self.background if below is None else below

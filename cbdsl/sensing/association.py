@@ -1,9 +1,9 @@
 """Stereo correspondences between the regions in the images of two cameras (Eq 3.14).
 
 Lines of sight to one object nearly meet, and its apparent sizes fit its distances from both
-cameras. If several regions of one image match several of the other, the objects stand side by side
-on one plane through both cameras, which see them in the same order. If the numbers of regions
-differ, the correspondences are ambiguous and are not resolved.
+cameras. If several regions of one image match several of the other, the objects are side by side on
+one plane through both cameras. Both images then have them in the same order. If the numbers of
+regions differ, the correspondences are ambiguous and are not resolved.
 """
 
 from __future__ import annotations
@@ -106,7 +106,8 @@ def pair(
     """Return the unambiguous and the ambiguous stereo correspondences.
 
     Args:
-        left, right: Sightings of one channel by the two cameras.
+        left: Sightings of a channel by the left camera.
+        right: Sightings of the channel by the right camera.
         settings: Largest gap between lines of sight, and largest distance.
     """
     possible = [

@@ -17,6 +17,7 @@ def sight(camera: Camera, column: float, row: float) -> Floats:
     """Return a pixel's direction, camera frame (x forward, y left, z up), with x = 1, shape (3,).
 
     Args:
+        camera: Camera of the pixel.
         column: Distance from the left edge, px; the centre of the first pixel is at 0.5.
         row: Distance from the top edge, px.
     """
@@ -33,6 +34,7 @@ def within_view(camera: Camera, centre: Floats, radius: float) -> bool:
     """Return whether the whole image of a ball is within the camera's image.
 
     Args:
+        camera: Camera of the image.
         centre: Centre of the ball in the camera frame, m, shape (3,).
         radius: Radius of the ball, m.
     """
@@ -104,7 +106,8 @@ def line_of_sight(
 
     Args:
         lens: Width, height and focal length of the camera, px, shape (3,).
-        column, row: Pixel coordinates, as in ``sight``.
+        column: Column of the pixel, as in ``sight``.
+        row: Row of the pixel, as in ``sight``.
         rotation: Rotation of the camera, shape (3, 3).
         direction: Output: line up to the plane x = 1 m of the camera's frame, shape (3,).
 

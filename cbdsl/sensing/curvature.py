@@ -5,8 +5,8 @@ v_j of a point changes by w_i x v_j, and the axis w_j by w_i x w_j. A heading is
 d = R' s in the axes R of a camera, for a distant point: its Jacobian is N(angles) W, with the
 camera's own axes W_j = R' w_j. For i before j, N W_i changes per joint j by dN(J_j) W_i + N (W_i x
 W_j). A contact force is that of springs of a constant stiffness at the fingertips, whose points
-bend as those of tips do. Assumptions: the direction in which a palm presses counts as constant, and
-so do torques and the part of a heading that follows from the motion of a held object.
+bend as those of tips do. Assumptions: constant are the direction in which a palm presses, torques,
+and the part of a heading that follows from the motion of a held object.
 """
 
 from __future__ import annotations

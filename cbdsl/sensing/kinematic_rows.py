@@ -57,6 +57,7 @@ class KinematicRows:
         Its own Jacobian is the curvature (Eq 3.5).
 
         Args:
+            effector: Name of an effector or group.
             part: Part of the tip: ``position`` for three rows a tip, ``pose`` for six.
             joints: Names of the n joints, one for each column.
         """

@@ -99,7 +99,8 @@ class PositionMemory:
         move, because a shoulder occludes it gradually.
 
         Args:
-            sizes, aside: Sizes and distances, as in ``has_shrunk``.
+            sizes: Apparent sizes, as in ``has_shrunk``.
+            aside: Distances, as in ``has_shrunk``.
         """
         shares = _shares(sizes, self._visible)
         self._largest = None

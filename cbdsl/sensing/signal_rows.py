@@ -48,6 +48,7 @@ class SignalRows:
         """Return the number of the row with a key; bind the row at the first call.
 
         Args:
+            key: Key of the row.
             bind: Function that binds the row.
         """
         number = self._numbers.get(key)
@@ -59,6 +60,7 @@ class SignalRows:
         """Bind a row of a form and return its number.
 
         Args:
+            form: Form of the row.
             made_of: Numbers of other rows that are refreshed before this one.
         """
         number = self.table.bind(form)
@@ -74,6 +76,8 @@ class SignalRows:
         """Bind a row that Python reads; return its number.
 
         Args:
+            size: Number of components.
+            reader: Function that reads the row.
             form: Form of the row, by default one without parts.
         """
         number = self.table.bind(form or Form(WRITTEN, size, size))

@@ -164,7 +164,8 @@ def _sweep(
     Args:
         eye: Position of the camera that sees the first outline, m, shape (3,).
         lines: Lines of sight to the points of this outline, shape (n, 3).
-        other_eye, rotation: Position, m, and rotation of the other camera, shapes (3,) and (3, 3).
+        other_eye: Position of the other camera, m, shape (3,).
+        rotation: Rotation of the other camera, shape (3, 3).
         lens: Focal length, width and height of the other camera, px, shape (3,).
         segments: Segments of the outline that the other camera sees, px, shape (k, 4).
         heights: Heights of the planes, m, shape (m,).

@@ -180,7 +180,9 @@ class Vision:
         Without lingering headings, it would search on and never fixate the object.
 
         Args:
-            number: Number of the object, by default of the one attended to.
+            camera: Name of the camera.
+            channel: Channel of the object.
+            number: Number of the object; of the attended one by default.
         """
         key = camera, channel, self.instances[channel].attended if number is None else number
         seen_heading = self.headings.get(key)

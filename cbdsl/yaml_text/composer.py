@@ -308,7 +308,7 @@ class _Composer:
         return text
 
     def _one_more(self, entries: int, event: Any) -> int:
-        """Return the number of entries including the one that begins at an event."""
+        """Return the number of entries including the entry that begins at an event."""
         if entries == MOST_ENTRIES:
             bound = f"{MOST_ENTRIES} entries of one list or mapping"
             raise self._fatal("CB108", self._place(event), bound=bound)

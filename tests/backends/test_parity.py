@@ -204,7 +204,7 @@ def test_probing_fingers_are_rewarded_on_both(play: Play, seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", (70002, 70003, 70004))
+@pytest.mark.parametrize("seed", [70002, 70003, 70004])
 def test_spots_are_found_on_both(play: Play, seed: int) -> None:
     """Allow different states.
 
@@ -217,7 +217,7 @@ def test_spots_are_found_on_both(play: Play, seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", (70001, 70002, 70003))
+@pytest.mark.parametrize("seed", [70001, 70002, 70003])
 def test_both_hands_are_rewarded_on_both(play: Play, seed: int) -> None:
     """Allow different states.
 

@@ -33,7 +33,7 @@ def schema() -> CheckedProgram:
 
 def features(schema: CheckedProgram, x: float, y: float) -> dict[str, float]:
     assert schema.schema is not None
-    return {name: 0.0 for name in schema.schema.components} | {"place.x": x, "place.y": y}
+    return dict.fromkeys(schema.schema.components, 0.0) | {"place.x": x, "place.y": y}
 
 
 def episode(schema: CheckedProgram, rng: np.random.Generator, allocation: str) -> Experience:

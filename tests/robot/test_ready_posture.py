@@ -27,7 +27,7 @@ def _kinematics(path: Path, chain: Chain, positions: tuple[float, ...]) -> tuple
     """Return the tip's position and Jacobian over the chain's joints, by another library."""
     model = pinocchio.buildModelFromUrdf(str(path))
     data, configuration = model.createData(), pinocchio.neutral(model)
-    at = {joint: first for joint, first in zip(chain.joints, positions, strict=True)}
+    at = dict(zip(chain.joints, positions, strict=True))
     for joint in read_urdf(path).joints.values():
         if joint.movable:
             index = model.joints[model.getJointId(joint.name)]
@@ -44,7 +44,7 @@ def _kinematics(path: Path, chain: Chain, positions: tuple[float, ...]) -> tuple
     return data.oMf[frame].translation, jacobian[:, columns]
 
 
-@pytest.mark.parametrize("name", (*ARMS, *LEGS))
+@pytest.mark.parametrize("name", [*ARMS, *LEGS])
 def test_the_tip_is_where_another_library_has_it(name: str) -> None:
     model = _model(name)
     for chain in chains(model):
@@ -54,7 +54,7 @@ def test_the_tip_is_where_another_library_has_it(name: str) -> None:
         assert np.allclose(row.tip_at(positions), place, atol=1e-9), chain.name
 
 
-@pytest.mark.parametrize("name", (*ARMS, *LEGS))
+@pytest.mark.parametrize("name", [*ARMS, *LEGS])
 def test_a_limb_can_move_its_tip_every_way(name: str) -> None:
     model = _model(name)
     for chain in (each for each in chains(model) if len(each.joints) >= 3):

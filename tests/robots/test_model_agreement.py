@@ -50,7 +50,7 @@ def expected(urdf: Path, given: Mapping[str, float]) -> dict[str, Floats]:
         q[joint.idx_q : joint.idx_q + joint.nq] = turn
     data = model.createData()
     pinocchio.framesForwardKinematics(model, data, q)
-    links = [name for name in read_urdf(urdf).links]
+    links = list(read_urdf(urdf).links)
     frames = {name: model.getFrameId(name, pinocchio.FrameType.BODY) for name in links}
     return {name: data.oMf[frame].homogeneous for name, frame in frames.items()}
 

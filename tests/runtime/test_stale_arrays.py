@@ -55,8 +55,8 @@ def test_controllers_may_get_slots_while_others_act(checked: Checked, play: Play
 
     def add(tick: Tick) -> None:
         plan: Any = tick.run._plan
-        for controller in others.controllers if len(added) < 100 else ():
-            added.append(ControllerRun(controller, tick.signals, plan, 0.01))
+        more = others.controllers if len(added) < 100 else ()
+        added.extend(ControllerRun(each, tick.signals, plan, 0.01) for each in more)
 
     assert_same(play, program, add)
     assert len(added) == 100

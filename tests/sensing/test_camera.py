@@ -1,3 +1,5 @@
+"""Pinhole model: directions of pixels, and the limits of the image."""
+
 import numpy as np
 import pytest
 

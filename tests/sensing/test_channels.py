@@ -1,3 +1,5 @@
+"""Division of images into channels of hue, saturation, intensity and motion."""
+
 import cv2
 import numpy as np
 import pytest

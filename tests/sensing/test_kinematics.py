@@ -1,3 +1,5 @@
+"""Poses and Jacobians of links, against finite differences and Pinocchio."""
+
 import re
 from pathlib import Path
 

@@ -70,7 +70,7 @@ def observation(signals: Signals, time: float, **seen: Region) -> Observation:
     regions: Mapping[str, tuple[Region, ...]] = {name: (each,) for name, each in seen.items()}
     cells = signals.robot.load_cells.items()
     loads = {(hand, finger): np.zeros(6) for hand, fingers in cells for finger in fingers}
-    both = {name: regions for name in signals.robot.cameras}
+    both = dict.fromkeys(signals.robot.cameras, regions)
     return Observation(time, positions, np.zeros_like(positions), loads, {}, both)
 
 

@@ -1,3 +1,5 @@
+"""Memory of positions and sizes of objects that are occluded or out of view."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""Loads of an observation by cell."""
+
 import numpy as np
 import pytest
 

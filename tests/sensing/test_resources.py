@@ -41,7 +41,7 @@ def _observe(robot: RobotDocument, time: float, positions: np.ndarray, force: fl
 # Drawn when a controller begins, from the features seen or known then.
 
 
-@pytest.mark.parametrize("name", (*LIBRARY.names(RobotDocument), *SOURCES.usable_names()))
+@pytest.mark.parametrize("name", [*LIBRARY.names(RobotDocument), *SOURCES.usable_names()])
 def test_every_resource_is_bound_read_and_refreshed(name: str) -> None:
     robot = _robot(name)
     kinematics = Kinematics(robot, ROOT / "robots" / robot.model)

@@ -1,3 +1,5 @@
+"""Values, Jacobians and definedness of the resources of a robot."""
+
 import numpy as np
 import pytest
 

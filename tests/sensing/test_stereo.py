@@ -1,3 +1,5 @@
+"""Triangulation by two lines of sight."""
+
 import numpy as np
 import pytest
 

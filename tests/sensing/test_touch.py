@@ -65,7 +65,7 @@ def test_hands_that_touch_each_other_hold_nothing(touch_of: Make) -> None:
     assert not touch.all_holding("hands")
 
 
-@pytest.mark.parametrize("robot, hand", [("dexter", "right_hand"), ("panda", "hand")])
+@pytest.mark.parametrize(("robot", "hand"), [("dexter", "right_hand"), ("panda", "hand")])
 def test_net_torque_has_the_moments_of_the_fingers_forces(
     touch_of: Make, robot: str, hand: str
 ) -> None:

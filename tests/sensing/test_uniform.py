@@ -1,3 +1,5 @@
+"""Uniform draws from the joint ranges."""
+
 import numpy as np
 import pytest
 

@@ -124,7 +124,8 @@ def take_and_die(out: Path, episodes: int, owner: object, name: str, count: int)
     """Run a trial, and kill this process when it calls a function for the ``count``th time.
 
     Args:
-        out, episodes: Arguments of the trial.
+        out: File of the trial.
+        episodes: Number of episodes.
         owner: Owner of the function, such as a class or a module.
         name: Name of the function.
         count: Number of the last call.

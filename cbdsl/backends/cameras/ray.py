@@ -77,7 +77,9 @@ def met_rows(
     Solids are convex, so lines that meet one are adjacent. If none does, the two are equal.
 
     Args:
-        kind, halves, origin: Solid and camera position, as in ``entered``.
+        kind: Kind of the solid, as in ``entered``.
+        halves: Half extents of the solid, as in ``entered``.
+        origin: Camera position, as in ``entered``.
         level: Direction of the line of slope 0, in the solid's frame.
         slope: Change of the direction per slope.
         bottom: Slope at which the column begins.

@@ -8,8 +8,8 @@ v = (p' - p) / dt. A step is chosen from the intersection of three intervals:
     position        -s(p - lower) <= v <= s(upper - p)
 
 s(d) is the largest first velocity from which braking by a dt in each further step covers at most
-the distance d: v dt + (v - a dt) dt + ... <= d. For v = n a dt the sum is a dt^2 n (n+1) / 2, and
-it is linear in v between these nodes with the slope n dt. If v0 obeyed s one step earlier, the
+the distance d: v dt + (v - a dt) dt + ... <= d. For v = n a dt the sum is a dt^2 n (n+1) / 2. It
+is linear in v between these nodes, with the slope n dt. If v0 obeyed s one step earlier, the
 lower end v0 - a dt obeys s now. So the intersection is never empty, and the position limits hold
 by induction for every sequence of requests.
 """

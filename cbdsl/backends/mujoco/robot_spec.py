@@ -106,8 +106,8 @@ class _Links:
         while waiting:
             link, body = waiting.pop()
             self._fill(body, link)
-            for joint in reversed(below.get(link, [])):
-                waiting.append((joint.child, self._hang(body, joint)))
+            joints = reversed(below.get(link, []))
+            waiting.extend((joint.child, self._hang(body, joint)) for joint in joints)
 
     def _hang(self, parent: Any, joint: UrdfJoint) -> Any:
         """Return a new body that hangs on a joint."""

@@ -108,7 +108,8 @@ class _Post:
         limits: JointLimits,
         node: RosNode,
     ) -> None:
-        assert driver.commands is not None and driver.states is not None, "as is checked"
+        assert driver.commands is not None, "checked before"
+        assert driver.states is not None, "checked before"
         moved = [joint for effector in driver.moves for joint in robot.joints(effector)]
         own = joints.pick(moved)
         self.name, self.topic = name, driver.commands

@@ -1,8 +1,8 @@
 """Balls, boxes and cylinders as rows of one array.
 
 A row holds the shape's number, its half extents along its own axes, m, its position, m, and its
-rotation by rows, with the axes as columns. All are in the world frame. Cylinders stand along their
-z.
+rotation by rows. The columns of the rotation are the axes. All are in the world frame. Cylinders
+stand along their z.
 """
 
 from __future__ import annotations

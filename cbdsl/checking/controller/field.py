@@ -212,7 +212,8 @@ class _Field:
 
     def _box(self, i: int, obstacle: written.ObstacleSection) -> Iterator[Box]:
         lower, upper = obstacle.lower, obstacle.upper
-        assert lower is not None and upper is not None
+        assert lower is not None
+        assert upper is not None
         if not self._fit(("obstacles", i), lower, upper):
             return
         for axis, (a, b) in enumerate(zip(lower, upper, strict=True)):

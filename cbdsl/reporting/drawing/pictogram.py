@@ -73,7 +73,8 @@ def pictograms(
         state: State, one letter per member.
         members: Names of the members.
         programs: Names of the members that are programs.
-        left, top: Upper left corner, px.
+        left: Left edge, px.
+        top: Upper edge, px.
     """
     for place, (letter, member) in enumerate(zip(state, members, strict=False)):
         yield pictogram(letter, member in programs, left + place * PITCH, top)

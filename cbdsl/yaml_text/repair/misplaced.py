@@ -1,7 +1,7 @@
 """Keys that are one level too high or too low, and where they belong.
 
-A section that is written flat, or at the level of its parent, leaves keys that are unknown in their
-mapping but known in a section inside or around it. Such keys are moved there. One mistake thus
+If a section is written flat, or at the level of its parent, its keys are unknown in their mapping.
+They are known in a section inside or around it, and are moved there. One mistake thus
 yields one finding, and the rest is checked as intended.
 """
 
@@ -78,7 +78,8 @@ def _mapping(source: SourceMap, path: Steps, place: Place) -> Node:
 
 
 def _put(start: Node, keys: Iterable[str], goal: Node) -> None:
-    assert isinstance(start.value, dict) and isinstance(goal.value, dict)
+    assert isinstance(start.value, dict)
+    assert isinstance(goal.value, dict)
     for key in keys:
         goal.value[key], goal.keys[key] = start.value.pop(key), start.keys.pop(key)
 

@@ -65,7 +65,7 @@ def test_whoever_looks_learns_all_of_an_episode(
     assert None in approach and defined[-1] < 0.01 * defined[0]
     stack = [names[level["controller"]] for level in frames[-1]["levels"]]
     assert stack.index("touch") < stack.index("approach") < stack.index("posture")
-    assert {each for each in of["body"][0]["parts"][0]} >= {"shape", "size", "color"}
+    assert set(of["body"][0]["parts"][0]) >= {"shape", "size", "color"}
 
 
 def test_nothing_is_made_while_nobody_looks(

@@ -15,7 +15,7 @@ class Follower:
     speed = 120.0
 
     def connect(self) -> None:
-        self._at = {motor: 0.0 for motor in MOTORS}
+        self._at = dict.fromkeys(MOTORS, 0.0)
         self._goals, self._time = dict(self._at), time.monotonic()
 
     def _move(self) -> None:
