@@ -23,7 +23,7 @@ def check(*documents: str | Path, values: Mapping[str, str] | None = None) -> li
     Raises:
         UsageError: No document has such a name.
     """
-    from cbdsl.checking.document import check_document
+    from cbdsl.checking.safety_net import check_safely
     from cbdsl.checking.session import Session
     from cbdsl.yaml_text.library import Library
 
@@ -32,5 +32,5 @@ def check(*documents: str | Path, values: Mapping[str, str] | None = None) -> li
     files = [file for word in documents for file in library.locate_any(str(word))]
     findings: dict[Diagnostic, None] = {}
     for file in files:
-        findings.update(dict.fromkeys(check_document(file, session)))
+        findings.update(dict.fromkeys(check_safely(file, session)))
     return list(findings)

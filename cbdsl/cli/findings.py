@@ -51,7 +51,7 @@ def check_paths(
         notes_elsewhere: True if notes on other files are printed as well.
 
     Returns:
-        Exit code: 0 without errors, 1 with errors.
+        Exit code: 0 without errors, 1 with errors, 2 if a check failed.
 
     Raises:
         UsageError: A folder holds no documents, or the format is unknown.
@@ -63,7 +63,7 @@ def check_paths(
     written = write(report)
     if written:
         print(written)
-    return 1 if report.errors or (strict and report.warnings) else 0
+    return report.exit_code(strict)
 
 
 def _writer(form: str) -> Callable[[ValidationReport], str]:
@@ -79,7 +79,7 @@ def _writer(form: str) -> Callable[[ValidationReport], str]:
 
 
 def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> ValidationReport:
-    from cbdsl.checking.document import check_document
+    from cbdsl.checking.safety_net import check_safely
     from cbdsl.checking.session import Session
     from cbdsl.cli.ignores import apply_suppressions
     from cbdsl.cli.terminal import print_problem
@@ -97,7 +97,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     # A robot's diagnostics come with every program on it: each is reported once.
     diagnostics: dict[Diagnostic, None] = {}
     for file in files:
-        diagnostics.update(dict.fromkeys(check_document(file, session)))
+        diagnostics.update(dict.fromkeys(check_safely(file, session)))
     findings = apply_suppressions(diagnostics, files, session.library)
     for fault in KINDS.met_faults:
         print_problem(f"warning: {fault}")

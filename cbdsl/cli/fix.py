@@ -43,7 +43,7 @@ def fix_paths(paths: Iterable[str], values: Mapping[str, str]) -> None:
 
 def _fix_once(words: Iterable[str], values: Mapping[str, str]) -> list[Path]:
     """Correct each file once, and return the changed files."""
-    from cbdsl.checking.document import check_document
+    from cbdsl.checking.safety_net import check_safely
     from cbdsl.checking.session import Session
     from cbdsl.yaml_text.library import Library
     from cbdsl.yaml_text.writer import write_text
@@ -51,7 +51,7 @@ def _fix_once(words: Iterable[str], values: Mapping[str, str]) -> list[Path]:
     library, changed = Library(), []
     session = Session(library, values)
     for file in choose_files(words, Path(STANDARD_INPUT), library).files:
-        own = [each for each in check_document(file, session) if each.place.file == str(file)]
+        own = [each for each in check_safely(file, session) if each.place.file == str(file)]
         try:
             before = library.text(file)
         except DiagnosticsError:

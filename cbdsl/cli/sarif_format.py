@@ -30,6 +30,7 @@ def sarif(report: ValidationReport) -> str:
     run = {
         "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
+        "invocations": [{"executionSuccessful": report.exit_code(strict=False) != 2}],
         "results": [_result(diagnostic, codes) for diagnostic in report.findings],
     }
     log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}

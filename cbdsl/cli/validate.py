@@ -39,7 +39,7 @@ def validate(
 ) -> None:
     """Check documents without running them.
 
-    Exit 0 without errors, 1 with errors, 2 for a wrong call.
+    Exit 0 without errors, 1 with errors, 2 for a wrong call or an internal error.
     """
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.findings import check_paths

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import NamedTuple
 
+from cbdsl.checking.safety_net import FAILED_CHECK
 from cbdsl.errors.diagnostic import Diagnostic, Severity
 
 
@@ -41,6 +42,16 @@ class ValidationReport(NamedTuple):
     def notes(self) -> int:
         """Number of notes, which state assumptions and require no action."""
         return self._count(Severity.NOTE)
+
+    def exit_code(self, strict: bool) -> int:
+        """Return 0 without errors, 1 with errors, and 2 if a check failed.
+
+        Args:
+            strict: True if warnings count as errors.
+        """
+        if any(finding.code == FAILED_CHECK for finding in self.findings):
+            return 2
+        return 1 if self.errors or (strict and self.warnings) else 0
 
     def without_notes_elsewhere(self, files: Collection[str]) -> ValidationReport:
         """Return the report without notes on files other than these."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.checking.document import check_document
+from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
 from cbdsl.documents.document import Document
 from cbdsl.documents.ownership import is_own
@@ -67,13 +67,9 @@ class Buffers:
         return self._session.library
 
     def findings(self, path: Path) -> list[Diagnostic]:
-        """Return the findings in a file.
-
-        Raises:
-            PluginError: The checker of another package's document kind fails.
-        """
+        """Return the findings in a file."""
         # A document that was found by its name has a shorter path than the editor's.
-        real, every = self.library.real, check_document(path, self._session)
+        real, every = self.library.real, check_safely(path, self._session)
         return [each for each in every if real(Path(each.place.file)) == real(path)]
 
     def document(self, path: Path) -> Loaded[Document] | None:

@@ -28,7 +28,6 @@ from cbdsl.editor.rename import Renaming, is_name, renaming
 from cbdsl.errors.diagnostic import Diagnostic, Place, Severity
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.lines import lines_of
-from cbdsl.types.registry import PluginError
 from cbdsl.yaml_text.reader import formatted_text
 
 NAME = "cbdsl"
@@ -80,12 +79,7 @@ class Server(LanguageServer):
         """Check an open document, and send its findings; files of other tools have none."""
         self._findings[path] = []
         if is_own(path, self.buffers.text(path)):
-            try:
-                self._findings[path] = self.buffers.findings(path)
-            except PluginError as error:
-                message = lsp.ShowMessageParams(lsp.MessageType.Error, str(error))
-                self.window_show_message(message)
-                return
+            self._findings[path] = self.buffers.findings(path)
         shown = self._shown(self._findings[path])
         self.text_document_publish_diagnostics(
             lsp.PublishDiagnosticsParams(self._addresses.uri(path), diagnostics=shown)

@@ -169,6 +169,7 @@ def test_a_checker_that_fails_is_named_with_its_package(
     write_package(folder, "faulty", {KINDS.group: {"broken": "faulty:KIND"}}, faulty=text)
     KINDS.refresh()
     (here / "broken.yaml").write_text(GOOD.replace("playlist", "broken"))
-    assert cb(monkeypatch, "validate", "broken.yaml") == 2
-    err = capsys.readouterr().err
-    assert "package faulty 1.0" in err and "ZeroDivisionError" in err
+    assert cb(monkeypatch, "validate", "broken.yaml", "evening") == 2
+    out = capsys.readouterr().out
+    assert "broken.yaml" in out and "CB901" in out
+    assert "package faulty 1.0" in out and "ZeroDivisionError" in out

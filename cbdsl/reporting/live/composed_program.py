@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cbdsl.checking.document import check_document
+from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
 from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.documents.program import ProgramDocument
@@ -144,4 +144,4 @@ def _ordered(made: Plain) -> list[str]:
 
 def _checked(text: str, file: Path) -> tuple[Diagnostic, ...]:
     library = Library(given={file: text.encode()})
-    return tuple(check_document(file, Session(library)))
+    return tuple(check_safely(file, Session(library)))

@@ -1,0 +1,30 @@
+"""Safety net around the checks of a document: a check that fails is a diagnostic."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.session import Session
+from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.errors.wording import diagnostic
+from cbdsl.types.registry import PluginError
+
+#: Code of the diagnostic that reports a failed check.
+FAILED_CHECK = "CB901"
+
+
+def check_safely(path: Path, session: Session) -> list[Diagnostic]:
+    """Return all findings in a document; a check that raises is one of them.
+
+    With ``CB_TRACEBACK`` in the environment the exception goes on, so that it can be located.
+    """
+    try:
+        return check_document(path, session)
+    except Exception as error:
+        if os.environ.get("CB_TRACEBACK"):
+            raise
+        is_named = isinstance(error, PluginError)  # its message names the package and the fault
+        reason = str(error) if is_named else f"{type(error).__name__}: {error}"
+        return [diagnostic(FAILED_CHECK, Place(str(path)), reason=reason)]
