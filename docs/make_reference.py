@@ -24,6 +24,7 @@ from cbdsl.errors.entry import Entry
 from cbdsl.learning.learner import LEARNERS, LearnerClass, first_line
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.types.casts import CASTS, Cast
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource
@@ -133,10 +134,12 @@ def _accepted(potential: PotentialType) -> str:
 def _dexter() -> str:
     """Dexter's resources by pattern: each name that differs in one kind of word only."""
     library = Library(ROOT)
-    robot = library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
+    file = library.locate(RobotDocument, "dexter")
+    robot = library.read(file, RobotDocument).document
+    model = read_urdf(file.parent / robot.model)
     words = _placeholders(robot)
     patterns: dict[str, list[Resource]] = {}
-    for resource in resources(robot).values():
+    for resource in resources(robot, model).values():
         pattern = ".".join(_placeholder(word, words) for word in resource.name.split("."))
         patterns.setdefault(pattern, []).append(resource)
     head = ("resource", "type", "unit", "origin", "can be moved", "how many")

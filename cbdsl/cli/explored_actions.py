@@ -121,5 +121,6 @@ def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest
 
 def _resources(request: RunRequest) -> Mapping[str, Resource]:
     from cbdsl.robot.resources import resources
+    from cbdsl.robot.urdf_reader import read_urdf_if_sound
 
-    return resources(request.robot)
+    return resources(request.robot, read_urdf_if_sound(request.urdf))

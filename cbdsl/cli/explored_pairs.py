@@ -112,6 +112,8 @@ def _features(request: RunRequest) -> dict[str, Resource]:
     """Return the signals of both objects, in the first camera and in space."""
     from cbdsl.robot.pair_names import pair_features
     from cbdsl.robot.resources import resources
+    from cbdsl.robot.urdf_reader import read_urdf_if_sound
 
     given, camera = request.program.parameters, next(iter(request.robot.cameras), "")
-    return pair_features(given["feature"], given["goal"], camera, resources(request.robot))
+    named = resources(request.robot, read_urdf_if_sound(request.urdf))
+    return pair_features(given["feature"], given["goal"], camera, named)

@@ -120,14 +120,20 @@ def _controller(controller: Controller) -> Iterator[str]:
 
 def _bounds(controller: Controller) -> Iterator[str]:
     """Yield the bounds of a task's velocity and acceleration."""
-    scalar, unit = POTENTIALS[controller.potential].scalar, controller.task.unit
-    unit = "" if scalar else f"({unit})" if "," in unit else unit
+    scalar = POTENTIALS[controller.potential].scalar
+    unit = "" if scalar else _grouped(controller.task.unit)
     if controller.speed is not None:
         # Forces and phi itself move only as fast as the joints that move them.
-        moved = "rad" if scalar or unit.startswith("N") else unit
+        is_of_joints = scalar or controller.task.unit.startswith("N")
+        moved = _grouped(controller.joint_unit) if is_of_joints else unit
         yield f"speed {controller.speed:g} {moved}/s at most"
     if controller.acceleration is not None:
         yield f"acceleration {controller.acceleration:g} {unit}/s² at most"
+
+
+def _grouped(unit: str) -> str:
+    """Return a unit as a factor: several units are in parentheses."""
+    return f"({unit})" if "," in unit else unit
 
 
 def _resource(resource: Resource) -> str:

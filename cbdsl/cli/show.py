@@ -93,10 +93,13 @@ def show_resources(
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.robot.resources import resources
+    from cbdsl.robot.urdf_reader import read_urdf_if_sound
     from cbdsl.yaml_text.library import Library
 
     form, library = read_format(format_, as_json, PLAIN), Library()
-    document = library.read(library.locate(RobotDocument, robot), RobotDocument).document
+    file = library.locate(RobotDocument, robot)
+    document = library.read(file, RobotDocument).document
+    model = read_urdf_if_sound(file.parent / document.model)
     rows = [
         {
             "resource": resource.name,
@@ -105,7 +108,7 @@ def show_resources(
             "origin": resource.origin.value,
             "movable": resource.movable,
         }
-        for resource in resources(document).values()
+        for resource in resources(document, model).values()
     ]
     if form is Format.JSON:
         print_json(rows)

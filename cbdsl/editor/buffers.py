@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
+from cbdsl.checking.findings import Findings
 from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
 from cbdsl.documents.document import Document
 from cbdsl.documents.ownership import is_own
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.document_folder import documents_below
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
@@ -78,6 +81,11 @@ class Buffers:
             return self._session.library.read_sound_parts(path, Document)
         except DiagnosticsError:
             return None
+
+    def resources(self, robot: Path) -> Mapping[str, Resource]:
+        """Return the resources of the robot in a file; empty if its document has faults."""
+        body = self._session.body(robot, Findings())
+        return {} if body is None else body.resources
 
     def _new_session(self) -> Session:
         given = {path: text.encode("utf-8", "surrogatepass") for path, text in self._texts.items()}

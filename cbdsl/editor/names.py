@@ -13,7 +13,6 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.editor.buffers import Buffers
 from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.errors.lines import lines_of
-from cbdsl.robot.resources import resources
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
 
@@ -89,7 +88,7 @@ def robot_resources(buffers: Buffers, path: Path) -> Mapping[str, Resource]:
         return {}
     file = buffers.library.find(RobotDocument, match[1], path)
     try:
-        return {} if file is None else resources(buffers.library.read(file, RobotDocument).document)
+        return {} if file is None else buffers.resources(file)
     except (DiagnosticsError, UsageError):
         return {}
 

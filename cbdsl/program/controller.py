@@ -187,6 +187,7 @@ class Controller:
         onset: Change of the load that is required before it is defined, or ``None``.
         tip_stiffness: Stiffness under a tip, N/m, if the speed of a force is the tip's, m/s;
             ``None`` for all others.
+        joint_unit: Units of its joints' positions, as of a configuration's type.
     """
 
     name: str
@@ -212,6 +213,7 @@ class Controller:
     axes: tuple[int, ...] | None = None
     onset: Onset | None = None
     tip_stiffness: float | None = None
+    joint_unit: str = "rad"
 
     @property
     def task(self) -> ResourceType:

@@ -19,32 +19,40 @@ _PLOT = 360.0
 _TALLEST, _LOWEST = 300.0, 120.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 54.0, 86.0, 10.0, 42.0
 _CURVE_WIDTH, _CURVE_HEIGHT = 300.0, 130.0
-# Candidate distances between ticks, degrees, followed by those of densities.
-_STEPS = (5, 10, 15, 30, 45, 90)
+# Candidate distances between ticks, degrees and mm, followed by those of densities.
+_STEPS = {"rad": (5, 10, 15, 30, 45, 90), "m": (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)}
+#: Shown units of positions by SI unit: factor, name, and sign behind a number.
+SHOWN = {"rad": (math.degrees(1.0), "degrees", "°"), "m": (1000.0, "mm", " mm")}
 _HEIGHTS = [first * 10.0**power for power in range(-1, 9) for first in (1, 2, 5)]
 _TIMES = "\N{MULTIPLICATION SIGN}"
 
 
 class _Axis(NamedTuple):
-    """Axis of a joint's angles along one side of a plot, from ``start`` to ``end``, px."""
+    """Axis of a joint's positions along one side of a plot, from ``start`` to ``end``, px."""
 
     joint: Joint
     start: float
     end: float
 
-    def __call__(self, angle: Any) -> Any:
-        """Return the position of an angle (rad), or of an array of angles, px."""
+    def __call__(self, position: Any) -> Any:
+        """Return the place, px, of a joint's position, rad or m, or of an array of positions."""
         lower, upper = self.joint.lower, self.joint.upper
-        return self.start + (angle - lower) / (upper - lower) * (self.end - self.start)
+        return self.start + (position - lower) / (upper - lower) * (self.end - self.start)
+
+    @property
+    def label(self) -> str:
+        """Name of the joint with the shown unit."""
+        return f"{self.joint.name}, {SHOWN[self.joint.unit][1]}"
 
     def ticks(self, room: float) -> Iterator[tuple[str, float]]:
-        """Yield round angles in degrees and their positions, px, at least ``room`` px apart."""
-        lower, upper = math.degrees(self.joint.lower), math.degrees(self.joint.upper)
+        """Yield round positions in the shown unit and their places, ``room`` px apart or more."""
+        factor, steps = SHOWN[self.joint.unit][0], _STEPS[self.joint.unit]
+        lower, upper = factor * self.joint.lower, factor * self.joint.upper
         most = abs(self.end - self.start) / room
-        step = next((s for s in _STEPS if (upper - lower) / s <= most), _STEPS[-1])
+        step = next((s for s in steps if (upper - lower) / s <= most), steps[-1])
         for number in range(math.ceil(lower / step), math.floor(upper / step) + 1):
-            angle = number * step
-            yield str(angle).replace("-", "\N{MINUS SIGN}"), self(math.radians(angle))
+            shown = number * step
+            yield str(shown).replace("-", "\N{MINUS SIGN}"), self(shown / factor)
 
 
 def density_svgs(model: InternalModel) -> list[str]:
@@ -64,7 +72,7 @@ def _map(model: InternalModel, landscape: Landscape) -> str:
     values = landscape.over(landscape.angles(0), landscape.angles(1))
     (x, y), peak = landscape.peak()
     most = max(peak, np.finfo(float).tiny)
-    where = f"{first.name} {_degrees(x)}, {second.name} {_degrees(y)}"
+    where = f"{first.name} {_shown(x, first)}, {second.name} {_shown(y, second)}"
     area = f'x="{_LEFT}" y="{_TOP}" width="{_PLOT}" height="{tall:.1f}"'
     picture = _image(values[::-1] / most)
     parts = [
@@ -103,7 +111,7 @@ def _curve(joint: Joint, place: int, landscape: Landscape) -> str:
             for center in landscape.centers[:, place]
         ),
     ]
-    description = _peak(_degrees(angles[values.argmax()]), float(values.max()))
+    description = _peak(_shown(angles[values.argmax()], joint), float(values.max()))
     return _svg((across.end + 16, bottom + _BOTTOM), f"Density of {joint.name}", description, parts)
 
 
@@ -128,14 +136,14 @@ def _axis_across(axis: _Axis, y: float) -> Iterator[str]:
     for angle, x in axis.ticks(room=45):
         yield f'<path class="tick" d="M{x:.1f} {y:.1f}v5"/>'
         yield _text("middle", x, y + 14, angle)
-    yield _text("middle", (axis.start + axis.end) / 2, y + 32, f"{axis.joint.name}, degrees")
+    yield _text("middle", (axis.start + axis.end) / 2, y + 32, axis.label)
 
 
 def _axis_up(axis: _Axis, x: float) -> Iterator[str]:
     for angle, y in axis.ticks(room=28):
         yield f'<path class="tick" d="M{x} {y:.1f}h-5"/>'
         yield _text("end", x - 8, y, angle)
-    name = _text("middle", 0, 0, f"{axis.joint.name}, degrees")
+    name = _text("middle", 0, 0, axis.label)
     middle = (axis.start + axis.end) / 2
     yield f'<g transform="translate(13 {middle:.1f}) rotate(-90)">{name}</g>'
 
@@ -158,8 +166,10 @@ def _heights(most: float, bottom: float, across: _Axis) -> Iterator[str]:
         yield _text("end", across.start - 6, y, f"{number * step:g} {_TIMES}")
 
 
-def _degrees(angle: float) -> str:
-    return f"{math.degrees(angle):.0f}°"
+def _shown(position: float, joint: Joint) -> str:
+    """Return a position of a joint with its shown unit."""
+    factor, _, sign = SHOWN[joint.unit]
+    return f"{factor * position:.0f}{sign}"
 
 
 def _image(values: Floats) -> str:

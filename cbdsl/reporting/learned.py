@@ -54,12 +54,14 @@ class Joint(NamedTuple):
 
     Attributes:
         name: Name of the joint.
-        lower, upper: Limits of the joint, rad.
+        lower, upper: Limits of the joint, rad or m.
+        unit: Unit of its position, rad or m.
     """
 
     name: str
     lower: float
     upper: float
+    unit: str = "rad"
 
 
 class InternalModel(NamedTuple):
@@ -189,7 +191,7 @@ def _model(library: Library, file: Path, name: str | None, document: str) -> Int
         raise UsageError(f"robot '{model.robot}' has no effector '{model.effector}'")
     joints = read_urdf(place.parent / robot.model).joints
     limits = tuple(
-        Joint(each, joints[each].lower, joints[each].upper)
+        Joint(each, joints[each].lower, joints[each].upper, joints[each].unit)
         for each in robot.joints(model.effector)
         if each in joints
     )

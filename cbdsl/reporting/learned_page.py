@@ -13,7 +13,7 @@ import numpy as np
 from cbdsl.documents.policy import Provenance
 from cbdsl.errors.counting import count
 from cbdsl.reporting.bundle import Bundle
-from cbdsl.reporting.density_svg import density_svgs
+from cbdsl.reporting.density_svg import SHOWN, density_svgs
 from cbdsl.reporting.drawing.pictogram import LETTERS
 from cbdsl.reporting.drawing.policy_graph import percent, policy_graph
 from cbdsl.reporting.drawing.policy_transitions import (
@@ -195,12 +195,12 @@ def _density(model: InternalModel) -> str:
     spread = density.deviation if density.form == "gaussian" else samples.std(axis=0)
     likeliest, _ = Landscape(model).peak()
     rows = [
-        (joint.name, *(f"{np.degrees(v):.1f}" for v in
-                       (joint.lower, joint.upper, likeliest[place], samples[:, place].mean(),
-                        spread[place])))
+        (f"{joint.name}, {SHOWN[joint.unit][1]}",
+         *(f"{SHOWN[joint.unit][0] * v:.1f}" for v in
+           (joint.lower, joint.upper, likeliest[place], samples[:, place].mean(), spread[place])))
         for place, joint in enumerate(model.joints)
     ]  # fmt: skip
-    headings = ("joint, degrees", "lower limit", "upper limit", "likeliest", "mean", "deviation")
+    headings = ("joint", "lower limit", "upper limit", "likeliest", "mean", "deviation")
     kind = (
         "a Gaussian for each joint"
         if density.form == "gaussian"

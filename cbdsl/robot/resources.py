@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from itertools import chain
 
 from cbdsl.documents.robot import Channels, LoadCell, RobotDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.robot.channel_names import channel_names, hue_names
 from cbdsl.robot.source_kind import SOURCES
+from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource import (
     BlobSignal,
     Centroid,
@@ -32,6 +34,7 @@ from cbdsl.types.resource import (
     UniformSample,
 )
 from cbdsl.types.resource_type import (
+    ANGLE_OR_LENGTH,
     AXIS,
     COUNT,
     EXTENT,
@@ -45,6 +48,7 @@ from cbdsl.types.resource_type import (
     VELOCITY,
     VOLUME,
     WRENCH,
+    ResourceType,
     configuration,
 )
 
@@ -64,8 +68,24 @@ _STEREO_PARTS = {"velocity": VELOCITY, "volume": VOLUME}
 _LOAD_PARTS = {"force": FORCE, "torque": TORQUE, "wrench": WRENCH}
 
 
-def resources(robot: RobotDocument) -> dict[str, Resource]:
+def configuration_of(joints: Sequence[str], model: UrdfModel | None) -> ResourceType:
+    """Return the type of the configuration of some joints.
+
+    Args:
+        joints: Names of the joints.
+        model: Model of the robot, which tells turning from sliding joints; ``None`` if unknown.
+    """
+    known = {} if model is None else model.joints
+    units = [known[each].unit if each in known else ANGLE_OR_LENGTH for each in joints]
+    return configuration(len(joints), units or [ANGLE_OR_LENGTH])
+
+
+def resources(robot: RobotDocument, model: UrdfModel | None = None) -> dict[str, Resource]:
     """Return all resources of a robot by name (Eq 3.8 to 3.16).
+
+    Args:
+        robot: Document of the robot.
+        model: Model of the robot, which tells turning from sliding joints; ``None`` if unknown.
 
     ========================================  ===================  ==============
     name                                      type                 origin
@@ -98,38 +118,42 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     own, such as ``stereo.red.2``, and so have marks of one hue, such as ``mark.red.blue``. They are
     not listed: see ``instance_names`` and ``mark_names``.
     """
-    by_name: dict[str, Resource] = {}
-    for some in (_effectors, _loads, _vision, _groups, _sensors):
-        by_name.update((resource.name, resource) for resource in some(robot))
-    return by_name
+    named = chain(
+        _effectors(robot, model),
+        _loads(robot),
+        _vision(robot),
+        _groups(robot, model),
+        _sensors(robot),
+    )
+    return {resource.name: resource for resource in named}
 
 
-def _effectors(robot: RobotDocument) -> Iterator[Resource]:
+def _effectors(robot: RobotDocument, model: UrdfModel | None) -> Iterator[Resource]:
     for name, effector in robot.effectors.items():
-        yield from _configurations(name, len(effector.joints), effector.postures)
+        kind = configuration_of(robot.joints(name), model)
+        yield from _configurations(name, kind, effector.postures)
         if effector.tip is not None:
             for part, kind in _TIP_PARTS.items():
                 tip = Tip(name, part)
                 yield Resource(f"{name}.{part}", kind, Origin.KINEMATICS, tip, movable=True)
 
 
-def _configurations(name: str, size: int, postures: Iterable[str]) -> Iterator[Resource]:
-    joints = configuration(size)
+def _configurations(name: str, kind: ResourceType, postures: Iterable[str]) -> Iterator[Resource]:
     source = EffectorConfiguration(name)
-    yield Resource(name, joints, Origin.PROPRIOCEPTION, source, movable=True)
-    yield Resource(f"{name}.uniform", joints, Origin.MODEL, UniformSample(name))
+    yield Resource(name, kind, Origin.PROPRIOCEPTION, source, movable=True)
+    yield Resource(f"{name}.uniform", kind, Origin.MODEL, UniformSample(name))
     for posture in postures:
-        yield Resource(f"{name}.{posture}", joints, Origin.CONSTANT, Posture(name, posture))
+        yield Resource(f"{name}.{posture}", kind, Origin.CONSTANT, Posture(name, posture))
 
 
-def _groups(robot: RobotDocument) -> Iterator[Resource]:
+def _groups(robot: RobotDocument, model: UrdfModel | None) -> Iterator[Resource]:
     for name, group in robot.groups.items():
         # A group with a missing member has been reported, and has no resources.
         members = [robot.effectors[m] for m in group.members if m in robot.effectors]
         if len(members) < len(group.members):
             continue
         shared = [p for p in members[0].postures if all(p in m.postures for m in members)]
-        yield from _configurations(name, len(robot.joints(name)), shared)
+        yield from _configurations(name, configuration_of(robot.joints(name), model), shared)
         if all(member.tip is not None for member in members):
             yield from _tips(name, len(members))
         if all(member in robot.load_cells for member in group.members):

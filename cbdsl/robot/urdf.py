@@ -145,6 +145,11 @@ class UrdfJoint(NamedTuple):
         return self.kind == "prismatic"
 
     @property
+    def unit(self) -> str:
+        """SI unit of its position."""
+        return "m" if self.slides else "rad"
+
+    @property
     def endless(self) -> bool:
         """Whether it turns without limits."""
         return self.kind == "continuous" or (

@@ -30,6 +30,14 @@ def read_urdf(path: Path) -> UrdfModel:
     return parse_urdf(robot_text(path), path)
 
 
+def read_urdf_if_sound(path: Path) -> UrdfModel | None:
+    """Read a model without its mesh files; return ``None`` if it cannot be read."""
+    try:
+        return read_urdf(path)
+    except UrdfError:
+        return None
+
+
 def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
     """Parse the text of a model.
 

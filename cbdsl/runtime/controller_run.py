@@ -53,7 +53,6 @@ class ControllerRun:
     Attributes:
         controller: Controller that runs.
         own: Indices of the effector's joints among all actuated ones, shape (m,).
-        slides: True if all of these joints are prismatic, so that positions are in m.
         slot: Number of its slot in the plan.
         rows: Compared rows of the signal table.
         needs: All rows that it reads.
@@ -70,7 +69,6 @@ class ControllerRun:
         self.controller, self._signals, self._plan = controller, signals, plan
         self._period = period
         own = self.own = signals.joints.pick(controller.joints)
-        self.slides = bool(signals.kinematics.slides[own].all())
         rows = bind_rows(controller, signals)
         quiescence, limits = controller.quiescence, signals.kinematics
         is_seen_twice = isinstance(controller.feedback.source, Headings)

@@ -11,11 +11,12 @@ from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Origin
 
-# Key for the configuration of prismatic joints.
-_SLIDE = "slide"
+# Keys for the configurations of prismatic joints, and of joints of both kinds.
+_SLIDE, _MIXED = "slide", "configuration of both kinds"
 
 # Reported units of errors by type: factor from SI, and unit.
 _UNITS = {
+    _MIXED: (1.0, "(rad and m)"),
     "position": (100.0, "cm"),
     "offset": (100.0, "cm"),
     "force": (1.0, "N"),
@@ -32,6 +33,7 @@ _FAR = {
     "orientation": math.radians(5),
     "configuration": math.radians(5),
     _SLIDE: 0.005,
+    _MIXED: math.radians(5),
 }
 
 _VERDICTS = {"success": "Succeeded", "failure": "Failed"}
@@ -201,9 +203,12 @@ def is_far(lead: ControllerRun) -> bool:
 
 
 def _quantity(lead: ControllerRun) -> str:
-    """Return the name of the error's type; prismatic joints have a unit of their own."""
-    kind = lead.controller.task.name
-    return _SLIDE if kind == "configuration" and lead.slides else kind
+    """Return the name of the error's type; configurations are told apart by their units."""
+    task = lead.controller.task
+    if task.name != "configuration":
+        return task.name
+    units = set(task.units)
+    return _SLIDE if units == {"m"} else _MIXED if "m" in units else task.name
 
 
 def _goal(controller: Controller) -> str:

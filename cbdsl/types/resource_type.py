@@ -1,5 +1,6 @@
 """Nominal types of sensory and motor signals (Table 3.1)."""
 
+from collections.abc import Sequence
 from typing import NamedTuple, Self
 
 
@@ -12,7 +13,8 @@ class ResourceType(NamedTuple):
         name: Type name as printed in diagnostics, without its size.
         space: Mathematical space, in the notation of Table 3.1.
         dimension: Number of components of one value (of the tangent space for SO(3) and SE(3)).
-        unit: SI unit of every component, or of translation and rotation in turn.
+        unit: SI units, separated by commas; each is the unit of an equal share of the components.
+            A configuration of turning and sliding joints has one for each joint.
         factors: Number of copies of the type in a product; 1 for a plain type.
     """
 
@@ -31,14 +33,35 @@ class ResourceType(NamedTuple):
         """Number of components of one value, over all factors."""
         return self.dimension * self.factors
 
+    @property
+    def units(self) -> tuple[str, ...]:
+        """SI unit of each component of one value, over all factors."""
+        listed = self.unit.split(", ")
+        share = self.dimension // len(listed)
+        return tuple(unit for unit in listed for _ in range(share)) * self.factors
+
+    def apart_from(self, other: Self) -> str:
+        """Return the type as text, with its units if they alone tell it from another type."""
+        return f"{self} in {self.unit}" if str(self) == str(other) else str(self)
+
     def __str__(self) -> str:
         own = f"{self.name}[{self.dimension}]" if self.name == "configuration" else self.name
         return own if self.factors == 1 else f"{own} x {self.factors}"
 
 
-def configuration(joints: int) -> ResourceType:
-    """Return the type of ``joints`` joint variables, C_n, in rad."""
-    return ResourceType("configuration", f"C_{joints}", joints, "rad")
+#: Unit of a joint that a model does not have, and of ``configuration`` in general.
+ANGLE_OR_LENGTH = "rad or m"
+
+
+def configuration(joints: int, units: Sequence[str] = ("rad",)) -> ResourceType:
+    """Return the type of joint variables, C_n.
+
+    Args:
+        joints: Number of joints.
+        units: Unit of each joint's position, or one for all.
+    """
+    unit = units[0] if len(set(units)) == 1 else ", ".join(units)
+    return ResourceType("configuration", f"C_{joints}", joints, unit)
 
 
 WRENCH = ResourceType("wrench", "SE*(3)", 6, "N, N m")
@@ -68,7 +91,7 @@ OFFSET = ResourceType("offset", "R^3", 3, "m")
 TYPES: dict[str, ResourceType] = {
     kind.name: kind
     for kind in (
-        ResourceType("configuration", "C_n", 0, "rad"),
+        ResourceType("configuration", "C_n", 0, ANGLE_OR_LENGTH),
         WRENCH,
         FORCE,
         TORQUE,

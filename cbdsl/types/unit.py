@@ -75,6 +75,13 @@ def parse_quantity(text: str) -> tuple[float, Unit | None]:
     return number * unit.factor, unit
 
 
+def dimensions_of(unit: str) -> tuple[str, ...]:
+    """Return the dimensions of an SI unit, or of the units of which it may be one."""
+    return tuple(
+        UNITS[each].dimension if each in UNITS else "number" for each in unit.split(" or ")
+    )
+
+
 def is_quantity(text: str) -> bool:
     """Return whether a text is a number, with or without a unit."""
     try:

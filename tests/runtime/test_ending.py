@@ -11,6 +11,7 @@ import pytest
 from cbdsl.program.controller import Relative
 from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, is_far, stayed_far
 from cbdsl.types.resource import Origin
+from cbdsl.types.resource_type import configuration
 
 PALM = Made(name="right_arm.position", origin=Origin.KINEMATICS)
 BALL = Made(name="ball.position", origin=Origin.ENVIRONMENT)
@@ -25,7 +26,7 @@ def lead(error: float, **other: Any) -> Any:
     controller = Made(**own | {name: other.pop(name) for name in own if name in other})
     runs = {
         "error": error, "predicate": "1", "phi": 0.5, "settled": True, "exhausted": False,
-        "engaged": False, "preparation": Made(no_path=""), "slides": False,
+        "engaged": False, "preparation": Made(no_path=""),
     }  # fmt: skip
     return Made(controller=controller, **runs | other)
 
@@ -58,7 +59,9 @@ def told(*leads: Any, **other: Any) -> str:
         (lead(0.2, task=Made(name="force")), "reach came to rest 0.2 N from"),
         (lead(0.05, task=Made(name="heading")), "reach came to rest 2.9 deg from"),
         (lead(0.0524, task=Made(name="orientation")), "came to rest 3.0 deg from"),
-        (lead(0.1, task=Made(name="configuration")), "far from its goal, 5.7 deg from"),
+        (lead(0.1, task=configuration(2)), "far from its goal, 5.7 deg from"),
+        (lead(0.004, task=configuration(2, ["m", "m"])), "came to rest 4.0 mm from"),
+        (lead(0.1, task=configuration(2, ["rad", "m"])), "its goal, 0.1 (rad and m) from"),
         (lead(0.25, task=Made(name="scalar")), "reach came to rest 0.250 from"),
         (lead(0.1, reference=None), "far from its goal, at a potential of 0.5"),
         (lead(0.01, reference=Relative(None, (0.1,))), "1.0 cm from its reference"),

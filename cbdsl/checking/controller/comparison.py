@@ -155,8 +155,8 @@ def _of_its_type(
             names=[r.name for r in body.resources.values() if r.type == feedback.type],
             related=[(source.place(*steps, "feedback"), f"the feedback, {own.type}")],
             name=reference.name,
-            reference_type=reference.type,
-            wanted=feedback.type,
+            reference_type=reference.type.apart_from(feedback.type),
+            wanted=feedback.type.apart_from(reference.type),
         )
         return None
     others = (resource for resource in body.resources.values() if resource != feedback)
@@ -172,9 +172,9 @@ def _of_its_type(
             ),
         ],
         name=reference.name,
-        reference_type=reference.type,
+        reference_type=reference.type.apart_from(feedback.type),
         feedback=feedback.name,
-        feedback_type=feedback.type,
+        feedback_type=feedback.type.apart_from(reference.type),
     )
     return None
 

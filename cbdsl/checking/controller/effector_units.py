@@ -10,6 +10,8 @@ from cbdsl.types.unit import QuantityError, parse_quantity
 
 # Dimension of each setting in the units of a moved tip.
 _OF_TIPS = {"gain": "speed per force", "speed": "speed"}
+# Name and unit of the type of joints that slide.
+_SLIDING = ("configuration", "m")
 
 
 def in_task_units(
@@ -26,8 +28,9 @@ def in_task_units(
     error, so that a gain of g m/s per N equals a gain of 2 K g per second.
     """
     written = {key: value for key in _OF_TIPS if (value := _of_tips(context, steps, key))}
-    if feedback.type.name != "force":
-        written.pop("speed", None)  # it is the task's own
+    # It is the task's own, or that of joints that slide.
+    if feedback.type.name != "force" or (effector.type.name, effector.type.unit) == _SLIDING:
+        written.pop("speed", None)
     if not written:
         return settings
     problem = _problem(feedback, effector)

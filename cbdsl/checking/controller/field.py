@@ -13,7 +13,7 @@ from cbdsl.errors.counting import count
 from cbdsl.program.controller import Ball, Box, Field, Literal, Reference
 from cbdsl.types.potential import PotentialType
 from cbdsl.types.resource import EffectorConfiguration, Resource, StereoPosition
-from cbdsl.types.unit import QuantityError, read_quantity
+from cbdsl.types.unit import QuantityError, dimensions_of, read_quantity
 from cbdsl.yaml_text.source_map import Step
 
 # A grid of more than 160 vertices along each of three axes takes most of a gigabyte.
@@ -111,12 +111,17 @@ class _Field:
         self._context.add(code, place, **details)
 
     def _units(self) -> None:
-        """Check that all quantities have the unit of the feedback."""
-        dimension = "angle" if self._wish.feedback.type.name == "configuration" else "length"
+        """Check that all quantities have the unit of the feedback, or of their component of it."""
+        units = self._wish.feedback.type.units
         for steps in self._quantities():
             node = self._context.source.node((*self._steps, *steps))
+            place = steps[-1]
+            own = units[place : place + 1] if isinstance(place, int) else units
+            dimensions = dict.fromkeys(
+                each for unit in own or units for each in dimensions_of(unit)
+            )
             try:
-                read_quantity(node.value, (dimension,))
+                read_quantity(node.value, tuple(dimensions))
             except QuantityError as error:
                 self._add("CB506", *steps, problem=str(error))
 
@@ -204,7 +209,10 @@ class _Field:
             return None
         feedback = self._wish.feedback
         if resource.type != feedback.type:
-            kinds = {"kind": resource.type, "feedback_type": feedback.type}
+            kinds = {
+                "kind": resource.type.apart_from(feedback.type),
+                "feedback_type": feedback.type.apart_from(resource.type),
+            }
             self._add("CB522", *steps, name=resource.name, feedback=feedback.name, **kinds)
         elif radius is None and not isinstance(resource.source, StereoPosition):
             self._add("CB523", *steps, name=resource.name)

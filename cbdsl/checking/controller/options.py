@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeVar
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.robot.limits import is_of_another_kind, unit_of
+from cbdsl.checking.robot.limits import is_of_another_kind
 from cbdsl.checking.robot.settings import check_settings
 from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
@@ -16,7 +16,7 @@ from cbdsl.types.casts import FEATURES
 from cbdsl.types.modifier import declared
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import FingerForces, Resource, palms_of
-from cbdsl.types.resource_type import TYPES
+from cbdsl.types.resource_type import TYPES, ResourceType
 
 MANIPULABILITY = "manipulability"
 LOOK_AT = "look_at"
@@ -99,8 +99,8 @@ def _check_end(
     node = context.source.node(steps)
     for cell in robot.load_cells[source.hand].values():
         joint = model.joints.get(cell.joint)
-        if joint is not None and is_of_another_kind(node.value, unit_of(joint)):
-            findings.add("CB590", node.place, name=cell.joint, unit=unit_of(joint))
+        if joint is not None and is_of_another_kind(node.value, joint.unit):
+            findings.add("CB590", node.place, name=cell.joint, unit=joint.unit)
             return
 
 
@@ -113,7 +113,7 @@ def settings_of(
     if document.potential not in POTENTIALS:
         return None  # unknown task, as reported elsewhere
     robot = context.body.document
-    task = _task(document, feedback)
+    task = _task(document, feedback).name
     general = robot.control.tasks.get(task)
     candidates: list[written.ControllerSection | TaskSettings] = [document]
     if general is not None:
@@ -136,10 +136,11 @@ def settings_of(
     )
 
 
-def _task(document: written.ControllerSection, feedback: Resource) -> str:
-    """Return the name of the type that a controller's settings are for."""
+def _task(document: written.ControllerSection, feedback: Resource) -> ResourceType:
+    """Return the type that a controller's settings are for."""
     potential = POTENTIALS.get(document.potential)
-    return (potential.task if potential else None) or feedback.type.name
+    name = potential.task if potential else None
+    return feedback.type if name is None else TYPES[name]
 
 
 T = TypeVar("T")

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal
 from cbdsl.types.resource import FingerForces, NetForces, Resource, palms_of
-from cbdsl.types.unit import QuantityError, is_quantity, read_quantity
+from cbdsl.types.unit import QuantityError, dimensions_of, is_quantity, read_quantity
 
 #: The feedback of a controller at its activation.
 HERE = "here"
@@ -17,27 +17,6 @@ HERE = "here"
 _ALONG_NORMALS = re.compile(r"(?P<force>.*\S)\s+along\s+normals\s*\Z")
 _RELATIVE = re.compile(r"(?P<base>[^\s+-]+)\s*(?:(?P<sign>[+-])\s*(?P<offset>.*))?", re.DOTALL)
 _NUMBER = re.compile(r"\s*[-+.]?\.?\d")
-
-# Physical dimensions of a value's components; several dimensions share the components evenly.
-_DIMENSIONS: dict[str, tuple[str, ...]] = {
-    "configuration": ("angle",),
-    "wrench": ("force", "torque"),
-    "force": ("force",),
-    "torque": ("torque",),
-    "heading": ("angle",),
-    "pose": ("length", "angle"),
-    "position": ("length",),
-    "orientation": ("angle",),
-    "velocity": ("speed",),
-    "volume": ("volume",),
-    "count": ("number",),
-    "heading_rate": ("angular speed",),
-    "extent": ("angle",),
-    "axis": ("angle",),
-    "constellation": ("number",),
-    "offset": ("length",),
-}
-
 
 #: Types whose literals may end with a quaternion, with the number of components before it.
 _QUATERNIONS = {"orientation": 0, "pose": 3}
@@ -115,7 +94,10 @@ def read_literal(
     places = range(kind.size) if axes is None else _places(axes, kind.factors)
     if len(items) not in (1, len(places)):
         raise _wrong_count(len(items), feedback, axes)
-    numbers = tuple(_component(item, i, feedback) for i, item in enumerate(items))
+    # A single 0 stands for all components, whatever their units.
+    units = [feedback.type.units[i] for i in places]
+    of = [[unit] for unit in units] if len(items) == len(places) else [units]
+    numbers = tuple(_component(item, i, of[i], feedback) for i, item in enumerate(items))
     if len(numbers) < len(places):
         if numbers[0] != 0:
             raise _wrong_count(1, feedback, axes)
@@ -156,12 +138,10 @@ def _along_normals(force: str, feedback: Resource) -> AlongNormals:
     return AlongNormals(_quantity(force, ("force",), None))
 
 
-def _component(item: str | float, index: int, feedback: Resource) -> float:
-    kind = feedback.type
-    dimensions = _DIMENSIONS[kind.name]
-    place = (index % kind.dimension) * len(dimensions) // kind.dimension
+def _component(item: str | float, index: int, units: list[str], feedback: Resource) -> float:
+    dimensions = dict.fromkeys(each for unit in units for each in dimensions_of(unit))
     try:
-        return _quantity(item, (dimensions[place],), index)
+        return _quantity(item, tuple(dimensions), index)
     except LiteralError as error:
         if isinstance(item, str) and is_quantity(item):  # it is the unit that does not fit
             error.details["problem"] = (

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.reach import check_reach
 from cbdsl.checking.robot.constants import check_signs
-from cbdsl.checking.robot.limits import limit_details, unit_of
+from cbdsl.checking.robot.limits import limit_details
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal, Reference
@@ -48,9 +48,7 @@ def check_reference(
         ):
             if span is not None and not span[0] <= angle <= span[1]:
                 node = context.source.node((*steps, i))
-                model = context.body.model
-                unit = "rad" if model is None else unit_of(model.joints[joint])
-                limits_text = limit_details(node.value, angle, span, unit)
+                limits_text = limit_details(node.value, angle, span, feedback.type.units[i])
                 context.add("CB517", node.place, joint=joint, **limits_text)
 
 

@@ -29,6 +29,7 @@ from cbdsl.program.controller import (
     Field,
     Reference,
 )
+from cbdsl.robot.resources import configuration_of
 from cbdsl.types.modifier import declared
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Headings, Origin, Resource
@@ -136,6 +137,7 @@ class _Triple:
             modifiers=read_modifiers(self._context, self._steps, document, feedback),
             axes=read_axes(document),
             tip_stiffness=settings.tip_stiffness,
+            joint_unit=configuration_of(joints, self._context.body.model).unit,
             **self._modifiers(),
         )
 

@@ -11,9 +11,9 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.program.binding import density_source
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.robot.resources import NOVEL
+from cbdsl.robot.resources import NOVEL, configuration_of
 from cbdsl.types.resource import NovelHeading, Origin, Resource
-from cbdsl.types.resource_type import HEADING, POSITION, configuration
+from cbdsl.types.resource_type import HEADING, POSITION
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
@@ -41,7 +41,7 @@ def model_resources(
         return ()
     document, effector = loaded.document, loaded.document.effector
     is_place = document.space == "position"
-    kind = POSITION if is_place else configuration(len(body.document.joints(effector)))
+    kind = POSITION if is_place else configuration_of(body.document.joints(effector), body.model)
     source = density_source(effector, document.density)
     drawn = Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
     if document.channel is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.robot.limits import is_of_another_kind, unit_of
+from cbdsl.checking.robot.limits import is_of_another_kind
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
@@ -142,7 +142,7 @@ class _DriverCheck:
         """Report distances and accelerations of another kind than the joints' positions."""
         joints = () if self._model is None else self._reported(driver)
         units = {
-            unit_of(self._model.joints[joint])
+            self._model.joints[joint].unit
             for joint in joints
             if self._model is not None and joint in self._model.joints
         }

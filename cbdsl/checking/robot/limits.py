@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.robot.urdf import UrdfJoint
 from cbdsl.types.unit import UNITS, QuantityError, parse_quantity
-
-
-def unit_of(joint: UrdfJoint) -> str:
-    """Return the unit of a joint's position."""
-    return "m" if joint.slides else "rad"
 
 
 def is_of_another_kind(written: object, unit: str) -> bool:

@@ -66,7 +66,7 @@ def note_rests(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findin
 
 
 def _position(joint: UrdfJoint, position: float) -> str:
-    return f"{position:g} {'m' if joint.slides else 'rad'}"
+    return f"{position:g} {joint.unit}"
 
 
 def check_bodies(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:

@@ -12,7 +12,7 @@ from cbdsl.checking.robot.beyond_reason import check_meshes, check_speeds, note_
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.constants import check_constants, check_margins
 from cbdsl.checking.robot.drivers import check_drivers
-from cbdsl.checking.robot.limits import is_of_another_kind, limit_details, unit_of
+from cbdsl.checking.robot.limits import is_of_another_kind, limit_details
 from cbdsl.checking.robot.model_agreement import check_bodies, check_mimics, note_rests
 from cbdsl.checking.robot.names import check_names
 from cbdsl.checking.robot.settings import check_settings
@@ -54,7 +54,7 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
     check_drivers(loaded, model, findings)
     missed = frozenset(finding.given for finding in findings.sorted() if finding.code == "CB308")
     missed |= frozenset(_lacking(robot, missed))
-    body = CheckedRobot(loaded, resources(robot), model, missed).with_idle_tips()
+    body = CheckedRobot(loaded, resources(robot, model), model, missed).with_idle_tips()
     if model is not None:
         _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
@@ -218,7 +218,7 @@ class _RobotCheck:
             if name not in TYPES:
                 self._findings.add("CB309", self._source.key(*steps), names=list(TYPES), name=name)
             else:
-                check_settings(name, self._source, steps, self._findings)
+                check_settings(TYPES[name], self._source, steps, self._findings)
 
     def _known(self, name: str, names: Collection[str], steps: Steps, what: str) -> None:
         if name not in names:
@@ -381,8 +381,8 @@ class _ModelCheck:
         node = self._source.node(steps)
         for joint in effector.joints:
             limits = self._model.joints.get(joint)
-            if limits is not None and is_of_another_kind(node.value, unit_of(limits)):
-                self._findings.add("CB390", node.place, name=joint, unit=unit_of(limits))
+            if limits is not None and is_of_another_kind(node.value, limits.unit):
+                self._findings.add("CB390", node.place, name=joint, unit=limits.unit)
                 return
 
     def _postures(self, name: str, effector: Effector) -> None:
@@ -392,7 +392,7 @@ class _ModelCheck:
                 if limits is None:
                     continue
                 node = self._source.node(("effectors", name, "postures", posture, i))
-                unit = unit_of(limits)
+                unit = limits.unit
                 if is_of_another_kind(node.value, unit):
                     self._findings.add("CB390", node.place, name=joint, unit=unit)
                 elif not limits.lower <= angle <= limits.upper:

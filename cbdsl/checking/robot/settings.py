@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from cbdsl.checking.findings import Findings
-from cbdsl.types.unit import QuantityError, read_quantity
+from cbdsl.types.resource_type import ResourceType
+from cbdsl.types.unit import QuantityError, dimensions_of, read_quantity
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
-# Tasks have angular speeds, but positions have linear speeds, and poses have both.
-_SPEEDS = {"position": ("speed",), "pose": ("speed", "angular speed")}
-_ACCELERATIONS = {
-    "position": ("acceleration",),
-    "pose": ("acceleration", "angular acceleration"),
-}
-_TOLERANCES = {
-    "position": ("length",),
-    "pose": ("length", "angle"),
-    "force": ("force",),
-    "torque": ("torque",),
-    "wrench": ("force", "torque"),
-    "constellation": ("number",),
-    "offset": ("length",),
-}
+# Tasks move with the units of their types. Forces, torques and numbers, which nothing but joints
+# changes, have the speeds of joints.
+_SPEEDS = {"length": "speed", "angle": "angular speed"}
+_ACCELERATIONS = {"length": "acceleration", "angle": "angular acceleration"}
 
 
 def check_settings(
-    kind: str,
+    kind: ResourceType,
     source: SourceMap,
     steps: tuple[Step, ...],
     findings: Findings,
@@ -34,19 +26,20 @@ def check_settings(
     """Check the units of speed, acceleration and tolerance against a feedback's type.
 
     Args:
-        kind: Name of the type.
+        kind: Type of the feedback.
         source: Source map of the document.
         steps: Path of the settings.
         findings: Diagnostics so far.
         of_tips: True if the speed of a force may be the speed of the tip that exerts it.
     """
-    speeds = _SPEEDS.get(kind, ("angular speed",))
+    dimensions = _dimensions(kind)
+    speeds = _rates(dimensions, _SPEEDS)
     allowed: dict[tuple[str, ...], tuple[str, ...]] = {
-        ("speed",): (*speeds, "speed") if of_tips and kind == "force" else speeds,
-        ("acceleration",): _ACCELERATIONS.get(kind, ("angular acceleration",)),
-        ("quiescence", "tolerance"): _TOLERANCES.get(kind, ("angle",)),
-        ("onset", "change"): _TOLERANCES.get(kind, ("angle",)),
-        ("onset", "borne"): _TOLERANCES.get(kind, ("angle",)),
+        ("speed",): (*speeds, "speed") if of_tips and kind.name == "force" else speeds,
+        ("acceleration",): _rates(dimensions, _ACCELERATIONS),
+        ("quiescence", "tolerance"): dimensions,
+        ("onset", "change"): dimensions,
+        ("onset", "borne"): dimensions,
     }
     for keys, dimensions in allowed.items():
         path = (*steps, *keys)
@@ -56,3 +49,14 @@ def check_settings(
             read_quantity(source.node(path).value, dimensions)
         except QuantityError as error:
             findings.add("CB506", source.place(*path), problem=str(error))
+
+
+def _dimensions(kind: ResourceType) -> tuple[str, ...]:
+    """Return the dimensions of a type's components, each once."""
+    return tuple(
+        dict.fromkeys(each for unit in kind.unit.split(", ") for each in dimensions_of(unit))
+    )
+
+
+def _rates(dimensions: tuple[str, ...], rates: Mapping[str, str]) -> tuple[str, ...]:
+    return tuple(rates[each] for each in dimensions if each in rates) or (rates["angle"],)
