@@ -73,7 +73,7 @@ def configuration_of(joints: Sequence[str], model: UrdfModel | None) -> Resource
 
     Args:
         joints: Names of the joints.
-        model: Model of the robot, which tells turning from sliding joints; ``None`` if unknown.
+        model: Model of the robot, with the kinds of its joints; ``None`` if unknown.
     """
     known = {} if model is None else model.joints
     units = [known[each].unit if each in known else ANGLE_OR_LENGTH for each in joints]
@@ -85,7 +85,7 @@ def resources(robot: RobotDocument, model: UrdfModel | None = None) -> dict[str,
 
     Args:
         robot: Document of the robot.
-        model: Model of the robot, which tells turning from sliding joints; ``None`` if unknown.
+        model: Model of the robot, with the kinds of its joints; ``None`` if unknown.
 
     ========================================  ===================  ==============
     name                                      type                 origin

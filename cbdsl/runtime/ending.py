@@ -203,7 +203,7 @@ def is_far(lead: ControllerRun) -> bool:
 
 
 def _quantity(lead: ControllerRun) -> str:
-    """Return the name of the error's type; configurations are told apart by their units."""
+    """Return the name of the error's type; configurations of other units have other names."""
     task = lead.controller.task
     if task.name != "configuration":
         return task.name

@@ -41,7 +41,7 @@ class ResourceType(NamedTuple):
         return tuple(unit for unit in listed for _ in range(share)) * self.factors
 
     def apart_from(self, other: Self) -> str:
-        """Return the type as text, with its units if they alone tell it from another type."""
+        """Return the type as text, with its units if it differs from another type in them alone."""
         return f"{self} in {self.unit}" if str(self) == str(other) else str(self)
 
     def __str__(self) -> str:

@@ -94,7 +94,7 @@ def read_literal(
     places = range(kind.size) if axes is None else _places(axes, kind.factors)
     if len(items) not in (1, len(places)):
         raise _wrong_count(len(items), feedback, axes)
-    # A single 0 stands for all components, whatever their units.
+    # A single 0 stands for all components, in any of their units.
     units = [feedback.type.units[i] for i in places]
     of = [[unit] for unit in units] if len(items) == len(places) else [units]
     numbers = tuple(_component(item, i, of[i], feedback) for i, item in enumerate(items))
