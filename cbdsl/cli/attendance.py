@@ -14,14 +14,16 @@ if TYPE_CHECKING:
 Yes = Annotated[
     bool,
     typer.Option(
-        "--yes", help="Real robot: the stage is set up and the robot may move; ask nothing."
+        "--yes",
+        help="Real robot: confirm that the stage is set up and the robot may move, without "
+        "questions.",
     ),
 ]
 Interface = Annotated[
     str | None,
     typer.Option(
         "--interface",
-        help="Real robot: network interface [loopback, which no other computer sees].",
+        help="Real robot: network interface [loopback, invisible to other computers].",
     ),
 ]
 

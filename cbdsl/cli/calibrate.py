@@ -20,21 +20,24 @@ if TYPE_CHECKING:
     from cbdsl.calibration.estimate import Estimate
     from cbdsl.documents.calibration import CalibrationDocument, CalibrationOrigin
 
-Robot = Annotated[str, typer.Argument(help="A robot: its file, or its name.")]
+Robot = Annotated[str, typer.Argument(help="Robot: file or name.")]
 Out = Annotated[
     Path | None,
     typer.Option(
         "--out",
-        help="File for the calibration, NAME.yaml [knowledge/calibrations/ROBOT.yaml]; "
-        "NAME.svg beside it is the picture.",
+        help="File for the calibration, NAME.yaml; NAME.svg beside it is a picture "
+        "[knowledge/calibrations/ROBOT.yaml].",
     ),
 ]
 Program = Annotated[
-    str, typer.Option("--program", help="A program that shows a held ball to the cameras.")
+    str,
+    typer.Option("--program", help="Program that shows a held ball to the cameras: file or name."),
 ]
 Stage = Annotated[
     str | None,
-    typer.Option("--stage", help="Where the ball is handed over [the program's own]."),
+    typer.Option(
+        "--stage", help="Stage on which the ball is handed over: file or name [the program's]."
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
@@ -53,14 +56,13 @@ def calibrate(
     with_: With = [],  # noqa: B006 (typer)
     as_json: Json = False,
 ) -> None:
-    """Estimate where a robot's cameras are: its hand holds a ball, and shows it to them.
+    """Estimate the positions of a robot's cameras from views of a ball in its hand.
 
     The touching fingertips locate the ball; its position in the images yields the errors of the
     cameras. cb run --calibration and the robot's key calibration use the file. After an
-    interruption the same command continues with the observations in NAME.jsonl.
+    interruption, the same command continues with the observations in NAME.jsonl.
 
-    Exit 0 when the calibration was written, 1 when a document has errors, 2 when it could not be
-    made.
+    Exit 0 if the calibration was written, 1 if a document has errors, 2 if it cannot be made.
     """
     from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.termination import termination_interrupts

@@ -17,24 +17,24 @@ if TYPE_CHECKING:
 
 drive = typer.Typer(help="Serve, examine and guard the drivers of a robot.", no_args_is_help=True)
 
-Robot = Annotated[str, typer.Argument(help="Robot: a file or a name.")]
+Robot = Annotated[str, typer.Argument(help="Robot: file or name.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Seconds = Annotated[
-    float | None, typer.Option("--seconds", min=0, help="End after so long [at Ctrl-C].")
+    float | None, typer.Option("--seconds", min=0, help="Duration, s [until Ctrl-C].")
 ]
 Stage = Annotated[
-    str | None, typer.Option("--stage", help="Stage to set up: a file or a name [an empty one].")
+    str | None, typer.Option("--stage", help="Stage to set up: file or name [an empty one].")
 ]
 Context = Annotated[
-    str | None, typer.Option("--context", help="One context of the stage [drawn by share].")
+    str | None, typer.Option("--context", help="Context of the stage [drawn by share].")
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the episode.")]
 FaultOption = Annotated[
     list[str],
     typer.Option(
         "--fault",
-        help="Fault from a time on, KIND@SECONDS: kill, suspend, stall, loss, clock, nan, swap, "
-        "missing, double, frozen or effort.",
+        help="Fault to inject, KIND@SECONDS; kinds: kill, suspend, stall, loss, clock, nan, swap, "
+        "missing, double, frozen, effort. May be repeated.",
     ),
 ]
 Trace = Annotated[
@@ -59,7 +59,8 @@ def serve(
 ) -> None:
     """Serve a simulated robot behind the topics of its drivers, in real time.
 
-    It takes commands as a joint trajectory controller does: it holds still where a trajectory ends.
+    Commands are followed as by a joint trajectory controller, which holds still at the end of a
+    trajectory.
     """
     from cbdsl.api.serve import serve_robot
     from cbdsl.cli.compilation import told_of_compilation
@@ -92,9 +93,9 @@ def doctor(
     interface: Interface = None,
     as_json: Json = False,
 ) -> None:
-    """List the topics, rates, ages and joints of a robot, and everything against moving it.
+    """List the topics, rates, ages and joints of a robot, and all reasons not to move it.
 
-    Nothing is commanded. Exit 0 if a program could begin, 1 with findings, 2 if drivers cannot be
+    No command is sent. Exit 0 if a program can begin, 1 with such reasons, 2 if a driver cannot be
     opened.
     """
     from cbdsl.api.robots import read_robot
@@ -155,11 +156,11 @@ def _joint_rows(driven: DrivenBackend) -> list[dict[str, object]]:
 
 @drive.command("watchdog")
 def watchdog(robot: Robot, *, interface: Interface = None) -> None:
-    """Guard forward controllers, which have no time-out: repeat references, hold, and stop.
+    """Guard forward controllers without a time-out: repeat references, hold, and stop.
 
-    Programs send references to TOPIC/guarded, and it forwards them to TOPIC. Start it on the
-    robot's computer, so that it outlives the program. Exit 3 after a hold: a person starts it
-    again.
+    Programs send references to TOPIC/guarded, and the watchdog forwards them to TOPIC. Start it on
+    the robot's computer, so that it outlives the program. Exit 3 after a hold, which ends only by a
+    new start.
     """
     from cbdsl.api.robots import read_robot
     from cbdsl.cli.simulation import needing_simulation

@@ -10,13 +10,13 @@ import typer
 if TYPE_CHECKING:
     from cbdsl.errors.entry import Entry
 
-Code = Annotated[str | None, typer.Argument(help="Code of a finding, such as CB504.")]
-All = Annotated[bool, typer.Option("--all", help="Every code there is.")]
+Code = Annotated[str | None, typer.Argument(help="Code of a diagnostic, such as CB504.")]
+All = Annotated[bool, typer.Option("--all", help="Explain all codes.")]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Print a page of documentation.")]
 
 
 def explain(code: Code = None, every: All = False, markdown: Markdown = False) -> None:
-    """Print the meaning of a finding, why it is a fault, and an example with and without it."""
+    """Print the meaning of a diagnostic, its reason, and a wrong and a correct example."""
     from cbdsl.cli.explanation import explanation, page
 
     entries = _entries(code, every)

@@ -28,44 +28,51 @@ Programs = Annotated[
     list[str],
     typer.Argument(
         metavar="PROGRAM",
-        help="Actions: programs, as NAME, NAME:key=value, or LABEL=NAME:key=value; the value ? "
-        "stands for any channel that is found during a run.",
+        help="Actions: programs, as NAME, NAME:key=value, or LABEL=NAME:key=value. The value ? "
+        "stands for each channel that the run detects.",
     ),
 ]
-Stage = Annotated[str, typer.Option("--stage", help="World to act in: a file or a name.")]
+Stage = Annotated[str, typer.Option("--stage", help="Stage with a persistent world: file or name.")]
 Out = Annotated[Path, typer.Option("--out", help="File for the catalog, NAME.yaml.")]
 Feature = Annotated[
-    str, typer.Option("--feature", help="Channel of the object, for all programs with that key.")
+    str,
+    typer.Option(
+        "--feature", help="Channel of the object, for all programs with the parameter feature."
+    ),
 ]
-Actions = Annotated[int, typer.Option("--actions", min=1, help="How many actions.")]
+Actions = Annotated[int, typer.Option("--actions", min=1, help="Number of actions.")]
 UntilHabituated = Annotated[
     bool,
     typer.Option("--until-habituated", help="End when all models have habituated."),
 ]
 Between = Annotated[
-    str, typer.Option("--between", help="Program that runs after each action, and brings it back.")
+    str,
+    typer.Option(
+        "--between", help="Program that runs after each action, such as to release the object."
+    ),
 ]
 Algorithm = Annotated[
     str,
-    typer.Option("--algorithm", help="explore_catalog (Algorithm 3) or explore_models (6.3)."),
+    typer.Option(
+        "--algorithm",
+        help="Algorithm: explore_catalog (Algorithm 3) or explore_models (Section 6.3).",
+    ),
 ]
 Thing = Annotated[
     list[str],
     typer.Option(
         "--thing",
         metavar="NAME=CHANNEL",
-        help="A thing, and how it is known: with two or more of them, explore which of them the "
-        "one PROGRAM brings to which, and write a meta-catalog.",
+        help="Object and its channel. With two or more, explore the pairs that the one PROGRAM can"
+        " bring together, and write a meta-catalog. May be repeated.",
     ),
 ]
 Relation = Annotated[
-    str, typer.Option("--relation", help="Relation that PROGRAM produces, with --thing: on or in.")
+    str, typer.Option("--relation", help="With --thing: relation that PROGRAM produces, on or in.")
 ]
 Join = Annotated[
     bool,
-    typer.Option(
-        "--join", help="Go on, and let programs join that were not there, and this --stage follow."
-    ),
+    typer.Option("--join", help="Continue with additional programs, or with a changed --stage."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per action.")]
 
@@ -98,14 +105,14 @@ def explore(
 ) -> None:
     """Explore the affordances of an object until its models have habituated (Chapter 6).
 
-    Rewarded actions teach their features; actions whose models change most have the highest
-    value. The catalog in --out holds the rewards of each action and their features. Beside it,
-    the journal .actions.jsonl holds each finished action; --resume continues an interrupted
-    exploration in a new world. With --thing, things
-    are brought to each other, and --out is a meta-catalog.
+    Rewarded actions update the models of their features; actions with the largest changes have the
+    highest value. The catalog of --out holds the rewards of each action and their features. Beside
+    it, the journal .actions.jsonl has a line for each finished action; --resume continues an
+    interrupted exploration in a new world. With --thing, objects are brought to each other, and
+    --out is a meta-catalog.
 
-    Exit 0 when all actions were taken, 1 when a document has errors, 2 when it could not act, 130
-    when it was interrupted.
+    Exit 0 if all actions were taken, 1 if a document has errors, 2 if an action cannot run, and 130
+    after Ctrl-C or SIGTERM.
     """
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments

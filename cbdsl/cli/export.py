@@ -23,34 +23,33 @@ export = typer.Typer(
 SCHEMAS = ("foxglove", "ros2")
 
 Out = Annotated[
-    Path | None, typer.Option("--out", help="The file to write [beside the recording, .mcap].")
+    Path | None, typer.Option("--out", help="File to write [beside the recording, .mcap].")
 ]
 Schemas = Annotated[
     str, typer.Option("--schemas", help="Message schemas: foxglove (JSON) or ros2 (CDR).")
 ]
 Folder = Annotated[
-    Path | None, typer.Option("--out", help="The folder to write [beside the recordings, lerobot].")
+    Path | None, typer.Option("--out", help="Folder to write [lerobot, beside the recordings].")
 ]
 Fps = Annotated[
-    int | None, typer.Option("--fps", min=1, help="Frames per second [those of the images].")
+    int | None, typer.Option("--fps", min=1, help="Frames per second [the rate of the images].")
 ]
 Task = Annotated[
-    str | None, typer.Option("--task", help="A sentence that names the task [the program's name].")
+    str | None, typer.Option("--task", help="Sentence that names the task [the program's name].")
 ]
 Videos = Annotated[
-    bool, typer.Option("--videos", help="Store images as MP4 videos, smaller and not exact [PNG].")
+    bool,
+    typer.Option("--videos", help="Store images as MP4 videos, which are smaller and lossy [PNG]."),
 ]
-Overwrite = Annotated[
-    bool, typer.Option("--overwrite", help="Replace the dataset that is there already.")
-]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an existing dataset.")]
 
 
 @export.command("tree")
 def export_tree(program: Program, policy: Policy = None, with_: With = []) -> None:  # noqa: B006
     """Print a program's policy as a behavior tree, XML of BehaviorTree.CPP 4.
 
-    Each use of a program is a tree of its own, with the values of its parameters. Its leaves are
-    named in the model at the end. Exit 2 if the next action depends on more than the state.
+    Each use of a program is a separate tree, with the values of its parameters. The model at the
+    end names the leaves. Exit 2 if the next action depends on more than the state.
     """
     from cbdsl.api.load import load
     from cbdsl.program.behavior_tree import behavior_tree
@@ -61,11 +60,11 @@ def export_tree(program: Program, policy: Policy = None, with_: With = []) -> No
 
 @export.command("mcap")
 def export_mcap(what: Recording, out: Out = None, schemas: Schemas = "foxglove") -> None:
-    """Write recorded episodes as MCAP, which Foxglove, ROS 2 and other tools read.
+    """Write recorded episodes as MCAP, for Foxglove, ROS 2 and other tools.
 
-    Joint states, transforms, objects, images, potentials, predicates and transitions, by simulated
-    time. With --schemas ros2 the messages are those of ROS 2 (sensor_msgs, geometry_msgs, tf2_msgs
-    and others), with wrenches and camera intrinsics. Needs the extra mcap.
+    The file has joint states, transforms, objects, images, potentials, predicates and transitions,
+    by simulated time. With --schemas ros2, messages are those of ROS 2 (sensor_msgs, geometry_msgs,
+    tf2_msgs and others), with wrenches and camera intrinsics. Requires the extra mcap.
     """
     from cbdsl.errors.errors import UsageError
 
@@ -98,10 +97,10 @@ def export_lerobot(
     videos: Videos = False,
     overwrite: Overwrite = False,
 ) -> None:
-    """Write recorded episodes as one dataset of LeRobot, format v3.0, to train policies on.
+    """Write recorded episodes as a dataset of LeRobot, format v3.0, to train policies.
 
     Each frame has joint positions, velocities, load cells and images, the joint references as the
-    action, rewards, and the state and action of the program. Needs the extra lerobot.
+    action, rewards, and the state and action of the program. Requires the extra lerobot.
     """
     with needed("A LeRobot dataset", "lerobot"):
         from cbdsl.reporting.lerobot.dataset import write_dataset

@@ -16,14 +16,14 @@ Diff = Annotated[bool, typer.Option("--diff", help="Write nothing; print the cha
 
 
 def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
-    """Lay documents out in one way: even indentation and spacing, no superfluous empty lines.
+    """Format documents: uniform indentation and spacing, without superfluous empty lines.
 
     Values, their order, quotes and comments do not change. Files are replaced atomically, and
-    changed ones are named. The standard input is printed. YAML of other tools stays as it is: a
+    changed files are listed. The standard input is printed. YAML of other tools stays unchanged: a
     document has the key 'cbdsl', or a 'kind' of this project.
 
-    Exit 0 when all is well, 1 when --check found something to change or a document is no YAML, 2
-    for a wrong call.
+    Exit 0 on success, 1 if --check found a change or a document is not valid YAML, 2 for wrong
+    arguments.
     """
     from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
     from cbdsl.cli.terminal import print_diagnostics

@@ -37,20 +37,22 @@ _NEVER = (
 
 Out = Annotated[
     Path,
-    typer.Option("--out", help="File for the policy, NAME.yaml; internal models go beside it."),
+    typer.Option(
+        "--out", help="File for the policy, NAME.yaml; internal models are written beside it."
+    ),
 ]
 Stage = Annotated[
     str | None,
-    typer.Option("--stage", help="Training context: a file or a name [the program's own]."),
+    typer.Option("--stage", help="Training stage: file or name [the program's]."),
 ]
-Episodes = Annotated[int, typer.Option("--episodes", min=1, help="How many episodes in all.")]
+Episodes = Annotated[int, typer.Option("--episodes", min=1, help="Total number of episodes.")]
 Trials = Annotated[
     int,
     typer.Option(
         "--trials",
         min=1,
         max=10_000,
-        help="How many times, each from zero: NAME_0.yaml, NAME_1.yaml, and on.",
+        help="Number of trials, each from scratch: NAME_0.yaml, NAME_1.yaml, ...",
     ),
 ]
 Workers = Annotated[
@@ -58,36 +60,38 @@ Workers = Annotated[
     typer.Option(
         "--workers",
         min=1,
-        help="How many trials at once, in processes of one thread; the outcome stays the same.",
+        help="Number of parallel processes; the result does not depend on it.",
     ),
 ]
 Scheduler = Annotated[
     str | None,
     typer.Option(
         "--scheduler",
-        help="Address of a Dask cluster, such as tcp://host:8786, whose workers see these files.",
+        help="Address of a Dask cluster, such as tcp://host:8786; its workers need access to the "
+        "same files.",
     ),
 ]
 Sequential = Annotated[
-    bool, typer.Option("--sequential", help="Leave out the actions that are compositions.")
+    bool, typer.Option("--sequential", help="Leave out actions that are compositions.")
 ]
-LearnerName = Annotated[
-    str, typer.Option("--learner", help="Algorithm; cb show learners lists all.")
-]
+LearnerName = Annotated[str, typer.Option("--learner", help="Learner; cb show learners lists all.")]
 From = Annotated[
     str | None,
-    typer.Option(
-        "--from", help="Learned policy that a schema keeps to, its file or name; for assimilate."
-    ),
+    typer.Option("--from", help="With assimilate: learned policy of the schema, file or name."),
 ]
 Transitions = Annotated[
     int | None,
-    typer.Option("--transitions", min=1, help="Most transitions of an episode [the program's]."),
+    typer.Option(
+        "--transitions", min=1, help="Maximum number of transitions of an episode [the program's]."
+    ),
 ]
 TransitionTime = Annotated[
     float | None,
     typer.Option(
-        "--transition-time", min=0.1, max=86400, help="Its longest action, s [the program's]."
+        "--transition-time",
+        min=0.1,
+        max=86400,
+        help="Maximum time of one action without a change of state, s [the program's].",
     ),
 ]
 IdleTime = Annotated[
@@ -96,7 +100,7 @@ IdleTime = Annotated[
         "--idle-time",
         min=0.1,
         max=86400,
-        help="Its longest action while no predicate is 0, s [the program's].",
+        help="The same while no predicate is 0, s [the program's].",
     ),
 ]
 EpisodeTime = Annotated[
@@ -105,7 +109,7 @@ EpisodeTime = Annotated[
         "--episode-time",
         min=0.1,
         max=86400,
-        help="Longest episode, s, including the programs that it uses [the program's].",
+        help="Maximum time of an episode, s, including the programs that it uses [the program's].",
     ),
 ]
 
@@ -168,14 +172,14 @@ def learn(
     fast: Fast = False,
     **constants: str | None,
 ) -> None:
-    """Learn the values of a program's actions from zero, by discovering affordances.
+    """Learn the values of a program's actions from scratch, by discovering affordances.
 
-    The policy in --out runs with cb run --policy. Beside it, the journal .episodes.jsonl holds
-    each finished episode, one a line. After an interruption --resume continues the trial, with
-    the same result as without it.
+    cb run --policy runs the policy of --out. Beside it, the journal .episodes.jsonl has a line for
+    each finished episode. --resume continues an interrupted trial, with the same result as without
+    the interruption.
 
-    Exit 0 when all episodes were run, 1 when a document has errors, 2 when it could not run, 130
-    when it was interrupted, by Ctrl-C or SIGTERM.
+    Exit 0 if all episodes were run, 1 if a document has errors, 2 if the program cannot run, and
+    130 after Ctrl-C or SIGTERM.
     """
     from cbdsl.api.run_request import read_request
     from cbdsl.checking.knowledge.digest import program_digest

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
     from cbdsl.yaml_text.library import Library
 
 Kind = Annotated[
-    str | None, typer.Argument(metavar="[KIND]", help="Only robots, programs, stages and so on.")
+    str | None,
+    typer.Argument(
+        metavar="[KIND]", help="Kind of the documents, such as robots, programs or stages [all]."
+    ),
 ]
 
 # Length of the printed part of a description; the rest is in the document.
@@ -23,7 +26,7 @@ _LONGEST = 76
 
 
 def list(kind: Kind = None, format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """List the documents that commands find by name from here, and where they are."""
+    """List the documents that commands find by name from this folder, with their paths."""
     from cbdsl.cli.plugins import warn_of_faults
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.kinds import KINDS, models

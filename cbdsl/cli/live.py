@@ -19,20 +19,25 @@ if TYPE_CHECKING:
 
 Live = Annotated[
     bool,
-    typer.Option("--live", help="Show the run in the browser while it runs, at real time."),
+    typer.Option("--live", help="Show the run in the browser, in real time."),
 ]
 Fast = Annotated[
-    bool, typer.Option("--fast", help="With --live: as fast as it goes, not at real time.")
+    bool, typer.Option("--fast", help="With --live: run at maximum speed instead of real time.")
 ]
 LivePort = Annotated[
     int | None,
-    typer.Option("--live-port", min=0, max=65535, help="Port of the page [one that is free]."),
+    typer.Option(
+        "--live-port", min=0, max=65535, help="With --live: port of the page [a free one]."
+    ),
 ]
 LiveWait = Annotated[
-    bool, typer.Option("--live-wait", help="Begin only when a browser shows the page.")
+    bool, typer.Option("--live-wait", help="With --live: wait until a browser shows the page.")
 ]
 LiveClose = Annotated[
-    bool, typer.Option("--live-close", help="End with the last episode, not with Ctrl-C.")
+    bool,
+    typer.Option(
+        "--live-close", help="With --live: end after the last episode instead of at Ctrl-C."
+    ),
 ]
 
 

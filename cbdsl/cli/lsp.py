@@ -4,9 +4,9 @@ from __future__ import annotations
 
 
 def lsp() -> None:
-    """Serve an editor over the standard streams: findings while typing, completion, hover.
+    """Serve an editor over the standard streams: diagnostics while typing, completion, hover.
 
-    Editors start it; see docs/how_to/set_up_an_editor.md. It ends with the editor.
+    Editors start this server and end it; see docs/how_to/set_up_an_editor.md.
     """
     import os
     import sys

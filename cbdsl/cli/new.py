@@ -23,37 +23,43 @@ new = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-Name = Annotated[str, typer.Argument(metavar="NAME", help="Its name, and that of its file.")]
-Robot = Annotated[str, typer.Option("--robot", help="Name or file of the robot that it is for.")]
+Name = Annotated[str, typer.Argument(metavar="NAME", help="Name of the document and of its file.")]
+Robot = Annotated[str, typer.Option("--robot", help="Robot of the document: file or name.")]
 To = Annotated[
     Path | None,
-    typer.Option("--to", help="Folder to write to [where names are looked up, such as programs]."),
+    typer.Option("--to", help="Folder to write to [the folder of its kind, such as programs]."),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Replace a file that is there.")]
-Urdf = Annotated[Path, typer.Option("--urdf", help="The robot's model: URDF, xacro or MJCF.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
+Urdf = Annotated[Path, typer.Option("--urdf", help="Model of the robot: URDF, xacro or MJCF.")]
 Srdf = Annotated[
     Path | None,
     typer.Option(
-        "--srdf", help="Its groups and postures, which become effectors [rows of joints]."
+        "--srdf", help="SRDF with groups and postures, which become effectors [chains of joints]."
     ),
 ]
 XacroArg = Annotated[
     list[str] | None,
-    typer.Option("--xacro-arg", metavar="NAME:=VALUE", help="An argument of a model in xacro."),
+    typer.Option(
+        "--xacro-arg", metavar="NAME:=VALUE", help="Argument of a xacro model; may be repeated."
+    ),
 ]
 IsXacro = Annotated[
     bool,
-    typer.Option("--xacro", help="The model is xacro, though its name does not end in .xacro."),
+    typer.Option("--xacro", help="Read the model as xacro, regardless of the name of its file."),
 ]
 Package = Annotated[
     list[str] | None,
-    typer.Option("--package", metavar="NAME=FOLDER", help="Where a package is that models name."),
+    typer.Option(
+        "--package",
+        metavar="NAME=FOLDER",
+        help="Folder of a ROS package that the model refers to; may be repeated.",
+    ),
 ]
 
 
 @new.command("program")
 def new_program(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
-    """A program: an effector moves to a posture."""
+    """Write a program that moves an effector to a posture."""
     from cbdsl.documents.program import ProgramDocument
 
     body = _robot(robot)
@@ -73,10 +79,11 @@ def new_robot(
     to: To = None,
     force: Force = False,
 ) -> None:
-    """A robot, from its URDF, xacro or MJCF.
+    """Write a robot for a model in URDF, xacro or MJCF.
 
-    Chains of joints, or the groups of --srdf, become effectors with a tip, a posture and the
-    limits as comments. Other formats are written as URDF beside the robot (extra formats).
+    Chains of joints, or the groups of --srdf, become effectors with a tip, a posture, and their
+    limits as comments. For other formats than URDF, a URDF is written beside the robot (extra
+    formats).
     """
     from cbdsl.cli.model_source import ModelReader
     from cbdsl.cli.proposal import propose
@@ -111,7 +118,7 @@ def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGro
 
 @new.command("stage")
 def new_stage(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
-    """A stage: a ball on a table within the robot's reach, or nothing."""
+    """Write a stage with a ball on a table within the robot's reach, or an empty one."""
     from cbdsl.cli.bench import bench
     from cbdsl.documents.stage import StageDocument
 

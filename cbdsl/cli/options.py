@@ -9,29 +9,34 @@ import typer
 
 Above = Annotated[
     float,
-    typer.Option("--above", min=0, max=1, help="Leave out arcs of this share and less."),
+    typer.Option(
+        "--above",
+        min=0,
+        max=1,
+        help="Omit transitions with a relative frequency up to this one, 0 to 1.",
+    ),
 ]
 BodyNumber = Annotated[
     int | None,
-    typer.Option("--body", min=0, help="Number of the body, which keeps its cameras' errors."),
+    typer.Option(
+        "--body", min=0, help="Number of the simulated body, which determines its camera errors."
+    ),
 ]
 Cameras = Annotated[
     str | None,
-    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
+    typer.Option("--cameras", help="Cameras: rendered or ideal [the backend's default]."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
-Open = Annotated[
-    bool, typer.Option("--open/--no-open", help="Show the page in the browser when it is made.")
-]
+Open = Annotated[bool, typer.Option("--open/--no-open", help="Show the page in the browser.")]
 Paths = Annotated[
     list[str],
-    typer.Argument(help="Documents, names of them, folders of them, or - for the standard input."),
+    typer.Argument(help="Documents: files, names, folders, or - for the standard input."),
 ]
 Policy = Annotated[
     str | None,
-    typer.Option("--policy", help="A policy: its file, or its name [the program's own]."),
+    typer.Option("--policy", help="Policy: file or name [the program's]."),
 ]
-Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
+Program = Annotated[str, typer.Argument(help="Program: file or name.")]
 Recording = Annotated[
     Path,
     typer.Argument(
@@ -39,15 +44,15 @@ Recording = Annotated[
     ),
 ]
 Resume = Annotated[
-    bool, typer.Option("--resume", help="Go on where trials were interrupted, or make them longer.")
+    bool, typer.Option("--resume", help="Continue interrupted trials, or extend finished ones.")
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all chance.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all random numbers.")]
 Set = Annotated[
     list[str],
-    typer.Option("--set", help="A constant of the learner, as epsilon=0.1; may be repeated."),
+    typer.Option("--set", help="Constant of the learner, such as epsilon=0.1; may be repeated."),
 ]
-ShownProgram = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
+ShownProgram = Annotated[str, typer.Argument(metavar="NAME", help="Program: file or name.")]
 With = Annotated[
     list[str],
-    typer.Option("--with", help="A parameter of the program, as arm=left_arm; may be repeated."),
+    typer.Option("--with", help="Parameter of the program, such as arm=left_arm; may be repeated."),
 ]

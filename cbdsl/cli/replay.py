@@ -11,14 +11,14 @@ from cbdsl.cli.options import Open, Recording
 from cbdsl.cli.pages import open_page, require_room, write_page
 
 Out = Annotated[
-    Path | None, typer.Option("--out", help="The page's file [beside the recording, .html].")
+    Path | None, typer.Option("--out", help="File of the page [beside the recording, .html].")
 ]
 
 
 def replay(what: Recording, out: Out = None, open_: Open = True) -> None:
-    """Make one page of a recorded episode: everything in it, nothing loaded.
+    """Write a self-contained page of a recorded episode.
 
-    Exit 0 when the page was written, 2 when it could not be made.
+    Exit 0 if the page was written, 2 if it cannot be made.
     """
     from cbdsl.errors.errors import UsageError
 

@@ -19,18 +19,18 @@ What = Annotated[
 ]
 Out = Annotated[
     Path | None,
-    typer.Option("--out", help="The page's file [beside FILE, .html; FOLDER/report.html]."),
+    typer.Option("--out", help="File of the page [beside FILE, .html; FOLDER/report.html]."),
 ]
 
 
 def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) -> None:
-    """Make one self-contained page of learned documents.
+    """Write a self-contained page of learned documents.
 
-    Learning curves over all trials, and each trial's policy, internal models and episodes. Of a
-    meta-catalog its graph, its pairs, and the stacks that can be planned of the things that are
-    there.
+    The page of policies has learning curves over all trials, and the policy, internal models and
+    episodes of each trial. The page of a meta-catalog has its graph, its pairs, and stacks that can
+    be planned.
 
-    Exit 0 when the page was written, 1 when a document has errors, 2 when it could not be made.
+    Exit 0 if the page was written, 1 if a document has errors, 2 if the page cannot be made.
     """
     from cbdsl.cli.show_meta_catalog import read_meta_catalog
     from cbdsl.documents.meta_catalog import MetaCatalogDocument

@@ -19,13 +19,13 @@ _ALL = "all"
 
 Name = Annotated[
     str | None,
-    typer.Argument(metavar="NAME|all", help="An experiment, or all of them; see --list."),
+    typer.Argument(metavar="NAME|all", help="Experiment, or all; see --list."),
 ]
 ListThem = Annotated[bool, typer.Option("--list", help="List the experiments.")]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of everything random.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all random numbers.")]
 Quick = Annotated[
     bool,
-    typer.Option("--quick", help="Small variants, which show that it works and prove nothing."),
+    typer.Option("--quick", help="Run small variants, which test the code and give no evidence."),
 ]
 BackendName = Annotated[
     str | None,
@@ -51,17 +51,17 @@ Workers = Annotated[
     typer.Option(
         "--workers",
         min=1,
-        help="How many trials at once, in processes of one thread; the outcome stays the same [1].",
+        help="Number of parallel processes; the result does not depend on it [1].",
     ),
 ]
 Keep = Annotated[
     Path | None,
-    typer.Option("--keep", help="Folder for the episodes; the same command goes on from there."),
+    typer.Option("--keep", help="Folder for the episodes; the same command continues from there."),
 ]
 Out = Annotated[
     Path | None,
     typer.Option(
-        "--out", help="File to write as well: .md for a page with pictures beside it, or .json."
+        "--out", help="Additional output file: .md for a page with pictures beside it, or .json."
     ),
 ]
 

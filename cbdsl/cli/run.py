@@ -34,39 +34,39 @@ if TYPE_CHECKING:
 
 Stage = Annotated[
     str | None,
-    typer.Option("--stage", help="Stage to run on: file or name [default: the program's]."),
+    typer.Option("--stage", help="Stage: file or name [the program's]."),
 ]
 Context = Annotated[
-    str | None, typer.Option("--context", help="One context of the stage [drawn by share].")
+    str | None, typer.Option("--context", help="Context of the stage [drawn by share].")
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the first episode.")]
 Episodes = Annotated[
-    int, typer.Option("--episodes", min=1, help="How many, with successive seeds.")
+    int, typer.Option("--episodes", min=1, help="Number of episodes, with successive seeds.")
 ]
 Schema = Annotated[
     str | None,
-    typer.Option("--schema", help="A schema that chooses the resources: its file, or its name."),
+    typer.Option("--schema", help="Schema that chooses the resources: file or name."),
 ]
 Calibration = Annotated[
     str | None,
-    typer.Option("--calibration", help="Where its cameras are: a file or a name [the robot's]."),
+    typer.Option("--calibration", help="Calibration of the cameras: file or name [the robot's]."),
 ]
 Gui = Annotated[bool, typer.Option("--gui", help="Open the simulator's window.")]
 Record = Annotated[
     Path | None,
-    typer.Option("--record", help="Folder to keep every tick of each episode in, as NPZ and JSON."),
+    typer.Option("--record", help="Folder for recordings of every tick, as NPZ and JSON."),
 ]
 Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Let --record replace recordings of the same seeds.")
 ]
 Page = Annotated[
     Path | None,
-    typer.Option("--page", help="File for a page of the episode (.html), which opens offline."),
+    typer.Option("--page", help="File for a self-contained page of the episode (.html)."),
 ]
 Explain = Annotated[
     bool,
     typer.Option(
-        "--explain", help="Also explain the motion of each level of the stack; not with --json."
+        "--explain", help="Explain the motion of each level of the stack as well; not with --json."
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per episode.")]
@@ -129,12 +129,12 @@ def run(
 ) -> None:
     """Run a program on a robot and print each change of its state.
 
-    Programs and stages are files or names; a wrong name lists the known ones.
+    Programs and stages are files or names; an unknown name lists the known ones.
 
-    Exit 0 after a run, rewarded or not. For programs that state success or failure: exit 0 if
-    all episodes succeeded, 3 if one failed, 4 if none failed and one reached neither. Exit 1 if
-    a document has errors, 2 if the program could not run, 130 after Ctrl-C or SIGTERM; finished
-    recordings are kept.
+    Exit 0 after a run, with or without a reward. A program that states success or failure exits
+    with 0 if all episodes succeeded, 3 if one failed, and 4 if none failed and one ended with
+    neither. Exit 1 if a document has errors, 2 if the program cannot run, and 130 after Ctrl-C or
+    SIGTERM, with the finished recordings.
     """
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments

@@ -10,9 +10,7 @@ import typer
 if TYPE_CHECKING:
     from cbdsl.documents.document import Document
 
-Kind = Annotated[
-    str | None, typer.Argument(help="A kind of document, such as program [every kind].")
-]
+Kind = Annotated[str | None, typer.Argument(help="Kind of document, such as program [all].")]
 Write = Annotated[
     Path | None,
     typer.Option("--write", help="Folder to write <kind>.schema.json to, instead of printing."),
@@ -22,10 +20,10 @@ Write = Annotated[
 def schema(kind: Kind = None, write: Write = None) -> None:
     """Print the JSON Schema of a kind of document, or write it for editors and CI.
 
-    Editors that know YAML complete and check a document whose first line is
-    "# yaml-language-server: $schema=" and the path of its schema; cb new writes that line.
+    Editors with YAML support complete and check a document whose first line is
+    "# yaml-language-server: $schema=" with the path of its schema; cb new writes that line.
 
-    Without a kind, a JSON object with the schema of every kind is printed.
+    Without a kind, print a JSON object with the schemas of all kinds.
     """
     from cbdsl.documents.json_schema import json_schema, json_text
 

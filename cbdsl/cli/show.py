@@ -34,12 +34,12 @@ show = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-Robot = Annotated[str, typer.Option("--robot", help="Name or file of a robot document.")]
+Robot = Annotated[str, typer.Option("--robot", help="Robot: file or name.")]
 
 
 @show.command("types")
 def show_types(format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """The types of resources (Table 3.1) and the casts between them."""
+    """Show the types of resources (Table 3.1) and the casts between them."""
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.types.casts import CASTS
     from cbdsl.types.resource_type import TYPES
@@ -68,7 +68,7 @@ def show_types(format_: PlainFormat = "text", as_json: Json = False) -> None:
 
 @show.command("potentials")
 def show_potentials(format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """The artificial potentials, and how good a guide each is."""
+    """Show the artificial potentials and their conditions of a navigation function."""
     from cbdsl.cli.plugins import warn_of_faults
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.types.potential import POTENTIALS

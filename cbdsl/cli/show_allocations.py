@@ -18,9 +18,9 @@ def show_allocations(
     format_: PlainFormat = "text",
     as_json: Json = False,
 ) -> None:
-    """The resources that the parameters of a program may stand for, and why others cannot.
+    """Show the possible resources of a program's parameters, and the reasons against others.
 
-    Lists all combinations for its section resources, each checked as a separate program.
+    All combinations for the section resources are checked as separate programs.
     """
     from cbdsl.checking.allocations import allocations
     from cbdsl.checking.program import check_program

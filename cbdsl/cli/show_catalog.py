@@ -14,21 +14,23 @@ if TYPE_CHECKING:
     from cbdsl.documents.catalog import CatalogDocument
     from cbdsl.training.held_out import Prediction
 
-Catalog = Annotated[str, typer.Argument(metavar="FILE|NAME", help="A catalog.")]
+Catalog = Annotated[str, typer.Argument(metavar="FILE|NAME", help="Catalog: file or name.")]
 Against = Annotated[
     str | None,
-    typer.Option("--against", metavar="FILE|NAME", help="Another catalog: show the differences."),
+    typer.Option("--against", metavar="FILE|NAME", help="Another catalog to compare with."),
 ]
 Expect = Annotated[
     str | None,
     typer.Option(
         "--expect",
         metavar="STAGE",
-        help="Stage on which to predict rewards and to test the predictions.",
+        help="Stage on which to predict rewards and test the predictions: file or name.",
     ),
 ]
-Scenes = Annotated[int, typer.Option("--scenes", min=1, help="How many, with --expect.")]
-FormatOption = Annotated[str, typer.Option("--format", help="text or json; svg for its icon.")]
+Scenes = Annotated[int, typer.Option("--scenes", min=1, help="With --expect: number of scenes.")]
+FormatOption = Annotated[
+    str, typer.Option("--format", help="Output format: text or json; svg for the icon.")
+]
 Icon = Annotated[bool, typer.Option("--svg", help="Short for --format svg.")]
 
 
@@ -47,8 +49,8 @@ def show_catalog(
 ) -> None:
     """Show the affordances of an object with their counts and the certainty of their models.
 
-    With --against, the lines by which another catalog differs. With --expect, the robot looks at
-    scenes of a stage, says how likely each action is to be rewarded, and tries one action in each.
+    --against prints the lines that differ from another catalog. With --expect, the robot observes
+    scenes of a stage, predicts the reward of each action, and tries one action in each.
     """
     from cbdsl.cli.catalog_text import catalog_text
     from cbdsl.cli.terminal import print_json

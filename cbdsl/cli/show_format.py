@@ -29,7 +29,7 @@ PLAIN = (Format.TEXT, Format.JSON)
 #: Formats of data with a single picture.
 PICTURED = (*PLAIN, Format.SVG)
 
-PlainFormat = Annotated[str, typer.Option("--format", help="text or json.")]
+PlainFormat = Annotated[str, typer.Option("--format", help="Output format: text or json.")]
 Json = Annotated[bool, typer.Option("--json", help="Short for --format json.")]
 
 

@@ -13,11 +13,11 @@ from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
 if TYPE_CHECKING:
     from cbdsl.numeric.box_cover import Cover
 
-Mesh = Annotated[Path, typer.Argument(help="A closed mesh, .stl or .obj.")]
-Pieces = Annotated[
-    int, typer.Option("--pieces", min=1, max=16, help="Boxes that it is made of at most.")
+Mesh = Annotated[Path, typer.Argument(help="Closed mesh, .stl or .obj.")]
+Pieces = Annotated[int, typer.Option("--pieces", min=1, max=16, help="Maximum number of boxes.")]
+Scale = Annotated[
+    float, typer.Option("--scale", help="Length of the mesh's unit, m: 0.001 for mm.")
 ]
-Scale = Annotated[float, typer.Option("--scale", help="Metres in the mesh's unit: 0.001 for mm.")]
 
 
 def show_mesh(
@@ -28,9 +28,9 @@ def show_mesh(
     format_: PlainFormat = "text",
     as_json: Json = False,
 ) -> None:
-    """Print the boxes that fill a closed mesh, as the form of a thing of a stage.
+    """Print the boxes that fill a closed mesh, as the form of an object of a stage.
 
-    Exit 0 when there are any, 2 when the mesh is not there, not closed, or of no thing's size.
+    Exit 0 if boxes were found, 2 if the mesh is missing, not closed, or not of an object's size.
     """
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.terminal import print_json

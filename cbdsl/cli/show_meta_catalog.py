@@ -12,15 +12,19 @@ if TYPE_CHECKING:
     from cbdsl.documents.meta_catalog import MetaCatalogDocument
     from cbdsl.learning.stack_plan import StackPlan
 
-MetaCatalog = Annotated[str, typer.Argument(metavar="FILE|NAME", help="A meta-catalog.")]
-FormatOption = Annotated[str, typer.Option("--format", help="text or json; svg for its graph.")]
+MetaCatalog = Annotated[
+    str, typer.Argument(metavar="FILE|NAME", help="Meta-catalog: file or name.")
+]
+FormatOption = Annotated[
+    str, typer.Option("--format", help="Output format: text or json; svg for the graph.")
+]
 Graph = Annotated[bool, typer.Option("--svg", help="Short for --format svg.")]
 Stack = Annotated[
-    int | None, typer.Option("--stack", min=2, help="Plan a stack of so many things.")
+    int | None, typer.Option("--stack", min=2, help="Number of objects of a stack to plan.")
 ]
 Of = Annotated[
     str | None,
-    typer.Option("--of", metavar="THING,...", help="Things that are there, with --stack."),
+    typer.Option("--of", metavar="THING,...", help="With --stack: available objects [all]."),
 ]
 
 
@@ -33,9 +37,9 @@ def show_meta_catalog(
     of: Of = None,
     as_json: Json = False,
 ) -> None:
-    """Show which things stay on which, how often that was so, and how both look then.
+    """Show the relations between objects: counts, probabilities, and constellations.
 
-    With --stack, the surest stack of some height that is known, from below.
+    With --stack, print the most probable stack of the given height, bottom object first.
     """
     from cbdsl.cli.meta_catalog_text import meta_catalog_text
     from cbdsl.cli.terminal import print_json

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def show_learners(format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """The algorithms of cb learn and their constants."""
+    """Show the algorithms of cb learn and their constants."""
     from cbdsl.cli.plugins import warn_of_faults
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.terminal import print_json, print_table
@@ -45,7 +45,7 @@ def show_learners(format_: PlainFormat = "text", as_json: Json = False) -> None:
 
 
 def show_kinds(format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """The kinds of documents, and where each is looked up by name."""
+    """Show the kinds of documents and the folders of their names."""
     from cbdsl.documents.kinds import KINDS
 
     form = read_format(format_, as_json, PLAIN)
@@ -53,7 +53,7 @@ def show_kinds(format_: PlainFormat = "text", as_json: Json = False) -> None:
 
 
 def show_sources(format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """The kinds of sensors that packages add, for robots' documents."""
+    """Show the kinds of sensors from other packages, for robot documents."""
     from cbdsl.robot.source_kind import SOURCES
 
     form = read_format(format_, as_json, PLAIN)
@@ -61,7 +61,7 @@ def show_sources(format_: PlainFormat = "text", as_json: Json = False) -> None:
 
 
 def show_drivers(format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """Show the kinds of drivers, for robots' documents."""
+    """Show the kinds of drivers, for robot documents."""
     from cbdsl.robot.driver_kind import DRIVERS
 
     form = read_format(format_, as_json, PLAIN)
@@ -69,7 +69,7 @@ def show_drivers(format_: PlainFormat = "text", as_json: Json = False) -> None:
 
 
 def show_modifiers(format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """The changes of controllers' references that packages add, for programs."""
+    """Show the modifiers of controllers' references from other packages, for programs."""
     from cbdsl.types.modifier import MODIFIERS
 
     form = read_format(format_, as_json, PLAIN)
@@ -77,7 +77,7 @@ def show_modifiers(format_: PlainFormat = "text", as_json: Json = False) -> None
 
 
 def show_backends(format_: PlainFormat = "text", as_json: Json = False) -> None:
-    """The bodies that programs run on, and which lack something that is to be installed."""
+    """Show the backends, and the missing packages of each."""
     from cbdsl.cli.simulation import needing_simulation
 
     form = read_format(format_, as_json, PLAIN)

@@ -16,12 +16,20 @@ if TYPE_CHECKING:
 
 Policy = Annotated[
     str,
-    typer.Argument(metavar="FILE|NAME", help="A policy, or a program for the one written in it."),
+    typer.Argument(
+        metavar="FILE|NAME", help="Policy, or program with a written policy: file or name."
+    ),
 ]
-All = Annotated[bool, typer.Option("--all", help="Draw states that no drawn arc leads to, too.")]
+All = Annotated[
+    bool,
+    typer.Option("--all", help="Draw all states, including those without an incoming transition."),
+]
 FormatOption = Annotated[
     str,
-    typer.Option("--format", help="text or json; dot, mermaid or svg for its transition diagram."),
+    typer.Option(
+        "--format",
+        help="Output format: text or json; dot, mermaid or svg for the transition diagram.",
+    ),
 ]
 
 
@@ -34,8 +42,8 @@ def show_policy(
 ) -> None:
     """Show the action of a policy in every state, and the states that follow.
 
-    Of a learned policy: action values, how often actions were tried, and the transitions of more
-    than --above of the times; or a diagram of those (dot, mermaid, svg).
+    A learned policy also has action values, numbers of trials, and the transitions with a relative
+    frequency of more than --above. The formats dot, mermaid and svg draw a diagram of these.
     """
     from cbdsl.cli.policy_text import policy_text
     from cbdsl.cli.terminal import print_json

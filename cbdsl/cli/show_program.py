@@ -14,10 +14,16 @@ if TYPE_CHECKING:
     from cbdsl.program.controller import Controller
 
 
-With = Annotated[list[str], typer.Option("--with", help="A parameter, as name=value.")]
+With = Annotated[
+    list[str],
+    typer.Option("--with", help="Parameter of the program, such as arm=left_arm; may be repeated."),
+]
 FormatOption = Annotated[
     str,
-    typer.Option("--format", help="text or json; dot, mermaid or svg for a graph of its states."),
+    typer.Option(
+        "--format",
+        help="Output format: text or json; dot, mermaid or svg for a graph of the states.",
+    ),
 ]
 
 
@@ -29,8 +35,8 @@ def show_program(
 ) -> None:
     """Show a program with all names, casts and parameters resolved.
 
-    Shows controllers with their casts, the levels and free directions of each action, possible
-    rewards, and the policy; or a graph of them (dot, mermaid, svg).
+    The text has the controllers with their casts, the levels and free directions of each action,
+    possible rewards, and the policy. The formats dot, mermaid and svg draw a graph.
     """
     from cbdsl.checking.program import check_program
     from cbdsl.cli.assignments import read_assignments

@@ -11,13 +11,16 @@ from cbdsl.cli.show_format import Format, Json, drawing, read_format
 if TYPE_CHECKING:
     from cbdsl.documents.schema import SchemaDocument
 
-Schema = Annotated[str, typer.Argument(metavar="FILE|NAME", help="A schema.")]
+Schema = Annotated[str, typer.Argument(metavar="FILE|NAME", help="Schema: file or name.")]
 Against = Annotated[
     str | None,
-    typer.Option("--against", metavar="FILE|NAME", help="Another schema: show the differences."),
+    typer.Option("--against", metavar="FILE|NAME", help="Another schema to compare with."),
 ]
 FormatOption = Annotated[
-    str, typer.Option("--format", help="text or json; dot, mermaid or svg for its trees.")
+    str,
+    typer.Option(
+        "--format", help="Output format: text or json; dot, mermaid or svg for the trees."
+    ),
 ]
 
 
@@ -27,10 +30,10 @@ def show_schema(
     format_: FormatOption = "text",
     as_json: Json = False,
 ) -> None:
-    """Show how a schema chooses resources, and in which contexts it predicts no reward.
+    """Show the allocation of resources by a schema, and its contexts without expected reward.
 
-    With --against, the lines by which another schema differs: - for those of that one, + for those
-    of this one.
+    --against prints the lines that differ from another schema: - for its lines, + for those of the
+    first.
     """
     from cbdsl.cli.schema_text import schema_text
     from cbdsl.cli.terminal import print_json

@@ -13,9 +13,9 @@ def show_substitutes(
     format_: PlainFormat = "text",
     as_json: Json = False,
 ) -> None:
-    """The programs that are rewarded for the same as a program, or as one of its members.
+    """Show programs with the same reward as a program, or as one of its members.
 
-    Types of signals and effectors and the reward determine them, and names do not.
+    The types of signals and effectors and the reward are compared, and names are ignored.
     """
     from cbdsl.checking.program import check_program
     from cbdsl.checking.session import Session

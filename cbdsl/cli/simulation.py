@@ -21,8 +21,8 @@ BackendName = Annotated[
         "--backend",
         default_factory=default_engine,
         show_default=False,
-        help="Engine: bullet or mujoco (physics), kinematic (no physics), ros2 (a real robot), or "
-        "one of another package; cb show backends lists all [the first that is installed].",
+        help="Backend: bullet or mujoco (physics), kinematic (no physics), ros2 (a real robot); cb"
+        " show backends lists all [the first installed].",
     ),
 ]
 

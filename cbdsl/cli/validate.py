@@ -12,19 +12,21 @@ from cbdsl.cli.options import Paths
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.
 With = Annotated[
     list[str],
-    typer.Option("--with", help="A parameter of a program, as arm=left_arm; may be repeated."),
+    typer.Option(
+        "--with", help="Parameter of the programs, such as arm=left_arm; may be repeated."
+    ),
 ]
-Form = Annotated[
-    str, typer.Option("--format", help="How findings are printed: text, json, github or sarif.")
-]
-Json = Annotated[bool, typer.Option("--json", help="The same as --format json.")]
-Strict = Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings, too.")]
+Form = Annotated[str, typer.Option("--format", help="Output format: text, json, github or sarif.")]
+Json = Annotated[bool, typer.Option("--json", help="Short for --format json.")]
+Strict = Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings as well.")]
 Fix = Annotated[
     bool,
-    typer.Option("--fix", help="Write the nearest name where one is misspelled, then check again."),
+    typer.Option(
+        "--fix", help="Replace misspelled names by the nearest ones in the files, then check."
+    ),
 ]
 StdinName = Annotated[
-    str, typer.Option("--stdin-name", help="The file that the standard input stands for.")
+    str, typer.Option("--stdin-name", help="File name of the standard input in diagnostics.")
 ]
 
 
@@ -39,7 +41,7 @@ def validate(
 ) -> None:
     """Check documents without running them.
 
-    Exit 0 without errors, 1 with errors, 2 for a wrong call or an internal error.
+    Exit 0 without errors, 1 with errors, 2 for wrong arguments or an internal error.
     """
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.findings import check_paths

@@ -21,10 +21,9 @@ _TICKS, _TICKS_ON_ENGINES = 200, 40
 
 
 def warm() -> None:
-    """Compile in advance for all installed engines, so that first runs start at once.
+    """Compile in advance for all installed engines, so that first runs start immediately.
 
-    The machine code is kept for all environments of the user. Exit 0 when it is kept, 2 when it
-    cannot be.
+    All environments of the user share the machine code. Exit 0 if it is stored, 2 if it cannot be.
     """
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.native_output import shown_on_failure
