@@ -188,10 +188,12 @@ class Law:
             SignalError: If the posture or a level is not finite.
         """
         step = Step.of(stack)
-        compose(
-            q, stack.newest, stack.arrays, True, self._limits, self._steps, self._guards,
-            step.displacement, step.locked, step.singular_values,
-        )  # fmt: skip
+        for bends in (False, True):
+            if not compose(
+                q, stack.newest, stack.arrays, bends, self._limits, self._steps, self._guards,
+                step.displacement, step.locked, step.singular_values,
+            ):  # fmt: skip
+                break
         if math.isnan(step.displacement.item(0)):
             step.require_sound(q)
         return step
