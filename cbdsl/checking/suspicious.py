@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 
 from cbdsl.checking.context import ProgramContext, Steps
@@ -15,6 +16,9 @@ from cbdsl.program.dry_run import StackLevel, levels
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import RELATIVE, VISUAL, Resource
 from cbdsl.types.state import ANY
+
+# Rounding of half a turn and of a whole turn in rad.
+_ROUNDING = 1e-3
 
 
 def check_suspicious(
@@ -66,6 +70,27 @@ class _ControllerCheck:
         self._against_itself()
         self._zero_share()
         self._pace()
+        self._whole_turns()
+
+    def _whole_turns(self) -> None:
+        """Warn of references that a joint without limits reaches by a shorter way."""
+        controller, body = self._controller, self._context.body
+        circular = body.circular(controller.feedback)
+        is_relative = isinstance(controller.reference, Relative)
+        match controller.reference:
+            case Relative(offset=angles) | Literal(values=angles):
+                pass
+            case _:
+                return
+        most = math.pi if is_relative else 2.0 * math.pi
+        joints = body.effector_joints(controller.feedback)
+        for i, (joint, angle) in enumerate(zip(joints, angles, strict=False)):
+            if circular[i : i + 1] != (True,) or abs(angle) <= most + _ROUNDING:
+                continue
+            place = self._context.source.place(*self._steps, "reference")
+            short = math.remainder(angle, 2.0 * math.pi)
+            details = {"joint": joint, "written": f"{math.degrees(angle):.6g}"}
+            self._context.add("CB723", place, short=f"{math.degrees(short):.3g}", **details)
 
     def _against_itself(self) -> None:
         controller, source = self._controller, self._context.source

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cbdsl.control.field import HarmonicField
-from cbdsl.control.grid import Grid
+from cbdsl.control.grid import Booleans, Grid
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Potential, potential
 from cbdsl.control.setting import Setting
@@ -32,7 +32,9 @@ def build(controller: Controller, setting: Setting) -> Potential:
         raise ValueError("a harmonic potential needs a field")
     lower = setting.lower if field.lower is None else np.array(field.lower)
     upper = setting.upper if field.upper is None else np.array(field.upper)
-    return Harmonic(lower, upper, field.spacing, field.scale, field.clearance).potential
+    circular = setting.circular if controller.feedback.type.name == "configuration" else None
+    field_of = Harmonic(lower, upper, field.spacing, field.scale, field.clearance, circular)
+    return field_of.potential
 
 
 @potential
@@ -66,15 +68,27 @@ class Harmonic:
         spacing: Spacing of the grid of phi_h, in the same unit.
         scale: Length of the displacement for phi_h = 1.
         clearance: Distance that is kept from obstacles.
+        circular: True for joints whose whole turns do not count, shape (n,); their positions are
+            shifted by whole turns to follow ``lower``. No path passes the seam between ``upper``
+            and ``lower``, which is a border like any other. ``None`` or empty for none.
 
     Raises:
         ValueError: If the workspace has more than three dimensions, is unbounded or too small.
     """
 
     def __init__(
-        self, lower: Floats, upper: Floats, spacing: float, scale: float, clearance: float = 0.0
+        self,
+        lower: Floats,
+        upper: Floats,
+        spacing: float,
+        scale: float,
+        clearance: float = 0.0,
+        circular: Booleans | None = None,
     ) -> None:
         self._grid = Grid.between(lower, upper, spacing)
+        self._turn = np.zeros(len(lower))
+        if circular is not None and len(circular):
+            self._turn[circular] = 2.0 * math.pi
         self._scale = scale
         self._clearance = clearance
         self._obstacles: tuple[Obstacle, ...] = ()
@@ -104,10 +118,20 @@ class Harmonic:
             NoPathError: If no free path leads to the goal, which may be outside of the workspace or
                 inside an obstacle.
         """
+        value, goal = self._in_one_turn(value), self._in_one_turn(goal)
         slope = self._solved(goal, obstacles).slope(value, goal)
         left = float(np.linalg.norm(goal - value))
         parameters[0] = -math.log(max(slope.closeness, _LEAST)) + slope.depth
         parameters[1:] = min(self._scale * slope.potential, left) * slope.direction
+
+    def _in_one_turn(self, position: Floats) -> Floats:
+        """Return a position, shape (n,), shifted by whole turns of its circular joints."""
+        lower = self._grid.lower
+        turns = np.floor_divide(
+            position - lower, self._turn, where=self._turn > 0.0, out=np.zeros(len(lower))
+        )
+        shifted: Floats = position - turns * self._turn
+        return shifted
 
     def _solved(self, goal: Floats, obstacles: Sequence[Obstacle]) -> HarmonicField:
         """Return the field for a goal and obstacles, solved again only if the last is outdated."""

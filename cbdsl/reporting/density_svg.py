@@ -58,6 +58,10 @@ class _Axis(NamedTuple):
 def density_svgs(model: InternalModel) -> list[str]:
     """Return the pictures of an internal model, each as SVG with a text alternative."""
     landscape = Landscape(model)
+    # A joint without limits is drawn over one turn.
+    bounds = zip(model.joints, landscape.lower, landscape.upper, strict=True)
+    shown = (joint._replace(lower=lower, upper=upper) for joint, lower, upper in bounds)
+    model = model._replace(joints=tuple(shown))
     if len(model.joints) == 2:
         return [_map(model, landscape)]
     return [_curve(joint, place, landscape) for place, joint in enumerate(model.joints)]

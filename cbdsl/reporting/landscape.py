@@ -13,6 +13,8 @@ Floats = NDArray[np.float64]
 
 #: Number of evaluated angles of a joint.
 POINTS = 181
+# Turns in both directions over which a kernel of an endless joint is added up.
+_REPEATED = 2
 
 _erf = np.vectorize(math.erf, otypes=[float])
 
@@ -38,21 +40,38 @@ class Landscape:
         turn = math.pi
         self.lower = np.array([-turn if math.isinf(j.lower) else j.lower for j in model.joints])
         self.upper = np.array([turn if math.isinf(j.upper) else j.upper for j in model.joints])
+        # Turns by which its kernels are repeated: a position is the same after each of them.
+        self._turns = [
+            2.0 * math.pi * np.arange(-_REPEATED, _REPEATED + 1)
+            if joint.is_endless
+            else np.zeros(1)
+            for joint in model.joints
+        ]
+        for place, joint in enumerate(model.joints):
+            if joint.is_endless:
+                angles = self.centers[:, place]
+                self.centers[:, place] = angles - 2.0 * turn * np.round(angles / (2.0 * turn))
         self.uniform = density.uniform
         # The part of each kernel within the limits of each joint, shape (kernels, joints).
-        self._inside = self._below(self.upper) - self._below(self.lower)
+        self._inside = np.stack([self._mass(joint) for joint in range(len(self.lower))], axis=1)
         # Keeps the density finite if its mass within the limits is close to zero.
         self._total = max(float(self._inside.prod(axis=1).sum()), np.finfo(float).tiny)
 
-    def _below(self, angle: Floats) -> Floats:
-        part: Floats = 0.5 * (1 + _erf((angle - self.centers) / (self.spread * math.sqrt(2))))
-        return part
+    def _mass(self, joint: int) -> Floats:
+        """Return the part of each kernel between the limits of a joint, shape (kernels,)."""
+        centers = self.centers[:, joint, None] + self._turns[joint]
+        width = self.spread[joint] * math.sqrt(2)
+        below = _erf((self.lower[joint] - centers) / width)
+        mass: Floats = 0.5 * (_erf((self.upper[joint] - centers) / width) - below).sum(axis=1)
+        return mass
 
     def _kernels(self, joint: int, angles: Floats) -> Floats:
         """Return each kernel along one joint, shape (kernels, angles), times the joint's range."""
         spread, span = self.spread[joint], self.upper[joint] - self.lower[joint]
-        z = (angles - self.centers[:, joint, None]) / spread
-        height: Floats = span * np.exp(-0.5 * z**2) / (spread * math.sqrt(2 * math.pi))
+        centers = self.centers[:, joint, None, None] + self._turns[joint][:, None]
+        z = (angles - centers) / spread
+        heights = span * np.exp(-0.5 * z**2) / (spread * math.sqrt(2 * math.pi))
+        height: Floats = heights.sum(axis=1)
         return height
 
     def _mixed(self, learned: Floats) -> Floats:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -62,6 +63,11 @@ class Joint(NamedTuple):
     lower: float
     upper: float
     unit: str = "rad"
+
+    @property
+    def is_endless(self) -> bool:
+        """True if it turns without limits."""
+        return self.unit == "rad" and math.isinf(self.upper - self.lower)
 
 
 class InternalModel(NamedTuple):

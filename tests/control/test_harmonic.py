@@ -258,3 +258,24 @@ def built(field: Field | None, lower: Floats, upper: Floats) -> Potential:
         field=field,
     )  # fmt: skip
     return build(own, Setting(lower, upper, 2, 2))
+
+
+@pytest.mark.parametrize("turns", [-2, 0, 1])
+def test_position_of_a_joint_without_limits_counts_in_one_turn(turns: int) -> None:
+    lower, upper = np.full(2, -np.pi), np.full(2, np.pi)
+    law = Harmonic(lower, upper, 0.1, SCALE, circular=np.array([True, False])).potential
+    assert law.prepare is not None
+    shifted = np.array([2.0 * np.pi * turns, 0.0])
+    start, goal, found = np.array([-1.0, 0.5]), np.array([1.5, -0.5]), []
+    for value, target in ((start, goal), (start + shifted, goal), (start, goal + shifted)):
+        parameters = np.empty(3)
+        law.prepare(value, target, (), parameters)
+        found.append(parameters)
+    assert found[1] == pytest.approx(found[0]) and found[2] == pytest.approx(found[0])
+
+
+def test_position_of_a_joint_with_limits_beyond_the_field_has_no_path() -> None:
+    law = Harmonic(np.full(2, -np.pi), np.full(2, np.pi), 0.1, SCALE).potential
+    assert law.prepare is not None
+    with pytest.raises(NoPathError):
+        law.prepare(np.zeros(2), np.array([2.0 * np.pi, 0.0]), (), np.empty(3))

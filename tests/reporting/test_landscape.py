@@ -44,11 +44,12 @@ DENSITIES = st.one_of(
 )
 
 
+def landscape_document(density: Gaussian | Kernel) -> ModelDocument:
+    return ModelDocument(cbdsl=1, kind="model", name="m", robot="r", effector="e", density=density)
+
+
 def landscape(density: Gaussian | Kernel) -> Landscape:
-    document = ModelDocument(
-        cbdsl=1, kind="model", name="m", robot="r", effector="e", density=density
-    )
-    return Landscape(InternalModel("head.likely", document, JOINTS))
+    return Landscape(InternalModel("head.likely", landscape_document(density), JOINTS))
 
 
 def mean_over(values: np.ndarray) -> np.ndarray:
@@ -117,3 +118,22 @@ def test_a_density_beyond_the_limits_is_drawn_as_nothing() -> None:
     assert not found.over(found.angles(0), found.angles(1)).any()
     (picture,) = density_svgs(InternalModel("head.likely", document, JOINTS))
     assert "nan" not in picture and "inf" not in picture
+
+
+@pytest.mark.parametrize("form", ["gaussian", "kernel"])
+@pytest.mark.parametrize("turns", [0, 1, -3])
+def test_density_of_a_joint_without_limits_goes_on_at_half_a_turn(form: str, turns: int) -> None:
+    center, angle = np.pi - 0.05 + 2 * np.pi * turns, 0.4
+    density = (
+        Gaussian(form="gaussian", mean=(center, 0.2), deviation=(angle, 0.2))
+        if form == "gaussian"
+        else Kernel(form="kernel", samples=((center, 0.2),), bandwidth=(angle, 0.2))
+    )
+    model = InternalModel("m", landscape_document(density), ENDLESS)
+    found = Landscape(model)
+    along = found.along(0, found.angles(0))
+    assert along[0] == pytest.approx(along[-1])
+    assert mean_over(along) == pytest.approx(1, abs=5e-3)
+    assert along[0] > 5 * along[len(along) // 2]
+    (picture,) = density_svgs(model)
+    assert "nan" not in picture and "inf" not in picture and "pan, degrees" in picture

@@ -22,7 +22,7 @@ from cbdsl.runtime.recording import triple
 from cbdsl.types.resource_type import POSE, WRENCH, configuration
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_main import cb
-from tests.reporting.test_landscape import Gaussian, ModelDocument
+from tests.reporting.test_landscape import Gaussian, landscape_document
 
 _JOINT = (
     '<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{3}"/><axis xyz="0 0 1"/>'
@@ -195,9 +195,39 @@ def test_literal_without_a_model_is_accepted_in_either_unit(here: Path) -> None:
 
 def test_density_of_sliding_joints_is_drawn_in_mm() -> None:
     density = Gaussian(form="gaussian", mean=(0.02, 0.5), deviation=(0.01, 0.1), uniform=0)
-    document = ModelDocument(
-        cbdsl=1, kind="model", name="m", robot="r", effector="e", density=density
-    )
+    document = landscape_document(density)
     joints = (Joint("slide", 0.0, 0.04, "m"), Joint("hinge", 0.0, 1.0, "rad"))
     (picture,) = density_svgs(InternalModel("m", document, joints))
     assert "slide, mm" in picture and "hinge, degrees" in picture and "slide 20 mm" in picture
+
+
+def test_reference_beyond_the_short_way_of_an_endless_joint_is_warned_of(here: Path) -> None:
+    Path("lifter.urdf").write_text(URDF.replace('"revolute"', '"continuous"'))
+    counting = ROBOT.replace("{joints: [turn],", "{joints: [turn], count_turns: true,")
+    for reference, is_short in (
+        ("'here + 720 deg'", False),
+        ("'here - 200 deg'", False),
+        ("'here + 180 deg'", True),
+        ("[360 deg]", True),
+        ("[450 deg]", False),
+        ("turn.ahead", True),
+    ):
+        for robot in (ROBOT, counting):
+            Path("lifter.yaml").write_text(robot)
+            found = check_document(written("turn", reference), Session(Library()))
+            warned = [each.code for each in found if not each.code.startswith("CB74")]
+            assert warned == ([] if is_short or robot is counting else ["CB723"])
+
+
+def test_field_between_the_limits_of_an_endless_joint_is_refused(here: Path) -> None:
+    Path("lifter.urdf").write_text(URDF.replace('"revolute"', '"continuous"'))
+    field = ", field: {spacing: 0.1, scale: 0.2}"
+    file = written("turn", "[30 deg]", field)
+    file.write_text(file.read_text().replace("potential: spring", "potential: harmonic"))
+    assert messages(file) == [
+        "CB524 joint 'turn' has no limits: the field needs both lower and upper"
+    ]
+    file.write_text(file.read_text().replace("{spacing", "{lower: [-3], upper: [3], spacing"))
+    assert messages(file) == []
+    file.write_text(file.read_text().replace("[30 deg]", "[390 deg]"))
+    assert messages(file) == []

@@ -157,6 +157,11 @@ class _Field:
         known = [joint for joint in joints if joint is not None]
         if len(known) != self._size:
             return None  # the robot has faults
+        endless = next((joint.name for joint in known if joint.endless), None)
+        if endless is not None:
+            problem = f"joint '{endless}' has no limits: the field needs both lower and upper"
+            self._add("CB524", problem=problem)
+            return None
         return tuple(joint.lower for joint in known), tuple(joint.upper for joint in known)
 
     def _moves_between_limits(self) -> bool:
@@ -244,6 +249,12 @@ class _Field:
         place = self._context.source.place(*self._steps[:-1], "reference")
         if bounds is not None and len(goal) == self._size:
             lower, upper = bounds
+            # Whole turns of joints without limits do not count.
+            circular = self._context.body.circular(self._wish.feedback)
+            goal = tuple(
+                a + (x - a) % (2.0 * math.pi) if circular[i : i + 1] == (True,) else x
+                for i, (a, x) in enumerate(zip(lower, goal, strict=True))
+            )
             inside = [a < x < b for a, x, b in zip(lower, goal, upper, strict=True)]
             if not all(inside):
                 self._context.add("CB527", place, axis=inside.index(False))

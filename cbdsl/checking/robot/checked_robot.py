@@ -118,6 +118,26 @@ class CheckedRobot(NamedTuple):
         turned = [known.get(joint) for joint in joints]
         return [None if joint is None else (joint.lower, joint.upper) for joint in turned]
 
+    def circular(self, resource: Resource) -> tuple[bool, ...]:
+        """Return for each joint of a configuration whether whole turns of it do not count.
+
+        Returns:
+            One value a joint; none for a resource of another type, and without a model.
+        """
+        source, robot = resource.source, self.document
+        if not isinstance(source, EffectorConfiguration) or self.model is None:
+            return ()
+        counted = {
+            joint
+            for effector in robot.effectors.values()
+            if effector.count_turns
+            for joint in effector.joints
+        }
+        joints, known = robot.joints(source.effector), self.model.joints
+        return tuple(
+            joint in known and known[joint].endless and joint not in counted for joint in joints
+        )
+
     def effector_joints(self, resource: Resource) -> tuple[str, ...]:
         """Return the actuated joints that an effector moves."""
         source = resource.source
