@@ -1,69 +1,384 @@
-"""SECURITY.md: each statement has a test, which exists."""
+"""SECURITY.md: each sentence has tests, which exist, or a reason for having none."""
 
 from __future__ import annotations
 
 import ast
+import json
+import pickle
 import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
+from cbdsl.checking.document import check_document
+from cbdsl.checking.session import Session
+from cbdsl.errors.errors import UsageError
+from cbdsl.yaml_text import composer
+from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
+from tests.test_reader_sizes import recording
 
-# Words of a statement, and the test that holds it.
-STATEMENTS = {
-    "runs nothing of a document": "fuzz/test_corpus.py:test_what_is_kept_is_read",
-    "hides no finding of other documents": "checking/test_odd_names.py:"
-    "test_validate_with_an_odd_name_reports_other_documents_too",
-    "XML without entities": "test_reader_sizes.py:test_urdf_beyond_its_bounds_is_refused",
-    "xacro only by its name": "cli/test_model_source.py:"
-    "test_new_robot_from_xacro_by_another_name_needs_the_option",
-    "expressions are interpreted": "robot/xacro/test_expression.py:"
-    "test_evaluate_anything_else_is_refused",
-    "environment is not read": "robot/xacro/test_expansion.py:"
-    "test_expand_unbounded_model_is_refused",
-    "MuJoCo compiles it in a process": "cli/test_model_source.py:"
-    "test_new_robot_from_mjcf_that_takes_long_ends",
-    "without pickles": "fuzz/test_corpus.py:test_what_is_kept_is_read",
-    "meshes are shown only from": "reporting/test_model.py:"
-    "test_read_links_of_a_recording_shows_no_mesh_from_elsewhere",
-    "are written as escapes": "cli/test_legible_output.py:"
-    "test_command_on_harmful_names_and_texts_prints_legible_text",
-    "warns of a plain scheduler": "cli/test_workers.py:"
-    "test_a_plain_scheduler_elsewhere_is_warned_of",
-    "another user can have written": "test_security.py:"
-    "test_machine_code_that_others_can_write_is_not_read",
-    "1,000 joints in a chain": "test_reader_sizes.py:test_urdf_beyond_its_bounds_is_refused",
-    "5 million steps": "robot/xacro/test_expansion.py:test_expand_unbounded_model_is_refused",
-    "200,000 triangles": "test_reader_sizes.py:"
-    "test_mesh_of_too_many_triangles_is_refused_while_it_is_read",
-    "10 s of processor time": "cli/test_model_source.py:"
-    "test_new_robot_from_mjcf_that_takes_long_ends",
-    "1 GB of arrays": "test_reader_sizes.py:test_recording_that_unpacks_to_much_is_refused_before",
-    "in proportion to size": "test_reader_sizes.py:"
-    "test_reader_of_twice_the_size_takes_little_more_than_twice_the_time",
-    "answers only to that name": "reporting/live/test_server.py:"
-    "test_other_hosts_and_origins_are_refused",
-    "only on requests with a token": "reporting/live/test_server.py:"
-    "test_nothing_is_done_without_the_token",
-    "listen on no port": "training/test_local_workers.py:"
-    "test_run_on_workers_listens_nowhere_and_denies_other_users",
-    "import nothing from the current folder": "training/test_local_workers.py:"
-    "test_learn_with_workers_imports_nothing_from_the_current_folder",
-    "`halt` is called whenever": "backends/test_backend_calls.py:"
-    "test_backend_that_raises_is_halted_and_named",
-    "the robot may still move": "backends/test_backend_calls.py:"
-    "test_halt_that_raises_keeps_the_first_cause_and_the_recording",
+_BACKEND = "backends/test_backend_calls.py:"
+_SOURCE = "cli/test_model_source.py:"
+_SIZES = "test_reader_sizes.py:"
+_SERVER = "reporting/live/test_server.py:"
+_WORKERS = "training/test_local_workers.py:"
+_BOUNDS = "test_security.py:test_bounds_on_the_page_are_those_of_the_readers"
+_HERE = "test_security.py:"
+
+#: Sentences of the page, and the tests of each.
+STATEMENTS: dict[str, tuple[str, ...]] = {
+    "`tests/test_security.py` names the tests of each of these sentences.": (
+        f"{_HERE}test_sentence_of_the_page_has_tests_or_a_reason",
+    ),
+    "`cb validate` runs nothing of a document, writes nothing, and uses no network": (
+        f"{_HERE}test_validate_of_any_document_writes_runs_and_connects_nothing",
+    ),
+    "a name that no file can have is a finding, and hides no finding of other documents": (
+        "checking/test_odd_names.py:test_validate_with_an_odd_name_reports_other_documents_too",
+    ),
+    "they are read as XML without entities": (
+        f"{_SIZES}test_urdf_beyond_its_bounds_is_refused",
+        f"{_HERE}test_semantic_groups_with_entities_are_refused",
+    ),
+    "`cb validate` opens no mesh that a URDF names": (
+        f"{_HERE}test_validate_of_any_document_writes_runs_and_connects_nothing",
+    ),
+    "a file is xacro only by its name (`.xacro`) or by `--xacro`": (
+        f"{_SOURCE}test_new_robot_from_xacro_by_another_name_needs_the_option",
+        f"{_SOURCE}test_new_robot_from_groups_in_xacro_by_another_name_expands_nothing",
+    ),
+    "expressions are interpreted": (
+        "robot/xacro/test_expression.py:test_evaluate_any_text_returns_plain_value_or_raises",
+    ),
+    "they call only the functions of xacro's documentation, and reach no attribute that begins "
+    "with `_`": (
+        "robot/xacro/test_expression.py:test_evaluate_anything_else_is_refused",
+        "robot/xacro/test_expansion.py:test_expand_expression_that_reaches_python_is_refused",
+    ),
+    "the environment is not read": (
+        "robot/xacro/test_expansion.py:test_expand_unbounded_model_is_refused",
+    ),
+    "MuJoCo compiles it in a process of its own": (
+        f"{_SOURCE}test_new_robot_from_mjcf_that_takes_long_ends",
+    ),
+    "`cb replay` and `cb report` read JSON and arrays without pickles": (
+        f"{_HERE}test_recording_with_a_pickle_is_refused_and_runs_nothing",
+    ),
+    "meshes are shown only from the current folder, the installation, and `ROS_PACKAGE_PATH`": (
+        "reporting/test_model.py:test_read_links_of_a_recording_shows_no_mesh_from_elsewhere",
+    ),
+    "characters that move or change a terminal are written as escapes": (
+        "cli/test_legible_output.py:test_command_on_harmful_names_and_texts_prints_legible_text",
+    ),
+    "an installed package with entry points of `cbdsl` runs as part of `cb`": (
+        "plugins/test_documents.py:test_it_is_found_by_its_name_and_has_no_findings",
+    ),
+    "`cb run` and `cb replay` hand URDF and meshes to PyBullet, Pinocchio and MuJoCo, native code "
+    "that is not made for hostile files": (
+        "cli/test_main.py:test_validating_imports_nothing_heavy",
+    ),
+    "absolute paths and `..` are allowed, so that models can share meshes": (
+        f"{_HERE}test_mesh_of_a_stage_by_any_path_is_read_as_a_mesh_alone",
+    ),
+    "a named file is read as a mesh or model alone": (
+        f"{_HERE}test_mesh_of_a_stage_by_any_path_is_read_as_a_mesh_alone",
+    ),
+    "Dask sends code both ways": (
+        "cli/test_workers.py:test_a_plain_scheduler_elsewhere_is_warned_of",
+    ),
+    "use [TLS](docs/how_to/learn_on_a_cluster.md#on-a-cluster) between machines.": (
+        "test_docs.py:test_links_lead_somewhere",
+    ),
+    "`cb` warns of a plain scheduler that is not on this machine": (
+        "cli/test_workers.py:test_a_plain_scheduler_elsewhere_is_warned_of",
+    ),
+    "DDS authenticates none of them": (
+        "backends/ros2/test_follower.py:test_follower_refuses_a_second_writer",
+    ),
+    "a robot is held when another commander writes to its topic": (
+        "backends/ros2/test_follower.py:test_follower_refuses_a_second_writer",
+        "backends/drivers/test_backend.py:test_held_robot_is_released_by_a_person_only",
+    ),
+    "they are kept below the user's folder of caches": (
+        "numeric/test_kernel_cache.py:test_the_folder_is_below_the_users_caches",
+    ),
+    "a file that another user can have written is not read": (
+        f"{_HERE}test_machine_code_that_others_can_write_is_not_read",
+    ),
+    "256,000 characters, 10,000 in one text, 1,000 in one key, 10,000 values, 2,000 in one list or "
+    "mapping, 64 levels": (_BOUNDS, f"{_HERE}test_document_beyond_a_bound_is_refused"),
+    "4 MB, 10,000 links, 1,000 joints in a chain": (
+        _BOUNDS,
+        f"{_SIZES}test_urdf_beyond_its_bounds_is_refused",
+    ),
+    "5 million steps, values of 10,000 parts, texts of a million characters": (
+        _BOUNDS,
+        "robot/xacro/test_expansion.py:test_expand_unbounded_model_is_refused",
+        "robot/xacro/test_expression.py:test_evaluate_large_value_is_refused_before_it_is_made",
+    ),
+    "20 MB, 200,000 triangles": (
+        _BOUNDS,
+        f"{_SIZES}test_mesh_of_too_many_triangles_is_refused_while_it_is_read",
+        f"{_SIZES}test_sparse_mesh_is_refused_before_it_is_read",
+    ),
+    "10 s of processor time, 3 GB": (
+        _BOUNDS,
+        f"{_SOURCE}test_new_robot_from_mjcf_that_takes_long_ends",
+        f"{_SOURCE}test_new_robot_from_mjcf_with_many_copies_is_refused",
+    ),
+    "1 GB of arrays, checked before they are unpacked": (
+        _BOUNDS,
+        f"{_SIZES}test_recording_that_unpacks_to_much_is_refused_before",
+    ),
+    "Time grows in proportion to size for every reader.": (
+        f"{_SIZES}test_reader_of_twice_the_size_takes_little_more_than_twice_the_time",
+    ),
+    "A crash, a hang, or a traceback of `cb validate` is a fault.": (
+        "test_broken_files.py:test_validate_of_a_thousand_broken_files_is_bounded",
+        "cli/test_validate_fuzz.py:test_any_mutation_is_told_in_any_format",
+    ),
+    "`cb` opens no port, except for `--live`, `--scheduler`, and robots that speak ROS 2.": (
+        f"{_HERE}test_commands_without_a_network_listen_nowhere",
+        f"{_WORKERS}test_run_on_workers_listens_nowhere_and_denies_other_users",
+    ),
+    "`--live` serves a page at 127.0.0.1.": (f"{_SERVER}test_it_listens_on_this_machine_alone",),
+    "It answers only to that name and `localhost`, against DNS rebinding, and to pages of its own "
+    "origin.": (
+        f"{_SERVER}test_other_hosts_and_origins_are_refused",
+        f"{_SERVER}test_localhost_is_this_machine_too",
+    ),
+    "It acts only on requests with a token that is in the page": (
+        f"{_SERVER}test_nothing_is_done_without_the_token",
+        f"{_SERVER}test_the_page_has_a_token_that_nobody_guesses",
+    ),
+    "other users of the same machine can open the page.": (
+        f"{_SERVER}test_two_pages_get_the_same",
+    ),
+    "The page writes no file: the browser downloads a composed program.": (
+        "reporting/live/test_requests.py:test_changes_are_made_and_saved",
+        f"{_HERE}test_module_of_the_live_page_writes_no_file",
+    ),
+    "Workers of `--workers` listen on no port: pipes of the command alone reach them.": (
+        f"{_WORKERS}test_run_on_workers_listens_nowhere_and_denies_other_users",
+    ),
+    "They import nothing from the current folder.": (
+        f"{_WORKERS}test_learn_with_workers_imports_nothing_from_the_current_folder",
+    ),
+    "They end with the command.": (f"{_WORKERS}test_an_interrupt_while_workers_begin_is_one_line",),
+    "`halt` is called whenever an episode cannot begin or go on.": (
+        f"{_BACKEND}test_backend_that_raises_is_halted_and_named",
+        f"{_BACKEND}test_backend_that_is_interrupted_is_halted",
+    ),
+    "If it fails, the first cause is reported, with a warning that the robot may still move.": (
+        f"{_BACKEND}test_halt_that_raises_keeps_the_first_cause_and_the_recording",
+    ),
 }
 
+#: Sentences on the purpose of the software, which no code can fulfil or break.
+DECLARATIONS = (
+    "`cbdsl` is a research tool.",
+    "Its speed limits, deadlines and `halt` are no safety functions.",
+    "A real robot needs the measures of its own safety standard, independent of this software.",
+)
 
-@pytest.mark.parametrize("words", STATEMENTS)
-def test_statement_is_on_the_page_and_its_test_exists(words: str) -> None:
-    assert words in (ROOT / "SECURITY.md").read_text("utf-8")
-    file, _, name = STATEMENTS[words].partition(":")
-    tree = ast.parse((ROOT / "tests" / file).read_text("utf-8"))
-    functions = (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef))
-    assert name in {function.name for function in functions}
+
+def page() -> str:
+    return (ROOT / "SECURITY.md").read_text("utf-8")
+
+
+def sentences(text: str) -> Iterator[str]:
+    """Yield the sentences of paragraphs and of the last cells of tables, from "Trust" on."""
+    _, _, rest = text.partition("\n## Trust\n")
+    for block in rest.split("\n\n"):
+        lines = block.strip().splitlines()
+        if block.lstrip().startswith("|"):
+            cells = [line.strip("| ").split(" | ")[-1] for line in lines[2:]]
+        elif block.lstrip().startswith("#"):
+            continue
+        else:
+            cells = [" ".join(lines)]
+        for cell in cells:
+            yield from (each.strip() for each in re.split(r"(?<=\.)\s+|;\s+", cell) if each.strip())
+
+
+def test_sentence_of_the_page_has_tests_or_a_reason() -> None:
+    found = list(sentences(page()))
+    assert len(found) > 40
+    assert sorted(found) == sorted([*STATEMENTS, *DECLARATIONS])
+
+
+def test_sentences_of_a_changed_page_have_no_tests() -> None:
+    changed = page().replace("the environment is not read", "the environment is never read")
+    assert set(sentences(changed)) - STATEMENTS.keys() - set(DECLARATIONS) == {
+        "the environment is never read"
+    }
+
+
+@cache
+def functions(file: Path) -> frozenset[str]:
+    tree = ast.parse(file.read_text("utf-8"))
+    return frozenset(node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef))
+
+
+@pytest.mark.parametrize("sentence", STATEMENTS)
+def test_sentence_has_tests_that_exist(sentence: str) -> None:
+    assert STATEMENTS[sentence]
+    for each in STATEMENTS[sentence]:
+        file, _, name = each.partition(":")
+        assert name in functions(ROOT / "tests" / file)
+
+
+# Audit events of a command that writes, runs or connects, and files that it opens.
+_AUDITED = """
+import json, os, sys
+events = []
+def note(event, args):
+    if event == "open":
+        path, mode, flags = args
+        is_written = isinstance(flags, int) and flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
+        if isinstance(path, (str, bytes)):
+            events.append(["write" if is_written else "read", os.fsdecode(path)])
+    elif event.split(".")[0] in ("socket", "subprocess", "shutil", "ftplib", "urllib") or event in (
+        "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.remove", "os.rename", "os.mkdir",
+        "os.rmdir", "os.truncate", "os.link", "os.symlink", "os.chmod", "pty.spawn",
+    ):
+        events.append([event, str(args)])
+from cbdsl.cli.main import main
+sys.addaudithook(note)
+try:
+    main()
+except SystemExit as end:
+    print(json.dumps({"code": end.code, "events": events}), file=sys.stderr)
+"""
+
+
+def audited(folder: Path, *words: str) -> list[tuple[str, str]]:
+    """Return the audit events of a command in a folder."""
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", _AUDITED, *words], cwd=folder, capture_output=True, text=True
+    )
+    told = json.loads(done.stderr.splitlines()[-1])
+    return [(event, detail) for event, detail in told["events"]]
+
+
+def test_validate_of_any_document_writes_runs_and_connects_nothing(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "tests" / "checking" / "bad", tmp_path / "bad")
+    mesh = '<mesh filename="secret.stl"/>'
+    urdf = (ROOT / "robots" / "panda.urdf").read_text("utf-8")
+    urdf = urdf.replace("</link>", f"<visual><geometry>{mesh}</geometry></visual></link>")
+    (tmp_path / "panda.urdf").write_text(urdf, encoding="utf-8")
+    (tmp_path / "secret.stl").write_bytes(bytes(84))
+    shutil.copy(ROOT / "robots" / "panda.yaml", tmp_path)
+    events = audited(tmp_path, "validate", ".")
+    files = [detail for event, detail in events if event == "read"]
+    assert any(file.endswith("panda.urdf") for file in files)
+    assert not [file for file in files if file.endswith("secret.stl")]
+    assert [each for each in events if each[0] != "read"] == []
+
+
+def test_commands_without_a_network_listen_nowhere(tmp_path: Path) -> None:
+    for words in (
+        ("run", "searchtrack", "--backend", "kinematic", "--record", "kept"),
+        ("replay", "kept", "--out", "page.html"),
+        ("show", "program", "reachtouch"),
+        ("list",),
+    ):
+        events = audited(tmp_path, *words)
+        assert not [each for each in events if each[0] in ("socket.bind", "socket.connect")]
+        assert ("write" in {event for event, _ in events}) == (words[0] in ("run", "replay"))
+
+
+def test_semantic_groups_with_entities_are_refused(tmp_path: Path) -> None:
+    from cbdsl.robot.srdf import parse_srdf
+    from cbdsl.robot.urdf import UrdfError
+
+    text = "<!DOCTYPE r [<!ENTITY a SYSTEM 'file:///etc/passwd'>]><robot name='r'>&a;</robot>"
+    with pytest.raises(UrdfError, match="declares XML entities"):
+        parse_srdf(text, tmp_path / "any.srdf")
+
+
+class Harmful:
+    """Object that creates a file when it is unpickled."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return (Path.touch, (self._file,))
+
+
+def test_recording_with_a_pickle_is_refused_and_runs_nothing(tmp_path: Path) -> None:
+    from cbdsl.reporting.recorded import read_recording
+
+    mark = tmp_path / "ran"
+    pickle.loads(pickle.dumps(Harmful(mark)))
+    assert mark.exists(), "the object does its harm where it is unpickled"
+    mark.unlink()
+    file = recording(tmp_path, {})
+    np.savez(tmp_path / "episode_0.npz", time=np.array([Harmful(mark)], dtype=object))
+    with pytest.raises(UsageError, match="damaged, or cut short"):
+        read_recording(file)
+    assert not mark.exists()
+
+
+@pytest.mark.parametrize("is_absolute", [True, False])
+def test_mesh_of_a_stage_by_any_path_is_read_as_a_mesh_alone(
+    is_absolute: bool, tmp_path: Path
+) -> None:
+    secret, inner = tmp_path / "secret.obj", tmp_path / "inner"
+    inner.mkdir()
+    secret.write_text("password 1234\n")
+    path = str(secret) if is_absolute else "../secret.obj"
+    stage = (ROOT / "programs" / "stages" / "football.yaml").read_text("utf-8")
+    changed = re.sub(r"(file: )\S+?([,}\s])", rf"\1{path}\2", stage, count=1)
+    assert changed != stage
+    (inner / "football.yaml").write_text(changed, encoding="utf-8")
+    found = check_document(inner / "football.yaml", Session(Library(ROOT), {}))
+    assert found and not any("1234" in finding.message for finding in found)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# " + "a" * composer.MOST_CHARACTERS,
+        f"description: {'a' * (composer.LONGEST_TEXT + 1)}",
+        f"{'a' * (composer.LONGEST_KEY + 1)}: 1",
+        f"a: {[[0] * 1500] * 7}",
+        f"a: {[0] * (composer.MOST_ENTRIES + 1)}",
+        f"a: {'[' * (composer.DEEPEST + 1)}{']' * (composer.DEEPEST + 1)}",
+    ],
+    ids=["characters", "text", "key", "values", "entries", "levels"],
+)
+def test_document_beyond_a_bound_is_refused(text: str, tmp_path: Path) -> None:
+    head = "cbdsl: 1\nkind: program\nname: a\n"
+    plain = {each.code for each in findings_in(tmp_path, head)}
+    beyond = {each.code for each in findings_in(tmp_path, f"{head}{text}\n")} - plain
+    assert any(code.startswith("CB1") for code in beyond)
+
+
+def findings_in(folder: Path, text: str) -> list[Any]:
+    (folder / "a.yaml").write_text(text, encoding="utf-8")
+    return check_document(folder / "a.yaml", Session(Library(folder), {}))
+
+
+def test_module_of_the_live_page_writes_no_file() -> None:
+    writers = {"open", "write_text", "write_bytes", "mkdir", "unlink", "rename", "replace_file"}
+    for file in (ROOT / "cbdsl" / "reporting" / "live").glob("*.py"):
+        calls = (
+            node.func
+            for node in ast.walk(ast.parse(file.read_text("utf-8")))
+            if isinstance(node, ast.Call)
+        )
+        names = {getattr(call, "attr", getattr(call, "id", "")) for call in calls}
+        assert names.isdisjoint(writers), file
 
 
 def test_bounds_on_the_page_are_those_of_the_readers() -> None:
@@ -71,13 +386,11 @@ def test_bounds_on_the_page_are_those_of_the_readers() -> None:
     from cbdsl.robot import robot_xml, triangles, urdf_reader
     from cbdsl.robot.mjcf import bounded_conversion
     from cbdsl.robot.xacro import budget
-    from cbdsl.yaml_text import composer
 
-    page = (ROOT / "SECURITY.md").read_text("utf-8")
     for words in (
         f"{composer.MOST_CHARACTERS:,} characters, {composer.LONGEST_TEXT:,} in one text",
         f"{composer.LONGEST_KEY:,} in one key, {composer.MOST_NODES:,} values, "
-        f"{composer.DEEPEST} levels",
+        f"{composer.MOST_ENTRIES:,} in one list or mapping, {composer.DEEPEST} levels",
         f"{robot_xml.MOST_BYTES // 10**6} MB, {urdf_reader._MOST['link']:,} links, "
         f"{urdf_reader._DEEPEST:,} joints",
         f"{budget._MOST_STEPS // 10**6} million steps, values of {budget.MOST_PARTS:,} parts",
@@ -86,7 +399,7 @@ def test_bounds_on_the_page_are_those_of_the_readers() -> None:
         f"{bounded_conversion._MOST_BYTES // 10**9} GB",
         f"{recorded._MOST_ARRAY_BYTES // 10**9} GB of arrays",
     ):
-        assert words in page
+        assert words in page()
 
 
 def test_machine_code_that_others_can_write_is_not_read(tmp_path: Path) -> None:
