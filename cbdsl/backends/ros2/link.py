@@ -28,8 +28,8 @@ from cbdsl.backends.ros2.regions_text import read_regions
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 
-# Messages per poll, and seconds between two surveys of the peers without news.
-_MOST, _SURVEYED = 64, 0.25
+# Messages per poll.
+_MOST = 64
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
 
 
@@ -46,7 +46,7 @@ class _Input:
     since: float = field(default_factory=time.monotonic)
     count: int = 0
     newest: float | None = None
-    matched: int = 0
+    peers: frozenset[Any] = frozenset()
 
 
 @dataclass
@@ -57,7 +57,7 @@ class _Output:
     topic: str
     message: type[Any]
     writer: Any
-    matched: int = 0
+    peers: frozenset[Any] = frozenset()
     rivals: frozenset[Any] = frozenset()
 
 
@@ -91,7 +91,6 @@ class Ros2Link:
                 topic = guarded(driver.commands) if driver.form == "positions" else driver.commands
                 writer = self._node.writer(topic, message, deadline=horizon)
                 self._outputs[name] = _Output(name, topic, message, writer)
-        self._looked = 0.0
 
     def poll(self) -> Sequence[Sample]:
         """Return the samples that arrived since the last call; see ``DriverLink.poll``."""
@@ -101,33 +100,27 @@ class Ros2Link:
                 if message.sample_info.valid_data:
                     each.count, each.newest = each.count + 1, time.monotonic()
                     samples.append(each.convert(message))
-        if time.monotonic() - self._looked > _SURVEYED:
-            self._looked = time.monotonic()
-            samples.extend(self._losses())
+        if self._node.has_news:
+            samples.extend(self._changes(self._node.remotes()))
         return samples
 
-    def _losses(self) -> Iterator[FaultSample]:
-        """Yield the peers that ended, and commanders that began."""
-        remotes = None
+    def _changes(self, remotes: Sequence[Remote]) -> Iterator[FaultSample]:
+        """Yield the peers that ended, and commanders that began, since the last call."""
         for each in self._inputs:
-            matched = len(each.reader.get_matched_publications())
-            if matched < each.matched and each.role in ("states", "wrenches"):
-                yield FaultSample(each.driver, f"a publisher of {absolute(each.topic)} has ended")
-            each.matched = matched
+            topic = absolute(each.topic)
+            peers = frozenset(r.key for r in remotes if r.writes and r.topic == topic)
+            if each.peers - peers and each.role in ("states", "wrenches"):
+                yield FaultSample(each.driver, f"a publisher of {topic} has ended")
+            each.peers = peers
         for output in self._outputs.values():
-            matched = len(output.writer.get_matched_subscriptions())
-            if matched < output.matched:
-                yield FaultSample(
-                    output.driver, f"a subscriber of {absolute(output.topic)} has ended"
-                )
-            output.matched = matched
-            remotes = self._node.remotes() if remotes is None else remotes
+            topic = absolute(output.topic)
+            peers = frozenset(r.key for r in remotes if not r.writes and r.topic == topic)
             rivals = frozenset(self._rivals(output, remotes))
+            if output.peers - peers:
+                yield FaultSample(output.driver, f"a subscriber of {topic} has ended")
             if rivals - output.rivals:
-                yield FaultSample(
-                    output.driver, f"another commander writes to {absolute(output.topic)}"
-                )
-            output.rivals = rivals
+                yield FaultSample(output.driver, f"another commander writes to {topic}")
+            output.peers, output.rivals = peers, rivals
 
     @staticmethod
     def _rivals(output: _Output, remotes: Sequence[Remote]) -> Iterator[Any]:

@@ -39,6 +39,7 @@ _LOCAL = """
   <Discovery>
     <ParticipantIndex>auto</ParticipantIndex>
     <MaxAutoParticipantIndex>60</MaxAutoParticipantIndex>
+    <LeaseDuration>3s</LeaseDuration>
     <Peers><Peer address="127.0.0.1"/></Peers>
   </Discovery>
 </Domain></CycloneDDS>"""

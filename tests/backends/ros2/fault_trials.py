@@ -30,7 +30,8 @@ from tests.conftest import ROOT
 
 KINDS = (
     "program killed", "program suspended", "robot killed", "robot suspended", "robot restarted",
-    "stall", "loss", "clock", "swap", "missing", "nan", "frozen", "effort", "two commanders",
+    "stall", "loss", "clock", "swap", "missing", "double", "nan", "frozen", "effort",
+    "two commanders",
     "guarded program killed", "guarded program suspended",
 )  # fmt: skip
 #: Faults of which a program notices nothing, or that it may survive.
@@ -39,7 +40,6 @@ HARMLESS = ("swap", "loss")
 STILL, SLOW = 0.15, 0.02
 SUSPENDED = 0.6
 _ROWS, _MOTION = 4000, 1.2
-_ATTEMPTS = 4
 
 
 class Outcome(NamedTuple):
@@ -298,6 +298,7 @@ class Trial:
 
 _SERVED = {
     "stall": "stall", "loss": "loss", "clock": "clock", "swap": "swap", "missing": "missing",
+    "double": "double",
     "nan": "nan", "frozen": "frozen", "effort": "effort",
 }  # fmt: skip
 
@@ -416,11 +417,6 @@ def main() -> None:
     for seed in range(options.first, options.first + options.count):
         for kind in options.kinds:
             outcome = Trial(kind, seed).run()
-            for again in range(1, _ATTEMPTS):
-                # The machine may have been too busy, so that the robot was held before the fault.
-                if outcome.moving or kind in HARMLESS:
-                    break
-                outcome = Trial(kind, seed + 10_000 * again).run()
             line = json.dumps({**outcome._asdict(), "passed": is_passed(outcome)})
             with options.out.open("a") as file:
                 file.write(line + "\n")
