@@ -21,7 +21,7 @@ from cbdsl.control.composition import Booleans, Integers, compose
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled
-from cbdsl.numeric.vector import add, dot, fill, norm, scale
+from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
 
 #: Speed of a hand that approaches without contact, and that backs off from twice the bound.
 PACE = 0.04  # m/s
@@ -112,26 +112,43 @@ def give_way(
             _relieve(reference, here, columns, normal)
     if held == 0:
         return
-    # Two levels: along the forces, and below that the whole motion of the tips.
     size, first = len(levels.requested), held + last
-    rows, ages = levels.rows, levels.ages
-    own_rows = np.zeros((rows.shape[0], first + size, joints))
-    own_rows[:, first:] = rows
-    own_rows[newest, :held], own_rows[newest, held:first] = normals[:held], tips[:last]
-    own_ages, own_ends = np.ones(2 + len(ages), np.int64), np.full(2 + len(ages), first, np.int64)
-    own_ages[2:] = ages
-    own_ends[0] = held
-    own_ends[2:] += levels.ends
-    own_wanted, own_values = np.empty(first + size), np.zeros(first + size)
-    own_wanted[:held], own_wanted[held:first] = allowed[:held], ways[:last]
-    own_wanted[first:] = levels.requested
-    # First order suffices, because guards act for a few ticks only.
-    below = LevelArrays(
-        own_rows, own_ages, own_wanted, own_ends, np.ones(2 + len(ages)),
-        np.zeros(2 + len(ages), np.bool_), np.zeros((0, joints, joints)),
-    )  # fmt: skip
+    below = _below_guards(levels, newest, normals[:held], allowed, tips[:last], ways)
+    own_values = np.zeros(first + size)
     compose(here, newest, below, True, limits, steps, guards, total, locked, own_values)
-    values[:] = own_values[first:]
+    copy(values, own_values[first:], 1.0)
+
+
+@compiled
+def _below_guards(
+    levels: LevelArrays, newest: int, normals: Floats, allowed: Floats, tips: Floats, ways: Floats
+) -> LevelArrays:
+    """Return levels below two others: along the forces, and the whole motion of the tips.
+
+    First order suffices for these two, because guards act for a few ticks only.
+    """
+    held, moved, count = len(normals), len(tips), len(levels.ends)
+    first, (ticks, size, joints) = held + moved, levels.rows.shape
+    rows, requested = np.zeros((ticks, first + size, joints)), np.empty(first + size)
+    for k in range(held):
+        copy(rows[newest, k], normals[k], 1.0)
+        requested[k] = allowed[k]
+    for k in range(moved):
+        copy(rows[newest, held + k], tips[k], 1.0)
+        requested[held + k] = ways[k]
+    for k in range(size):
+        for tick in range(ticks):
+            copy(rows[tick, first + k], levels.rows[tick, k], 1.0)
+        requested[first + k] = levels.requested[k]
+    ages, ends = np.ones(2 + count, np.int64), np.full(2 + count, first, np.int64)
+    ends[0] = held
+    for level in range(count):
+        ages[2 + level] = levels.ages[level]
+        ends[2 + level] += levels.ends[level]
+    return LevelArrays(
+        rows, ages, requested, ends, np.ones(2 + count),
+        np.zeros(2 + count, np.bool_), np.zeros((0, joints, joints)),
+    )  # fmt: skip
 
 
 @compiled

@@ -9,6 +9,7 @@ from typing import Any, TypeVar, cast
 from numba import njit
 from numba.core.types import unliteral
 
+from cbdsl.numeric.inlined_code import InlinedCompiler
 from cbdsl.numeric.kernel_cache import KernelCache
 from cbdsl.numeric.kernel_digest import reachable
 
@@ -16,7 +17,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 # Compiled functions are called from compiled ones, some from Python, none from C.
 _OUTER: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
-_INNER: dict[str, Any] = {**_OUTER, "no_cpython_wrapper": True}
+_INNER: dict[str, Any] = {
+    **_OUTER, "no_cpython_wrapper": True, "pipeline_class": InlinedCompiler
+}  # fmt: skip
 
 #: Files with one of these in them define compiled functions.
 MARKS = (b"numeric.compiled import", b"control.potential import")
