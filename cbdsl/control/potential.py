@@ -98,9 +98,9 @@ def address_of(function: Callable[..., float]) -> int:
         raise PotentialError(f"potential '{name}' cannot be compiled: {first}") from None
     returned = function.overloads[SIGNATURE.args].signature.return_type  # type: ignore[attr-defined]
     if returned != types.float64:
-        kind = types.unliteral(returned)  # type: ignore[no-untyped-call]
+        kind = types.unliteral(returned)
         raise PotentialError(f"potential '{name}' returns {kind}, not a float")
-    address: int = _get_jit_address(function, SIGNATURE)  # type: ignore[no-untyped-call]
+    address: int = _get_jit_address(function, SIGNATURE)
     return address
 
 
@@ -138,7 +138,7 @@ def call_at(
         status, phi = convention.call_function(
             builder, pointer, SIGNATURE.return_type, SIGNATURE.args, arguments[1:]
         )
-        with cgutils.if_unlikely(builder, status.is_error):  # type: ignore[no-untyped-call]
+        with cgutils.if_unlikely(builder, status.is_error):
             convention.return_status_propagate(builder, status)
         return phi
 

@@ -55,7 +55,7 @@ def _without_literals(dispatcher: Any) -> Any:
     resolve = dispatcher.get_call_template
 
     def resolve_types(args: Sequence[Any], kws: Mapping[str, Any]) -> Any:
-        kinds = {name: unliteral(kind) for name, kind in kws.items()}  # type: ignore[no-untyped-call]
+        kinds = {name: unliteral(kind) for name, kind in kws.items()}
         return resolve(tuple(map(unliteral, args)), kinds)
 
     dispatcher.get_call_template = resolve_types

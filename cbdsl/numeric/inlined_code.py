@@ -13,17 +13,17 @@ from numba.core.compiler import Compiler
 _ENVIRONMENT = "_ZN08NumbaEnv"
 
 
-class InlinedCompiler(Compiler):  # type: ignore[misc]
+class InlinedCompiler(Compiler):
     """Compiler of functions that become part of their callers' machine code."""
 
     def compile_extra(self, func: FunctionType) -> Any:
         """Compile a function."""
         codegen = self.state.targetctx.codegen()
-        self.state.library = InlinedCode(codegen, func.__qualname__)
-        return super().compile_extra(func)
+        self.state.library = InlinedCode(codegen, func.__qualname__)  # type: ignore[no-untyped-call]
+        return super().compile_extra(func)  # type: ignore[no-untyped-call]
 
 
-class InlinedCode(JITCodeLibrary):  # type: ignore[misc]
+class InlinedCode(JITCodeLibrary):
     """Code of a function that LLVM optimises and translates only as part of its callers.
 
     Numba optimises and translates each function together with its callees. A function that is five
@@ -32,7 +32,7 @@ class InlinedCode(JITCodeLibrary):  # type: ignore[misc]
 
     def get_pointer_to_function(self, name: str) -> int:
         """Return 0: there is no machine code."""
-        self._ensure_finalized()
+        self._ensure_finalized()  # type: ignore[no-untyped-call]
         return 0
 
     def _optimize_final_module(self) -> None:
@@ -40,8 +40,8 @@ class InlinedCode(JITCodeLibrary):  # type: ignore[misc]
 
     def _finalize_final_module(self) -> None:
         """Check the code, and translate only the variables that Numba sets afterwards."""
-        self._finalize_dynamic_globals()
-        self._verify_declare_only_symbols()
+        self._finalize_dynamic_globals()  # type: ignore[no-untyped-call]
+        self._verify_declare_only_symbols()  # type: ignore[no-untyped-call]
         names = (variable.name for variable in self._final_module.global_variables)
         environments = "\n".join(
             f'@"{name}" = common global ptr null' for name in names if name.startswith(_ENVIRONMENT)

@@ -75,7 +75,7 @@ class KernelCache(_Cache):
                 return None
             parts = pickle.loads(file.read_bytes())
             _note_use(file)
-            return CompileResult._rebuild(target_context, *parts)  # type: ignore[no-untyped-call]
+            return CompileResult._rebuild(target_context, *parts)
         # If a file is invalid for any reason, its content can be compiled again.
         except Exception:
             return None
@@ -86,7 +86,7 @@ class KernelCache(_Cache):
             return
         file = self._file(sig, data.codegen)
         if file is not None and problem() is None:
-            _write(file, dumps(data._reduce()))  # type: ignore[no-untyped-call]
+            _write(file, dumps(data._reduce()))
 
     def enable(self) -> None:
         """Do nothing: it is always enabled."""
