@@ -30,13 +30,13 @@ from cbdsl.learning.pair_recognition import recognise
 from cbdsl.numeric.affordance import AffordanceModel
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.program.catalog_models import pair_models
-from cbdsl.reproduction.constellation_trials import (
+from cbdsl.yaml_text.library import Library
+from cbdsl_reproduction.constellation_trials import (
     CHANNELS,
     ConstellationTrial,
     Features,
     run_constellations,
 )
-from cbdsl.yaml_text.library import Library
 
 TARGET = 0.9
 # The blue box does not fit a hand.

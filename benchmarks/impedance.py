@@ -22,9 +22,9 @@ from typing import Any
 
 from cbdsl.learning.impedance import DIRECTIONS
 from cbdsl.numeric.proportion import exact_interval
-from cbdsl.reproduction.impedance_trials import ImpedanceTrial, run_trials
-from cbdsl.reproduction.thing_pairs import ALL_PAIRS, OTHER_PAIRS, PAIRS
-from cbdsl.reproduction.trial_record import plain_data
+from cbdsl_reproduction.impedance_trials import ImpedanceTrial, run_trials
+from cbdsl_reproduction.thing_pairs import ALL_PAIRS, OTHER_PAIRS, PAIRS
+from cbdsl_reproduction.trial_record import plain_data
 
 TARGET = 0.8
 

@@ -19,10 +19,10 @@ import sys
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+from cbdsl.api.simulation_fixture import simulation_fixture
 from cbdsl.documents.stage import StageDocument
 from cbdsl.numeric.proportion import exact_interval
-from cbdsl.reproduction.simulation_fixture import simulation_fixture
-from cbdsl.reproduction.thing_pairs import PAIRS
+from cbdsl_reproduction.thing_pairs import PAIRS
 
 #: Least share by clearance, mm; others have none.
 TARGETS = {10: 0.8, 20: 0.95}

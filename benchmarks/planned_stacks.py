@@ -17,8 +17,8 @@ from collections.abc import Sequence
 
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.numeric.proportion import exact_interval
-from cbdsl.reproduction.planned_stacks import PlannedStack, run_planned
 from cbdsl.yaml_text.library import Library
+from cbdsl_reproduction.planned_stacks import PlannedStack, run_planned
 
 TARGET = 0.5
 

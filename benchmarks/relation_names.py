@@ -20,9 +20,9 @@ from typing import Any
 
 from cbdsl.learning.relation_tree import NamedProfile, grow_relations, name_relation, tree_as_data
 from cbdsl.numeric.proportion import exact_interval
-from cbdsl.reproduction.impedance_trials import ImpedanceTrial
-from cbdsl.reproduction.thing_pairs import ALL_PAIRS
-from cbdsl.reproduction.trial_record import read_record
+from cbdsl_reproduction.impedance_trials import ImpedanceTrial
+from cbdsl_reproduction.thing_pairs import ALL_PAIRS
+from cbdsl_reproduction.trial_record import read_record
 
 TARGET = 0.9
 

@@ -34,11 +34,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.api.shipped import shipped_robot
 from cbdsl.backends.backend import embody
 from cbdsl.checking.program import check_program
 from cbdsl.documents.stage import StageDocument
 from cbdsl.numeric.proportion import exact_interval
-from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.sensing.camera import within_view

@@ -27,8 +27,8 @@ from mount_trial import MountTrial, anywhere, judge
 from mounted_arms import JACOBIANS
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.reproduction.trial_record import plain_data, read_record
 from cbdsl.yaml_text.library import Library, shipped
+from cbdsl_reproduction.trial_record import plain_data, read_record
 
 # Number of best mounts used as parents, and spread of their children, of the bounds.
 _PARENTS, _WIDTHS = 12, (0.12, 0.01)

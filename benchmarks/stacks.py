@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 
 from cbdsl.numeric.proportion import exact_interval
-from cbdsl.reproduction.stack_trials import StackTrial, run_stacks
-from cbdsl.reproduction.table_7_1 import STACKS
+from cbdsl_reproduction.stack_trials import StackTrial, run_stacks
+from cbdsl_reproduction.table_7_1 import STACKS
 
 FLAT, TARGET = "purple_box_on_blue_box", 0.95
 

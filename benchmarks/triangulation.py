@@ -22,11 +22,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.api.shipped import shipped_robot
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library, shipped

@@ -39,8 +39,8 @@ import typer
 
 from cbdsl.checking.document import check_document
 from cbdsl.cli.main import build_app
-from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.types import potential as potentials
+from cbdsl_reproduction.registry import EXPERIMENTS
 from tests.cli.test_main import cb
 from tests.control import test_navigation, test_registry
 from tests.plugins.installed import refresh, write_package

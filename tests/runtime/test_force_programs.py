@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from cbdsl.api.run_request import read_request
+from cbdsl.api.simulation_fixture import simulation_fixture
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.cli.simulation import simulation
 from cbdsl.program.transition import Transition
-from cbdsl.reproduction.simulation_fixture import simulation_fixture
 from cbdsl.runtime.episode import Runner, Tick
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
+from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode import Tick
 from cbdsl.sensing.camera import heading
 

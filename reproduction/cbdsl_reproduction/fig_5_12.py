@@ -1,0 +1,179 @@
+"""REACHTOUCH with TACTILEPROBE in place of TOUCH (Figure 5.12)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from cbdsl.api.shipped import shipped_file, shipped_robot
+from cbdsl.backends.backend import embody
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.knowledge.learned import with_policy
+from cbdsl.checking.member_exchange import MemberExchange
+from cbdsl.checking.program import check_program, examine_program
+from cbdsl.checking.session import Session
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.experience import Experience
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import Composition, Primitive
+from cbdsl.program.own_policy import own_policy
+from cbdsl.program.transition import Transition
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.training.episode_runner import BackendEpisodeRunner
+from cbdsl.training.journal import Journal
+from cbdsl.yaml_text.library import Library, shipped
+from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.diagram import Diagram, graph_of
+from cbdsl_reproduction.estimate import mean_of
+from cbdsl_reproduction.experiment import Result, RunSettings
+from cbdsl_reproduction.percentage import percentage
+from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.trial_digest import trial_digest
+
+_PROGRAM, _MEMBER, _PROBE, _STAGE = "reachtouch", "touch", "tactileprobe", "small_on_table"
+_EPISODES, _QUICK = 60, 2
+_LIMITS: dict[str, Any] = {"transition_time": 30.0, "idle_time": 1.0, "transitions": 30}
+PASSIVE, SEEKING, PROBING = "passive", "seeking", "probing"
+_NAMES = {
+    PASSIVE: "TOUCH that acts on contact only",
+    SEEKING: "TOUCH that closes the fingers until there is contact",
+    PROBING: "TACTILEPROBE in the place of TOUCH",
+}
+
+Outcomes = Mapping[str, Sequence[Experience]]
+"""Episodes of the same seeds, by the way of making contact."""
+
+
+def run(settings: RunSettings) -> Result:
+    """Reach, and make contact in three ways."""
+    programs = reparameterised()
+    episodes = {way: tuple(_episodes(settings, way, each)) for way, each in programs.items()}
+    graph = graph_of(_PROGRAM, programs[PROBING], episodes[PROBING])
+    title = f"REACHTOUCH with {_PROBE} in the place of {_MEMBER}, {len(episodes[PROBING])} episodes"
+    diagram = Diagram("fig-5.12", title, graph)
+    return Result(tuple(quantities(episodes, settings.seed)), (diagram,), _NOTES)
+
+
+_NOTES = (
+    f"Program {_PROGRAM} under its learned policy on stage {_STAGE}: a ball that fills the hand in "
+    "half of the episodes, a small one in the other half, the same in all three series. "
+    f"{_PROBE.capitalize()} may replace {_MEMBER} because both are rewarded for the quiescence of "
+    "a spring on the fingers' forces, by the hand.",
+    "The source's TOUCH acts on contact that REACH has brought about. That of the shipped program "
+    "closes the fingers once the hand has arrived, in a direction that its author knows; "
+    "TACTILEPROBE draws postures of the hand until some bring contact. The claim of the source, "
+    "that the probe works in more cases, is judged beside both: the TOUCH it describes, which "
+    "does not close them, and the shipped one, which already contains most of the probe's effect.",
+    "REACH goes on while TACTILEPROBE runs, which begins when REACH has come to rest. Its reward "
+    "counts as that of the controller whose place it has.",
+)
+
+
+def reparameterised() -> dict[str, CheckedProgram]:
+    """Return the shipped program in three variants, by the way of making contact."""
+    library = Library(shipped())
+    path = shipped_file(library, ProgramDocument, _PROGRAM)
+    policy = library.read(shipped_file(library, PolicyDocument, _PROGRAM), PolicyDocument)
+    session = Session(library)
+
+    def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
+        return examine_program(file, with_, session, findings)
+
+    own = check_program(path, {}, library)
+    probing, refusal = MemberExchange(path, session, examine).exchanged(own, _MEMBER, _PROBE)
+    assert probing is not None, refusal
+    ways = {PASSIVE: _without_seeking(own), SEEKING: own, PROBING: probing}
+    return {
+        way: with_policy(program, policy, library)._replace(**_LIMITS)
+        for way, program in ways.items()
+    }
+
+
+def _without_seeking(program: CheckedProgram) -> CheckedProgram:
+    """Return the program with a TOUCH that acts only on measured contact."""
+    actions = tuple(map(_passive_action, program.actions))
+    primitives = {name: _passive(each) for name, each in program.primitives.items()}
+    return program._replace(actions=actions, primitives=primitives)
+
+
+def _passive_action(action: Action) -> Action:
+    if action.composition is None:
+        return action
+    return action._replace(composition=Composition(tuple(map(_passive, action.composition[0]))))
+
+
+def _passive(primitive: Primitive) -> Primitive:
+    return primitive._replace(
+        controllers=tuple(replace(each, seek=None) for each in primitive.controllers)
+    )
+
+
+def _episodes(settings: RunSettings, way: str, program: CheckedProgram) -> Iterator[Experience]:
+    """Yield the episodes of one way, from the file or by running them."""
+    usual = _QUICK if settings.quick else _EPISODES
+    count = settings.trials or usual
+    cameras = settings.cameras or "ideal"
+    identity = {
+        "what": trial_digest(_PROGRAM, {}, _STAGE),
+        "stand-in": trial_digest(_PROBE, {}, _STAGE),
+        "way": way,
+        "limits": _LIMITS,
+        "policy": dict(program.policy),
+        "seed": settings.seed,
+        "body": [settings.backend, cameras],
+    }
+    done = list(_NAMES).index(way) * count
+    path = settings.folder / f"fig_5_12_{settings.backend}_{settings.seed}_{way}.jsonl"
+    with Journal(path, identity) as journal:
+        kept = journal.finished[:count]
+        yield from kept
+        if len(kept) == count:
+            return
+        library = Library(shipped())
+        robot, urdf = shipped_robot(program.robot, library)
+        stage = library.read(shipped_file(library, StageDocument, _STAGE), StageDocument).document
+        with closing(embody(settings.backend, robot, urdf, cameras=cameras)) as body:
+            runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage)
+            for number in range(len(kept), count):
+                began = time.perf_counter()
+                seed = settings.seed + number
+                experience = runner.run(program, own_policy(program), seed, _ignore)
+                journal.append(experience, time.perf_counter() - began)
+                settings.progress(done + number + 1, len(_NAMES) * count)
+                yield experience
+
+
+def quantities(episodes: Outcomes, seed: int) -> Iterator[Quantity]:
+    """Yield the gains of the probe over either TOUCH, and the share of rewards of each way.
+
+    Section 5.3.2 claims that the probe works in more cases than TOUCH.
+    """
+    yield from (_more(episodes, other, seed) for other in (PASSIVE, SEEKING))
+    contexts = sorted({each.context for each in episodes[PROBING]})
+    for way, context in ((way, context) for way in _NAMES for context in contexts):
+        own = [each for each in episodes[way] if each.context == context]
+        hits = sum(each.reward > 0 for each in own)
+        yield percentage(f"{context}, {_NAMES[way]}: rewarded", "", hits, len(own), None)
+
+
+def _more(episodes: Outcomes, other: str, seed: int) -> Quantity:
+    pairs = zip(episodes[PROBING], episodes[other], strict=True)
+    gains = [100.0 * ((one.reward > 0) - (two.reward > 0)) for one, two in pairs]
+    return mean_of(
+        f"rewarded episodes, {_NAMES[PROBING]} minus {_NAMES[other]}",
+        "%",
+        "more",
+        gains,
+        above(0),
+        seed=seed,
+    )
+
+
+def _ignore(transition: Transition) -> None:
+    """Ignore a transition: nothing is learned."""

@@ -1,0 +1,143 @@
+"""Percentage of trials as a quantity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from cbdsl.numeric.proportion import TAIL, exact_interval
+from cbdsl_reproduction.claim import Claim
+from cbdsl_reproduction.quantity import Quantity
+
+
+def percentage(
+    name: str,
+    source: str,
+    hits: int,
+    trials: int,
+    expected: Claim | None,
+    *,
+    ordering: Claim | None = None,
+    of: str = "",
+    note: str = "",
+) -> Quantity:
+    """Return the percentage of trials that are hits, with its exact interval.
+
+    Args:
+        name, source, expected, ordering: Fields of ``Quantity``; claims are about percentages.
+        hits: Number of successes.
+        trials: Number of trials; for 0 the quantity is NaN, for 1 it is not judged.
+        of: Word for the trials in the note.
+        note: Text after the counts in the note.
+    """
+    counts = f"{hits} of {trials}{of and ' '}{of}"
+    noted = f"{counts}; {note}" if note else counts
+    return _share(name, source, hits, trials, expected, ordering, noted, judged=trials > 1)
+
+
+def clustered_percentage(
+    name: str,
+    source: str,
+    hits: Sequence[int],
+    sizes: Sequence[int],
+    expected: Claim | None,
+    *,
+    ordering: Claim | None = None,
+    of: str = "",
+    note: str = "",
+) -> Quantity:
+    """Return the percentage of hits for several dependent outcomes in each trial.
+
+    The interval is exact for the effective number of outcomes (Korn and Graubard, 1998). This is
+    the number of independent outcomes with the same variance as between these trials. If all or
+    none are hits, the variance is zero, and only the number of trials limits the information.
+
+    Args:
+        name, source, expected, ordering, note: Fields of ``Quantity``; claims are about
+            percentages.
+        hits: Number of hits of each trial.
+        sizes: Number of outcomes of each trial; for a single trial the quantity is not judged.
+        of: Word for the outcomes in the note.
+    """
+    total, right, trials = sum(sizes), sum(hits), sum(size > 0 for size in sizes)
+    noted = f"{right} of {total}{of and ' '}{of} in {len(sizes)} trials{note and '; '}{note}"
+    outcomes = effective_number(hits, sizes) if trials > 1 else float(trials)
+    known = right / total * outcomes if total else 0.0
+    return _share(name, source, known, outcomes, expected, ordering, noted, judged=trials > 1)
+
+
+def effective_number(hits: Sequence[int], sizes: Sequence[int]) -> float:
+    """Return the effective number of outcomes of at least two trials with outcomes.
+
+    Args:
+        hits: Number of hits of each trial.
+        sizes: Number of outcomes of each trial.
+
+    Returns:
+        Effective number, at most the number of outcomes. It is smaller for fewer trials, whose
+        spread is less certain.
+    """
+    from scipy.special import stdtrit
+
+    total, trials = sum(sizes), sum(size > 0 for size in sizes)
+    share = sum(hits) / total
+    squares = sum((hit - share * size) ** 2 for hit, size in zip(hits, sizes, strict=True))
+    variance = trials / (trials - 1) * squares / total**2
+    number = share * (1 - share) / variance if variance > 0 else math.inf
+    known = float(stdtrit(total - 1, 1 - TAIL) / stdtrit(trials - 1, 1 - TAIL)) ** 2
+    return min(number, total) * known
+
+
+def _share(
+    name: str,
+    source: str,
+    hits: float,
+    trials: float,
+    expected: Claim | None,
+    ordering: Claim | None,
+    note: str,
+    *,
+    judged: bool,
+) -> Quantity:
+    return Quantity(
+        name,
+        "%",
+        source,
+        100 * hits / trials if trials else math.nan,
+        expected,
+        ordering,
+        _interval(hits, trials) if judged else None,
+        chance_of_counts(expected, math.ceil(trials)) if expected is not None and trials else 0.0,
+        note,
+    )
+
+
+def chance_of_counts(claim: Claim, trials: int) -> float:
+    """Return the probability that trials at an end of the claim's region are called reproduced.
+
+    A coin, or any other process that violates the claim, passes at most as often as a process at
+    the nearest end.
+
+    Args:
+        claim: Claim about a percentage.
+        trials: Number of trials, each a hit or not.
+    """
+    passing = [hits for hits in range(trials + 1) if claim.contains(_interval(hits, trials))]
+    if not passing:
+        return 0.0
+    # The passing numbers of hits are consecutive.
+    first, last = passing[0], passing[-1]
+    return max((_likelihood(first, last, trials, end / 100) for end in claim.ends), default=0.0)
+
+
+def _interval(hits: float, trials: float) -> tuple[float, float]:
+    low, high = exact_interval(hits, trials)
+    return 100 * low, 100 * high
+
+
+def _likelihood(first: int, last: int, trials: int, p: float) -> float:
+    """Return the probability that the number of hits is in a closed range."""
+    from scipy.special import bdtr
+
+    p = min(max(p, 0.0), 1.0)
+    return float(bdtr(last, trials, p) - (bdtr(first - 1, trials, p) if first else 0.0))

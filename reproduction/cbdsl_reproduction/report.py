@@ -1,0 +1,192 @@
+"""Outcomes as rows, as data, and as a page whose sections can be renewed separately."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+
+from cbdsl_reproduction.experiment import Experiment, Picture, Result, RunSettings
+from cbdsl_reproduction.quantity import Quantity, Verdict
+from cbdsl_reproduction.summary import paragraph, summary
+
+_HEADER = """\
+# Reproduction
+
+This page holds the results that the dissertation reports, beside ours.
+`cb reproduce all --out docs/reproduction.md` writes it.
+`cb reproduce NAME --out docs/reproduction.md` renews one section.
+
+The column *expected* is the region in which the source's words put a value.
+The verdict follows from the 95 % interval of our value:
+
+| verdict | meaning |
+| --- | --- |
+| reproduced | all of the interval is in the region |
+| missed | none of it is in the region |
+| undecided | a part of it is in the region |
+| ordering only | at least the reported order is clear |
+| not judged | there is no spread to judge by (one trial), or nothing is claimed |
+
+The column *chance* is the probability that a claim that is just false would be called reproduced.
+A coin, or a uniform model, passes at most as often if the claim is false for it.
+For curves, ratios and newly drawn trials it is the 2.5 % of the intervals.
+Above 5 % nothing is called reproduced.
+Regions that were set with known numbers say so.
+
+Intervals are exact (Clopper-Pearson) for proportions.
+If several outcomes come from one trial, they use the effective number of outcomes (Korn-Graubard).
+All other intervals are bootstrapped.
+Robots learn on the kinematic backend, many times from zero; other backends have separate sections.
+"""
+
+_SECTION = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
+
+
+def row(quantity: Quantity) -> dict[str, str]:
+    """Return a quantity as texts, by the headings of a table."""
+    return {
+        "quantity": quantity.name,
+        "source": quantity.source,
+        "ours": _measured(quantity),
+        "expected": quantity.expected.text if quantity.expected else "",
+        "chance": _chance(quantity),
+        "verdict": quantity.verdict.value,
+        "note": quantity.note,
+    }
+
+
+def data(experiment: Experiment, settings: RunSettings, outcome: Result) -> dict[str, object]:
+    """Return an outcome for scripts; unmeasured values are ``None``."""
+    keys = ("backend", "cameras", "trials")
+    learned = {key: getattr(settings, key) for key in keys} if experiment.learns else {}
+    learned |= {"trials": settings.trials} if experiment.keeps else {}
+    return {
+        "experiment": experiment.name,
+        "title": experiment.title,
+        "section": experiment.section,
+        "seed": settings.seed,
+        "quick": settings.quick,
+        **learned,
+        "quantities": [_quantity(quantity) for quantity in outcome.quantities],
+        "charts": [
+            {"name": chart.name, "title": chart.title, **chart.data()} for chart in outcome.charts
+        ],
+        "notes": list(outcome.notes),
+    }
+
+
+def section(experiment: Experiment, settings: RunSettings, outcome: Result, pictures: str) -> str:
+    """Return the section of one experiment; ``pictures`` is the folder of the charts."""
+    rows = [row(quantity) for quantity in outcome.quantities]
+    headings = list(rows[0]) if rows else []
+    table = [headings, ["---"] * len(headings), *(list(cells.values()) for cells in rows)]
+    lines = [
+        f"## {heading(experiment, settings)}: {experiment.title}",
+        "",
+        f"{experiment.section}. `{_command(experiment, settings)}`",
+        "",
+        *(f"| {' | '.join(_escaped(cell) for cell in cells)} |" for cells in table if cells),
+        "",
+    ]
+    for note in outcome.notes:
+        lines += [paragraph(note), ""]
+    for chart in outcome.charts:
+        file = f"{pictures}/{picture_file(chart, experiment, settings)}"
+        lines += [f"[![{chart.title}]({file})]({file})", ""]
+    return "\n".join(lines)
+
+
+def picture_file(picture: Picture, experiment: Experiment, settings: RunSettings) -> str:
+    """Return the file name of a picture, which is unique among all sections."""
+    # A link has no spaces.
+    backend = _other_backend(experiment, settings).replace(" ", "-")
+    return f"{picture.name}-{backend}.svg" if backend else f"{picture.name}.svg"
+
+
+def heading(experiment: Experiment, settings: RunSettings) -> str:
+    """Return the heading of a section; an experiment has one section for each backend."""
+    backend = _other_backend(experiment, settings)
+    return f"{experiment.name} on {backend}" if backend else experiment.name
+
+
+def _other_backend(experiment: Experiment, settings: RunSettings) -> str:
+    """Return the backend on which an experiment ran; empty if it is the default."""
+    if not experiment.backend:
+        return ""
+    own = "" if settings.backend == experiment.backend else settings.backend
+    eyes = "" if settings.cameras is None else f"{settings.cameras} cameras"
+    return " with ".join(filter(None, (own or (eyes and settings.backend), eyes)))
+
+
+def _command(experiment: Experiment, settings: RunSettings) -> str:
+    words = ["cb", "reproduce", experiment.name, "--seed", str(settings.seed)]
+    if experiment.backend:
+        words += ["--backend", settings.backend]
+        words += ["--cameras", settings.cameras] if settings.cameras is not None else []
+    if settings.trials is not None and (experiment.learns or experiment.keeps):
+        words += ["--trials", str(settings.trials)]
+    return " ".join([*words, "--quick"] if settings.quick else words)
+
+
+def page(before: str, sections: Mapping[str, str], order: Iterable[str]) -> str:
+    """Return the whole page.
+
+    Args:
+        before: Existing page, or an empty text.
+        sections: New text by its heading.
+        order: Names of all experiments; sections of any others are removed.
+    """
+    marks = list(_SECTION.finditer(before))
+    ends = [mark.start() for mark in marks[1:]] + [len(before)] * bool(marks)
+    kept = {
+        mark[1]: before[mark.start() : end].rstrip() + "\n"
+        for mark, end in zip(marks, ends, strict=True)
+    }
+    kept.update(sections)
+    # Sections of other backends follow the section of the default one.
+    ordered = (kept[each] for name in order for each in sorted(kept) if each.split()[0] == name)
+    texts = list(ordered)
+    return "\n".join([_HEADER, summary(texts), *texts])
+
+
+def _quantity(quantity: Quantity) -> dict[str, object]:
+    return {
+        "name": quantity.name,
+        "unit": quantity.unit,
+        "source": quantity.source,
+        "ours": None if math.isnan(quantity.ours) else quantity.ours,
+        # JSON has no infinity.
+        "interval": quantity.interval
+        and [end if math.isfinite(end) else None for end in quantity.interval],
+        "expected": quantity.expected.text if quantity.expected else None,
+        "chance": quantity.chance,
+        "verdict": quantity.verdict.value,
+        "note": quantity.note,
+    }
+
+
+def _chance(quantity: Quantity) -> str:
+    """Return the chance of a false verdict; empty if nothing is sampled or judged."""
+    if quantity.verdict is Verdict.NOT_JUDGED or _is_computed(quantity):
+        return ""
+    return f"{100 * quantity.chance:.2g} %"
+
+
+def _is_computed(quantity: Quantity) -> bool:
+    ends = quantity.interval
+    return ends is not None and ends[0] == ends[1] and quantity.chance == 0.0
+
+
+def _measured(quantity: Quantity) -> str:
+    if math.isnan(quantity.ours):
+        return "none"
+    text = f"{quantity.ours:.3g}"
+    if quantity.interval is not None and not _is_computed(quantity):
+        low, high = quantity.interval
+        text += f" [{low:.3g}, {high:.3g}]"
+    return f"{text} {quantity.unit}".rstrip()
+
+
+def _escaped(cell: str) -> str:
+    return cell.replace("|", "\\|").replace("*", "\\*")

@@ -1,0 +1,42 @@
+"""Statistics of samples, and the rate at which chance passes their claims."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl_reproduction.claim import above, at_most, near
+from cbdsl_reproduction.estimate import chance_of_samples, mean, mean_of, median
+from cbdsl_reproduction.quantity import Verdict
+
+
+def test_many_even_samples_pass_by_chance_in_one_of_forty() -> None:
+    samples = np.random.default_rng(0).normal(size=50)
+    assert chance_of_samples(above(1), samples, mean) == pytest.approx(0.03, abs=0.025)
+
+
+def test_few_skewed_samples_pass_by_chance_too_often() -> None:
+    samples = np.random.default_rng(1).lognormal(sigma=2, size=12)
+    assert chance_of_samples(at_most(3), samples, mean) > 0.05
+    quantity = mean_of("", "", "", (samples / 1000).tolist(), at_most(3))
+    assert quantity.chance > 0.05 and quantity.verdict is Verdict.UNDECIDED
+
+
+def test_samples_that_are_all_the_same_pass_where_they_are_and_never_beside() -> None:
+    samples = np.full(30, 5.0)
+    assert chance_of_samples(at_most(25), samples, median) == 0.0
+    assert mean_of("", "", "", samples.tolist(), at_most(25)).verdict is Verdict.REPRODUCED
+    assert mean_of("", "", "", samples.tolist(), at_most(4)).verdict is Verdict.MISSED
+
+
+def test_no_difference_has_to_be_shown() -> None:
+    """Few samples with a wide interval around zero do not demonstrate a zero effect."""
+    rng = np.random.default_rng(2)
+    few, many = rng.normal(size=5), rng.normal(scale=0.1, size=100)
+    assert mean_of("", "", "", few.tolist(), near(0, 0.1)).verdict is not Verdict.REPRODUCED
+    assert mean_of("", "", "", many.tolist(), near(0, 0.1)).verdict is Verdict.REPRODUCED
+
+
+def test_a_single_sample_is_not_judged_and_none_is_a_miss() -> None:
+    assert mean_of("", "", "", [1.0], above(0)).verdict is Verdict.NOT_JUDGED
+    assert mean_of("", "", "", [], above(0)).verdict is Verdict.MISSED

@@ -1,0 +1,69 @@
+"""Experiments of Chapter 6: their trials are kept, and their reports describe these trials."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import typer.main
+from typer import Typer
+
+from cbdsl.api.shipped import shipped_robot
+from cbdsl.cli.explore import explore
+from cbdsl.training.action_runner import ActionRunner
+from cbdsl.yaml_text.library import Library
+from cbdsl_reproduction.experiment import RunSettings
+from cbdsl_reproduction.exploration_series import BASKETBALL, TABLE, TABLE_MODELS, ExplorationSeries
+from cbdsl_reproduction.registry import EXPERIMENTS
+from cbdsl_reproduction.report import data
+
+CHAPTER = [name for name in EXPERIMENTS if name.startswith("fig-6")]
+
+
+def test_all_figures_are_there() -> None:
+    assert [f"fig-6.{number}" for number in range(2, 9)] == CHAPTER
+
+
+@pytest.mark.parametrize("name", CHAPTER)
+def test_each_has_series_of_as_many_trials_as_the_source(name: str) -> None:
+    series = EXPERIMENTS[name].imported().series_of(name)
+    assert series and all(each.trials == 25 and each.actions == 100 for each in series)
+
+
+@pytest.mark.parametrize(
+    ("series", "longest"), [(TABLE, 120.0), (TABLE_MODELS, 120.0), (BASKETBALL, 60.0)]
+)
+def test_its_command_explores_with_the_same_constants(
+    series: ExplorationSeries, longest: float, tmp_path: Path
+) -> None:
+    library = Library()
+    task = series.task(library, *shipped_robot("dexter", library), tmp_path / "a.yaml")
+    assert task.constants.longest == longest
+    app = Typer()
+    app.command()(explore)
+    _, name, *words = shlex.split(series.command(3, 7, "mujoco", "ideal"))
+    given = typer.main.get_command(app).make_context(name, words).params
+    wanted = [f"{key}={value}" for key, value in series.constants.items()]
+    assert list(given["set_"] or []) == wanted
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CHAPTER)
+def test_what_was_run_is_kept_and_not_run_again(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[tuple[int, int]] = []
+    settings = RunSettings(seed=3, quick=True, trials=2, folder=tmp_path)
+    watched = replace(settings, progress=lambda over, total: done.append((over, total)))
+    first = EXPERIMENTS[name].load()(watched)
+    assert done[-1][0] == done[-1][1] > 0
+
+    def none(*_: object) -> None:
+        raise AssertionError("all actions are kept")
+
+    monkeypatch.setattr(ActionRunner, "run", none)
+    again = EXPERIMENTS[name].load()(settings)
+    assert data(EXPERIMENTS[name], settings, again) == data(EXPERIMENTS[name], settings, first)
+    assert all(picture.svg().startswith("<svg") for picture in first.charts)

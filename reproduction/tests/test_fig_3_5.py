@@ -1,0 +1,35 @@
+"""Bimanual grasp: a box is taken in both hands and brought nearer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl_reproduction.experiment import RunSettings
+from cbdsl_reproduction.fig_3_5 import _force_errors, run
+from cbdsl_reproduction.inspection import InspectionRun
+from cbdsl_reproduction.quantity import Verdict
+
+
+def pressed(*forces: float) -> InspectionRun:
+    return InspectionRun(forces=[np.array([force, 10.0]) for force in forces])
+
+
+def test_forces_are_kept_within_a_tenth_and_a_box_without_any_is_not_held() -> None:
+    kept = [pressed(10.0, 11.9)] * 60
+    assert _force_errors(kept).verdict is Verdict.REPRODUCED
+    astray = _force_errors(kept[:30] + [pressed(12.1, 12.1)] * 30)
+    assert astray.verdict is not Verdict.REPRODUCED and astray.note.startswith("30 of 60")
+    dropped = _force_errors(kept[:30] + [pressed()] * 30)
+    assert dropped.verdict is not Verdict.REPRODUCED and dropped.note.startswith("30 of 60")
+
+
+@pytest.mark.slow
+def test_a_box_is_held_and_comes_nearer() -> None:
+    outcome = run(RunSettings(seed=50, quick=True))
+    ours = {quantity.name: quantity.ours for quantity in outcome.quantities}
+    assert ours["boxes held to the end"] == 100
+    assert ours["depth, table"] > ours["depth, held"] > ours["depth, optimum"]
+    assert ours["φ_l on the table by φ_l, optimum"] > ours["φ_l on the table by φ_l, held"] > 1
+    (chart,) = outcome.charts
+    assert chart.lines[0].y[-1] < chart.lines[0].y[0]

@@ -1,0 +1,94 @@
+"""The flat learner: a state ends with letters of the context that was seen in it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.checking.program import check_program
+from cbdsl.learning.constants import AccommodateConstants
+from cbdsl.learning.experience import Experience
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.transition import Transition
+from cbdsl.yaml_text.library import Library
+from cbdsl_reproduction.learners.flat import Flat, FlatPolicy
+from cbdsl_reproduction.learners.handedness_learner import replay
+from tests.conftest import ROOT
+
+LEFT = {"velocity.y": 0.0, "place.y": 0.4, "volume": 0.001}
+RIGHT = {**LEFT, "place.y": -0.4}
+FIRST, SECOND = "reach ◁ touch", "touch ◁ reach"
+
+
+@pytest.fixture(scope="module")
+def program() -> CheckedProgram:
+    return check_program("reachtouch", {}, Library(ROOT))
+
+
+@pytest.fixture
+def learner(program: CheckedProgram) -> Flat:
+    return Flat(program, AccommodateConstants())
+
+
+def step(state: str, action: str, after: str, features: dict[str, float]) -> Transition:
+    reward = int(after == "X11")
+    return Transition("reachtouch", 0, 0.0, state, action, after, 1, reward, (), "", features)
+
+
+def episode(*steps: Transition) -> Experience:
+    return Experience("some", 0, steps, {}, 1, 0.1)
+
+
+def test_what_leads_on_is_a_state_of_the_context_that_is_seen_then(learner: Flat) -> None:
+    last = step("X0-", SECOND, "X11", RIGHT)
+    replay(learner, episode(step("XX-", FIRST, "X0-", LEFT), last))
+    counts = dict(learner.accommodate.counts.items())
+    assert counts == {
+        "XX-sls": {FIRST: {"X0-srs": 1}},
+        "X0-srs": {SECOND: {"X11srs": 1}},
+    }
+
+
+def test_the_same_state_is_another_one_on_the_other_side(learner: Flat) -> None:
+    for _ in range(10):
+        replay(learner, episode(step("XX-", FIRST, "X11", LEFT)))
+        replay(learner, episode(step("XX-", SECOND, "X11", RIGHT)))
+        replay(learner, episode(step("XX-", FIRST, "X1-", RIGHT)))
+    greedy = learner.accommodate.greedy()
+    assert (greedy["XX-sls"], greedy["XX-srs"]) == (FIRST, SECOND)
+
+
+def test_what_an_episode_without_an_end_left_is_forgotten(learner: Flat) -> None:
+    learner.begin()
+    learner.see(step("XX-", FIRST, "X0-", LEFT))
+    replay(learner, episode(step("XX-", SECOND, "X1-", RIGHT)))
+    assert set(dict(learner.accommodate.counts.items())) == {"XX-srs"}
+    learner.begin()
+    learner.remember(episode())  # nothing was done, and nothing is taken in
+    assert set(dict(learner.accommodate.counts.items())) == {"XX-srs"}
+
+
+def test_its_policy_chooses_by_what_is_read_when_it_chooses(
+    learner: Flat, program: CheckedProgram
+) -> None:
+    asked = []
+
+    class Asked:
+        def choose(self, state: str, *, changed: bool) -> str:
+            asked.append((state, changed))
+            return FIRST
+
+    policy = FlatPolicy(Asked())
+    assert policy.choose("XX-", changed=True) == FIRST  # where nothing can be read
+    seen = dict(LEFT)
+    policy.begin(lambda: seen)
+    policy.choose("XX-", changed=False)
+    seen["place.y"] = -0.4
+    policy.choose("XX-", changed=True)
+    assert asked == [("XX-???", True), ("XX-sls", False), ("XX-srs", True)]
+    assert not policy.withdraws and not policy.reason
+    learner.begin()
+    planned = learner.plan(np.random.default_rng(0))
+    assert planned.program is program and not learner.is_constrained
+    names = {action.name for action in program.actions}
+    assert planned.policy.choose("XX-", changed=True) in names

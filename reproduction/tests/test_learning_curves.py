@@ -1,0 +1,27 @@
+"""Settling of learning curves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl_reproduction.learning_curves import per_transition, settled_at
+
+from .series import experience
+
+
+@pytest.mark.parametrize("jump", [5, 12, 25])
+def test_a_step_settles_where_it_is(jump: int) -> None:
+    curve = np.where(np.arange(50) < jump, 0.1, 0.5)
+    rewards = np.tile(curve, (8, 1)) + np.random.default_rng(0).normal(0, 0.001, (8, 50))
+    assert abs(settled_at(rewards) - jump) <= 1
+
+
+def test_a_level_curve_has_settled_at_once() -> None:
+    assert settled_at(np.full((4, 50), 0.3)) == 1
+
+
+def test_reward_is_shared_among_transitions() -> None:
+    steps = [("XX", "a", "X0"), ("X0", "a", "X1")]
+    assert per_transition(experience(*steps, reward=1)) == 0.5
+    assert per_transition(experience(*steps)) == 0

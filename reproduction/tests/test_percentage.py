@@ -1,0 +1,99 @@
+"""Percentages, their exact intervals, and the rate at which chance passes their claims."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl_reproduction.claim import Claim, above, at_least, below, between
+from cbdsl_reproduction.percentage import (
+    chance_of_counts,
+    clustered_percentage,
+    effective_number,
+    percentage,
+)
+from cbdsl_reproduction.quantity import Verdict
+
+
+@pytest.mark.parametrize("trials", [2, 10, 30, 600])
+@pytest.mark.parametrize(
+    "claim", [above(50), at_least(95), below(15), between(60, 90)], ids=lambda claim: claim.text
+)
+def test_what_is_only_just_false_passes_in_one_of_forty(claim: Claim, trials: int) -> None:
+    assert chance_of_counts(claim, trials) <= 0.025 + 1e-9
+
+
+def test_the_chance_is_that_of_simulated_coins() -> None:
+    trials, rng = 30, np.random.default_rng(0)
+    hits = rng.binomial(trials, 0.5, size=20_000)
+    passed = [
+        percentage("", "", int(each), trials, above(50)).verdict is Verdict.REPRODUCED
+        for each in np.unique(hits)
+    ]
+    share = sum(
+        np.mean(hits == each) for each, ok in zip(np.unique(hits), passed, strict=True) if ok
+    )
+    assert share == pytest.approx(chance_of_counts(above(50), trials), abs=0.004)
+
+
+def test_a_majority_of_few_is_undecided() -> None:
+    assert percentage("", "", 6, 10, above(50)).verdict is Verdict.UNDECIDED
+    assert percentage("", "", 27, 30, above(50)).verdict is Verdict.REPRODUCED
+
+
+def test_a_single_trial_is_not_judged() -> None:
+    assert percentage("", "", 1, 1, above(50)).verdict is Verdict.NOT_JUDGED
+
+
+def test_none_of_no_trials_is_a_miss() -> None:
+    assert percentage("", "", 0, 0, above(50)).verdict is Verdict.MISSED
+
+
+def test_outcomes_that_do_not_depend_on_each_other_count_as_many() -> None:
+    rng = np.random.default_rng(1)
+    hits, sizes = rng.binomial(20, 0.9, size=2000).tolist(), [20] * 2000
+    assert effective_number(hits, sizes) == pytest.approx(40_000, rel=0.07)
+
+
+def test_outcomes_that_go_together_count_as_one_of_each_trial() -> None:
+    hits, sizes = [20] * 60 + [0] * 40, [20] * 100
+    assert effective_number(hits, sizes) == pytest.approx(99, rel=0.05)
+    whole = clustered_percentage("", "", hits, sizes, at_least(45), of="actions")
+    assert whole.ours == 60
+    assert whole.verdict is Verdict.REPRODUCED
+    assert whole.note == "1200 of 2000 actions in 100 trials"
+    # As many independent outcomes leave no doubt.
+    assert percentage("", "", 1200, 2000, at_least(55)).verdict is Verdict.REPRODUCED
+    surer = clustered_percentage("", "", hits, sizes, at_least(55))
+    assert surer.verdict is Verdict.UNDECIDED
+
+
+def test_few_trials_tell_less_of_what_always_happens() -> None:
+    few, many = ([[40] * trials] * 2 for trials in (2, 25))
+    claim = at_least(95)
+    assert clustered_percentage("", "", few[0], few[1], claim).verdict is Verdict.UNDECIDED
+    assert clustered_percentage("", "", many[0], many[1], claim).verdict is Verdict.REPRODUCED
+
+
+def test_outcomes_of_a_single_trial_are_not_judged() -> None:
+    for hits, sizes in (([40], [40]), ([40, 0], [40, 0])):
+        single = clustered_percentage("", "", hits, sizes, at_least(50))
+        assert (single.ours, single.verdict) == (100, Verdict.NOT_JUDGED)
+    assert clustered_percentage("", "", [], [], at_least(50)).verdict is Verdict.MISSED
+
+
+def test_intervals_of_dependent_outcomes_cover_what_they_say() -> None:
+    rng, share, trials = np.random.default_rng(2), 0.45, 25
+    covered = exact = 0
+    for _ in range(400):
+        own = rng.beta(4 * share, 4 * (1 - share), size=trials)
+        sizes = rng.integers(20, 50, size=trials)
+        hits = rng.binomial(sizes, own)
+        intervals = (
+            clustered_percentage("", "", hits.tolist(), sizes.tolist(), None).interval,
+            percentage("", "", int(hits.sum()), int(sizes.sum()), None).interval,
+        )
+        inside = [each is not None and each[0] <= 100 * share <= each[1] for each in intervals]
+        covered, exact = covered + inside[0], exact + inside[1]
+    assert covered / 400 > 0.93
+    assert exact / 400 < 0.7

@@ -1,0 +1,51 @@
+"""Registry: it has every module that measures, and every experiment cites the source."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import cbdsl_reproduction
+from cbdsl_reproduction import registry
+from cbdsl_reproduction.experiment import Experiment
+from cbdsl_reproduction.registry import EXPERIMENTS
+
+ALL = [pytest.param(each, id=each.name) for each in EXPERIMENTS.values()]
+
+
+def test_every_experiment_is_registered_once() -> None:
+    (folder,) = map(Path, cbdsl_reproduction.__path__)
+    measuring = {
+        file.stem
+        for file in folder.glob("*.py")
+        if re.search(
+            r"^def run\(settings: RunSettings(, name: str)?\) -> Result:",
+            file.read_text("utf-8"),
+            re.M,
+        )
+    }
+    assert {each.module for each in EXPERIMENTS.values()} == measuring
+    lines = Path(registry.__file__).read_text("utf-8").count("    Experiment(")
+    assert lines == len(EXPERIMENTS), "two have one name"
+    alone = [each.module for each in EXPERIMENTS.values() if not each.learns]
+    assert len(set(alone)) == len(alone)
+
+
+@pytest.mark.parametrize("experiment", ALL)
+def test_an_experiment_says_where_the_source_has_it(experiment: Experiment) -> None:
+    assert re.fullmatch(r"[a-z0-9.-]+", experiment.name)
+    assert re.search(r"\b(Section|Sections|Table|Figure|Equation)s? [0-9]", experiment.section)
+    assert experiment.title
+    assert callable(experiment.load())
+
+
+def test_the_list_of_experiments_imports_nothing_heavy() -> None:
+    script = (
+        "import sys\nimport cbdsl_reproduction.registry\n"
+        "sys.exit(any(name in sys.modules for name in ('numpy', 'pybullet', 'pinocchio')))"
+    )
+    assert subprocess.run([sys.executable, "-c", script]).returncode == 0

@@ -1,0 +1,54 @@
+"""Stability: the episode after which a policy stays the same."""
+
+from __future__ import annotations
+
+import pytest
+
+from cbdsl.training.trial import Trial
+from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.series import SEQUENTIAL
+from cbdsl_reproduction.stability import stable_after, stable_quantity
+from tests.training.toy import ToyEpisodeRunner, toy_trial
+
+from .series import experience
+
+
+@pytest.fixture(scope="module")
+def trial() -> Trial:
+    found, classroom = toy_trial(), ToyEpisodeRunner()
+    for _ in range(40):
+        found.run(classroom)
+    return found
+
+
+def test_from_there_on_it_does_what_it_does_at_the_end_and_not_before(trial: Trial) -> None:
+    again, chosen = toy_trial(), []
+    for each in trial.experiences:
+        again.replay(each)
+        chosen.append(again.learner.greedy())
+    found = set()
+    for state in trial.learner.greedy():
+        after = stable_after(trial, [experience((state, "some", "other"))])
+        found.add(after)
+        assert all(each.get(state) == chosen[-1].get(state) for each in chosen[after - 1 :])
+        if after > 1:
+            assert chosen[after - 2].get(state) != chosen[-1].get(state)
+    assert len(found) > 1
+    often = [experience(*((state, "some", "other") for state in trial.learner.greedy()))]
+    assert stable_after(trial, often) == max(found)
+
+
+def test_a_state_that_is_hardly_met_says_nothing(trial: Trial) -> None:
+    known = trial.learner.greedy()
+    states = {state: stable_after(trial, [experience((state, "", ""))]) for state in known}
+    late, early = max(states, key=lambda s: states[s]), min(states, key=lambda s: states[s])
+    assert states[early] < states[late]
+    met = [experience(*[(early, "", "")] * 19, (late, "", ""))]
+    assert stable_after(trial, met) == states[early]
+    assert stable_after(trial, [*met, experience((late, "", ""))]) == states[late]
+
+
+def test_the_quantity_is_the_median() -> None:
+    found = stable_quantity(SEQUENTIAL, [3, 9, 8], "some", above(0), seed=0)
+    assert found.ours == 8 and found.note == "3 to 9" and found.interval is not None
+    assert stable_quantity(SEQUENTIAL, [4], "some", above(0), seed=0).interval is None

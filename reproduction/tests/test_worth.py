@@ -1,0 +1,107 @@
+"""Worth of choices, estimated from transitions, in cases computed by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from cbdsl.learning.constants import AccommodateConstants
+from cbdsl.learning.experience import Experience
+from cbdsl.training.trial import Trial
+from cbdsl_reproduction.series import REACHTOUCH, SEQUENTIAL
+from cbdsl_reproduction.worth import met, shares_of, worth_quantities
+from tests.conftest import Checked
+from tests.training.toy import toy_trial
+
+from .series import experience
+
+
+def trial_of(trial: Trial, *experiences: Experience) -> Trial:
+    for each in experiences:
+        trial.replay(each)
+    return trial
+
+
+def worth(trial: Trial, gamma: float = 0.8) -> dict[tuple[str, str], float]:
+    found = met([trial])
+    return dict(zip(found.pairs, found.worth(gamma).tolist(), strict=True))
+
+
+DIRECT = experience(("XX", "track", "X0"), ("X0", "track", "X1"), reward=1)
+DETOUR = experience(("XX", "search", "0X"), ("0X", "track", "X0"), ("X0", "track", "X1"), reward=1)
+NOTHING = experience(("XX", "track", "X-"), ("X-", "track", "X-"))
+
+
+def test_what_follows_is_discounted_and_weighed_by_how_often_it_did() -> None:
+    found = worth(trial_of(toy_trial(), *[DIRECT, DETOUR, DETOUR, NOTHING] * 5))
+    assert found["X0", "track"] == pytest.approx(1.0)
+    assert found["0X", "track"] == pytest.approx(0.8)
+    assert found["XX", "search"] == pytest.approx(0.64)
+    assert found["XX", "track"] == pytest.approx(0.5 * 0.8)
+    assert found["X-", "track"] == 0.0
+
+
+def test_a_choice_is_followed_by_the_best_ones_whatever_was_done_then() -> None:
+    badly = experience(("0X", "search", "X-"))
+    found = worth(trial_of(toy_trial(), *[DETOUR, badly, badly, badly] * 5))
+    assert found["XX", "search"] == pytest.approx(0.64)
+
+
+def test_what_was_met_too_rarely_says_nothing() -> None:
+    found = worth(trial_of(toy_trial(), *[DIRECT] * 9, *[DETOUR] * 4))
+    assert math.isnan(found["XX", "search"])
+    assert found["XX", "track"] == pytest.approx(0.8)
+
+
+def test_a_used_program_is_one_choice(checked: Checked) -> None:
+    looked = experience(
+        ("XXX", "searchtrack", "0XX"),
+        ("0XX", "searchtrack", "1XX"),
+        ("1XX", "reach ◁ touch", "X11"),
+        reward=1,
+    )
+    trial = Trial(checked("reachtouch"), AccommodateConstants(), 1)
+    found = worth(trial_of(trial, *[looked] * 5))
+    assert found["XXX", "searchtrack"] == pytest.approx(0.8)
+    assert ("0XX", "searchtrack") not in found
+
+
+def test_trials_count_as_often_as_they_are_told_to() -> None:
+    found = met([trial_of(toy_trial(), *[DIRECT] * 6), trial_of(toy_trial(), *[NOTHING] * 6)])
+    place = found.pairs.index(("XX", "track"))
+    for times, expected in ((1, 1), 0.4), ((2, 0), 0.8), ((0, 2), 0.0), ((3, 1), 0.6):
+        assert found.worth(0.8, np.array(times))[place] == pytest.approx(expected)
+
+
+def test_a_quantity_is_a_share_of_the_best_choice() -> None:
+    trials = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(5)]
+    choices = [("XX", "search"), ("XX", "track"), ("1X", "track")]
+    detour, direct, never = worth_quantities(SEQUENTIAL, trials, choices, seed=0)
+    assert detour.ours == pytest.approx(80) and detour.verdict == "missed"
+    assert direct.ours == pytest.approx(100) and direct.verdict == "reproduced"
+    assert direct.note == "others: search 80"
+    assert direct.interval == pytest.approx((100, 100))
+    assert math.isnan(never.ours) and never.interval is None and never.note == ""
+
+
+def test_shares_are_told_of_every_state() -> None:
+    shares = shares_of([trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(5)])
+    assert shares["XX"] == pytest.approx({"track": 100, "search": 80})
+    assert shares["X0"] == {}, "there is nothing to compare with"
+
+
+def test_few_trials_say_nothing() -> None:
+    few = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(4)]
+    assert not list(worth_quantities(REACHTOUCH, few, [("XX", "track")], seed=0))
+    assert shares_of(few) == {}
+
+
+@pytest.mark.parametrize("met_by_all", [(DIRECT,), (NOTHING, NOTHING)])
+def test_where_there_is_nothing_to_compare_with_nothing_is_claimed(
+    met_by_all: tuple[Experience, ...],
+) -> None:
+    trials = [trial_of(toy_trial(), *met_by_all * 6) for _ in range(5)]
+    (found,) = worth_quantities(SEQUENTIAL, trials, [("XX", "track")], seed=0)
+    assert math.isnan(found.ours) and found.interval is None and found.note == ""
