@@ -33,6 +33,7 @@ types:
 
 layers:
 	$(BIN)lint-imports
+	$(BIN)lint-imports --config reproduction/pyproject.toml
 
 spelling:
 	$(BIN)codespell
@@ -77,21 +78,23 @@ constraints:
 	(echo "# Versions that CI installs, for Python 3.11 to 3.14: pip install -c constraints.txt ..."; \
 	echo "# make constraints renews them."; \
 	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --upgrade \
-	--extra dev --extra release --extra fuzz pyproject.toml) > build/constraints.txt
+	--no-emit-package cbdsl --no-emit-package cbdsl-reproduction \
+	--extra dev --extra release --extra fuzz pyproject.toml reproduction/pyproject.toml) > build/constraints.txt
 	mv build/constraints.txt constraints.txt
 
-# A wheel and an sdist in dist/, checked where nothing else is installed.
+# Wheels and sdists of both distributions in dist/, checked where nothing else is installed.
 dist:
 	rm -rf dist
 	$(BIN)pip install --quiet --disable-pip-version-check -e ".[release]"
 	$(BIN)python -m build --outdir dist .
+	$(BIN)python -m build --outdir dist reproduction
 	$(BIN)twine check --strict dist/*
 	$(BIN)pytest -n 0 -m slow tests/test_distribution.py
 
 # Everything that comes with cbdsl[sim] and the other extras of users, as CycloneDX in dist/sbom.json.
 sbom: dist
 	$(PYTHON) -m venv dist/bare
-	dist/bare/bin/pip install --quiet --disable-pip-version-check "$$(echo dist/*.whl)[$(USERS)]"
+	dist/bare/bin/pip install --quiet --disable-pip-version-check "$$(echo dist/cbdsl-*.whl)[$(USERS)]"
 	$(BIN)cyclonedx-py environment --pyproject pyproject.toml --output-reproducible --of JSON -o dist/sbom.json dist/bare/bin/python
 	rm -rf dist/bare
 

@@ -1,9 +1,13 @@
 #!/bin/sh
 # Make .venv with cbdsl and an extra, and compile in advance:  ./setup.sh sim|dev|...
+# dev also installs the distribution cbdsl-reproduction.
 # As root on Debian, apt-get installs the packages that pip cannot provide; otherwise they are named.
 set -eu
 cd "$(dirname "$0")"
 extra="${1:-sim}"
+# The experiments come with what developers need.
+reproduction=""
+[ "$extra" != dev ] || reproduction="./reproduction[dev]"
 
 fail() { echo "setup: $1" >&2; exit 1; }
 # An ordinary user's PATH may lack ldconfig.
@@ -46,7 +50,7 @@ fi
 can_make_environments || fail "$python cannot make virtual environments: install its package python3-venv"
 
 "$python" -m venv .venv
-.venv/bin/python -m pip install --quiet --disable-pip-version-check -e ".[$extra]"
+.venv/bin/python -m pip install --quiet --disable-pip-version-check -e ".[$extra]" ${reproduction:+-e "$reproduction"}
 for library in .venv/lib/python3.*/site-packages/cmeel.prefix/lib; do
     [ -d "$library" ] || continue
     # Pinocchio needs OpenMP and does not bring it; the wheel of pykdtree holds a copy.

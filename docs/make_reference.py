@@ -16,6 +16,7 @@ from typing import Any
 
 import typer
 
+from cbdsl.cli.commands import COMMANDS
 from cbdsl.cli.main import build_app
 from cbdsl.documents.json_schema import json_schema, meaning, properties
 from cbdsl.documents.kinds import entries, models
@@ -213,9 +214,13 @@ def _units() -> str:
 
 
 def _commands() -> str:
-    app = typer.main.get_command(build_app())
+    app = typer.main.get_command(build_app(COMMANDS.builtins))
     parts = [_command(name, command) for name, command in _leaves("cb", app)]
-    words = "Each has `--help`. Brackets hold optional arguments and defaults.\n"
+    words = (
+        "Each has `--help`. Brackets hold optional arguments and defaults.\n"
+        "Other packages [add commands](how_to/new_command.md), such as `cb reproduce` of "
+        "cbdsl-reproduction.\n"
+    )
     return _section(2, "Commands", words, *parts)
 
 

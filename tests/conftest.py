@@ -26,12 +26,17 @@ ROOT = Path(__file__).parents[1]
 _HAS_BULLET = find_spec("pybullet") is not None
 _NEEDS_BULLET = re.compile(r"^(?:import|from) (?:pybullet|cbdsl\.backends\.bullet)", re.MULTILINE)
 
-#: Files that need Bullet, where it is not installed: it has no wheels from Python 3.14 on.
-collect_ignore = [
-    str(file)
-    for file in ([] if _HAS_BULLET else sorted(Path(__file__).parent.rglob("*.py")))
-    if _NEEDS_BULLET.search(file.read_text("utf-8"))
-]
+
+def needing_bullet(folder: Path) -> list[str]:
+    """Return the test files of a folder to leave out, because they need Bullet.
+
+    It has no wheels from Python 3.14 on.
+    """
+    files = [] if _HAS_BULLET else sorted(folder.rglob("*.py"))
+    return [str(file) for file in files if _NEEDS_BULLET.search(file.read_text("utf-8"))]
+
+
+collect_ignore = needing_bullet(Path(__file__).parent)
 
 
 def pytest_report_header() -> str | None:

@@ -40,7 +40,10 @@ from cbdsl.numeric.proportion import exact_interval
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("control", "sensing", "runtime", "learning")
-COPIED = ("cbdsl", "tests", "benchmarks", "docs", "programs", "robots", "schemas", "knowledge")
+COPIED = (
+    "cbdsl", "tests", "reproduction", "benchmarks", "docs", "programs", "robots", "schemas",
+    "knowledge",
+)  # fmt: skip
 FILES = ("pyproject.toml", "README.md", "CHANGELOG.md", "Makefile", "setup.sh")
 
 #: Share of the mutants that tests have to notice.
@@ -164,7 +167,7 @@ def suites_of(file: str, reach: str) -> list[list[str]]:
         near += [each for each in _tests_of("") if imports.search(_text(each))]
         near += [each for other in PACKAGES for each in _tests_of(other)]
     suites = [list(dict.fromkeys(near))]
-    return [*suites, ["-n", "2", "tests"]] if reach == "all" else suites
+    return [*suites, ["-n", "2", "tests", "reproduction/tests"]] if reach == "all" else suites
 
 
 def _text(test: str) -> str:

@@ -32,13 +32,14 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pip = subprocess.run([tools / "pip", "install", "-q", "build"], capture_output=True, text=True)
     if pip.returncode:
         pytest.skip("pip reaches no package index")
-    command = [tools / "python", "-m", "build", "-o", folder / "dist", ROOT]
-    subprocess.run(command, check=True, capture_output=True)
+    for project in (ROOT, ROOT / "reproduction"):
+        command = [tools / "python", "-m", "build", "-o", folder / "dist", project]
+        subprocess.run(command, check=True, capture_output=True)
     return folder / "dist"
 
 
 def test_the_wheel_holds_the_package_its_types_and_what_is_shipped(built: Path) -> None:
-    (wheel,) = built.glob("*.whl")
+    (wheel,) = built.glob("cbdsl-*.whl")
     names = zipfile.ZipFile(wheel).namelist()
     assert {"cbdsl/py.typed", "cbdsl/cli/main.py", "cbdsl/errors/codes/CB1.toml"} <= {*names}
     assert any(name.endswith("licenses/LICENSE") for name in names)
@@ -51,8 +52,19 @@ def test_the_wheel_holds_the_package_its_types_and_what_is_shipped(built: Path) 
     assert {name.split("/")[0].split("-")[0] for name in names} == {"cbdsl"}
 
 
+def test_experiments_are_in_a_wheel_of_their_own(built: Path) -> None:
+    (wheel,) = built.glob("cbdsl_reproduction-*.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    assert {"cbdsl_reproduction/reproduce.py", "cbdsl_reproduction/causes.toml"} <= {*names}
+    assert {name.split("/")[0].split("-")[0] for name in names} == {"cbdsl_reproduction"}
+    (bare,) = built.glob("cbdsl-*.whl")
+    versions = {file.name.split("-")[1] for file in (wheel, bare)}
+    assert len(versions) == 1
+    assert not [name for name in zipfile.ZipFile(bare).namelist() if "reproduc" in name]
+
+
 def test_the_sdist_can_be_tested(built: Path) -> None:
-    (sdist,) = built.glob("*.tar.gz")
+    (sdist,) = built.glob("cbdsl-*.tar.gz")
     with tarfile.open(sdist) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
     wanted = {"LICENSE", "README.md", "CHANGELOG.md", "SECURITY.md", "pyproject.toml", "Makefile"}
@@ -63,7 +75,7 @@ def test_the_sdist_can_be_tested(built: Path) -> None:
 def test_a_bare_environment_checks_documents_and_says_what_running_needs(
     built: Path, tmp_path: Path
 ) -> None:
-    (wheel,) = built.glob("*.whl")
+    (wheel,) = built.glob("cbdsl-*.whl")
     bare, here = made(tmp_path / "bare"), tmp_path / "here"
     here.mkdir()
     subprocess.run([bare / "pip", "install", "-q", wheel], check=True, capture_output=True)

@@ -67,7 +67,10 @@ def test_nearest_tests_come_first() -> None:
     (four,) = suites_of("cbdsl/control/law.py", "packages")
     assert four[: len(package)] == package
     assert {Path(each).parts[1] for each in four} == set(PACKAGES)
-    assert suites_of("cbdsl/control/law.py", "all") == [four, ["-n", "2", "tests"]]
+    assert suites_of("cbdsl/control/law.py", "all") == [
+        four,
+        ["-n", "2", "tests", "reproduction/tests"],
+    ]
 
 
 def test_what_no_test_names_is_left_to_its_package() -> None:

@@ -18,6 +18,7 @@ from tests.conftest import ROOT
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
+REPRODUCTION = tomllib.loads((ROOT / "reproduction/pyproject.toml").read_text("utf-8"))["project"]
 PREFIX = "Programming Language :: Python :: 3."
 VERSIONS = sorted(
     (each.split(" :: ")[-1] for each in PROJECT["classifiers"] if each.startswith(PREFIX)),
@@ -53,8 +54,15 @@ def test_workflow_has_least_permissions_and_bounded_jobs(workflow: Path) -> None
         assert "id-token" not in granted or "environment" in job
 
 
-def test_citation_has_the_version_of_the_project() -> None:
+def test_citation_has_the_version_of_both_distributions() -> None:
     assert read(ROOT / "CITATION.cff")["version"] == PROJECT["version"] == version("cbdsl")
+    assert version("cbdsl-reproduction") == PROJECT["version"]
+
+
+def test_experiments_are_in_a_distribution_of_their_own() -> None:
+    assert REPRODUCTION["requires-python"] == PROJECT["requires-python"]
+    assert not list((ROOT / "cbdsl").rglob("reproduction"))
+    assert {"matplotlib", "scipy"} <= {Requirement(d).name for d in REPRODUCTION["dependencies"]}
 
 
 def required(extras: Iterable[str], python: str) -> Iterator[Requirement]:
@@ -84,7 +92,9 @@ def test_constraints_hold_every_requirement_of_developers(python: str) -> None:
             if constraint.marker is None or constraint.marker.evaluate(place):
                 (specifier,) = constraint.specifier
                 pinned[canonicalize_name(constraint.name)] = specifier.version
-    for requirement in required(["dev"], python):
+    texts = [*REPRODUCTION["dependencies"], *REPRODUCTION["optional-dependencies"]["dev"]]
+    own = [each for each in map(Requirement, texts) if each.name != "cbdsl"]
+    for requirement in [*required(["dev"], python), *own]:
         name = canonicalize_name(requirement.name)
         assert name in pinned, f"make constraints: {name} is not in constraints.txt"
         assert requirement.specifier.contains(pinned[name]), f"make constraints: {name}"

@@ -16,6 +16,7 @@ import pytest
 from tests.conftest import ROOT
 from tests.prose import excess, files, places, read_limits
 
+PACKAGES = ("cbdsl", "reproduction/cbdsl_reproduction")
 WORDS = tomllib.loads((ROOT / "tests" / "banned_words.toml").read_text("utf-8"))
 #: No function takes more positional parameters, unless it is compiled.
 PARAMETERS = 8
@@ -119,15 +120,14 @@ def shared_names(sources: Mapping[str, str]) -> dict[str, list[str]]:
 
 
 def sources() -> dict[str, str]:
-    package = ROOT / "cbdsl"
-    files = {path.relative_to(package): path for path in sorted(package.rglob("*.py"))}
-    return {file.as_posix(): path.read_text("utf-8") for file, path in files.items()}
+    files = (path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py")))
+    return {path.relative_to(ROOT).as_posix(): path.read_text("utf-8") for path in files}
 
 
 @pytest.mark.parametrize("file", sources())
 def test_a_module_keeps_to_the_words(file: str) -> None:
-    faults = findings((ROOT / "cbdsl" / file).read_text("utf-8"))
-    assert [f"cbdsl/{file}:{line}: {message}" for line, message in faults] == []
+    faults = findings((ROOT / file).read_text("utf-8"))
+    assert [f"{file}:{line}: {message}" for line, message in faults] == []
 
 
 @pytest.mark.parametrize("file", files())

@@ -6,7 +6,6 @@ import gc
 import os
 import sys
 from collections.abc import Iterable
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 from cbdsl.cli.legible_output import legible_output
@@ -16,18 +15,12 @@ from cbdsl.cli.words import asks_for_backends, require_words
 if TYPE_CHECKING:
     import typer
 
-#: Command by command, the module that defines a function or an app of the same name.
-COMMANDS = (
-    "validate", "list", "run", "explain", "show", "reproduce", "new", "schema", "replay", "learn",
-    "explore", "report", "calibrate", "lsp", "fmt", "export", "warm",
-    "drive",
-)  # fmt: skip
 
-
-def build_app(names: Iterable[str] = COMMANDS) -> typer.Typer:
-    """Return the command line with all commands or some of them."""
+def build_app(names: Iterable[str] = ()) -> typer.Typer:
+    """Return the command line with some of its commands, or with all usable ones."""
     import typer
 
+    from cbdsl.cli.commands import COMMANDS, add_command
     from cbdsl.cli.version import options
 
     app = typer.Typer(
@@ -38,12 +31,8 @@ def build_app(names: Iterable[str] = COMMANDS) -> typer.Typer:
     )
     # With options of its own, cb keeps a command's name when that is the only one.
     app.callback(help=app.info.help)(options)
-    for name in names:
-        command = getattr(import_module(f"cbdsl.cli.{name}"), name)
-        if isinstance(command, typer.Typer):
-            app.add_typer(command, name=name)
-        else:
-            app.command(name)(command)
+    for name in names or COMMANDS.usable_names():
+        add_command(app, name, COMMANDS.get(name))
     return app
 
 
@@ -65,8 +54,7 @@ def _run(words: list[str]) -> None:
             from cbdsl.cli.findings import check_paths
 
             sys.exit(check_paths(words[1:], {}))
-        # Building only the requested command saves a twentieth of its time, too.
-        build_app(words[:1] if words[:1] and words[0] in COMMANDS else COMMANDS)(words)
+        build_app(_requested(words))(words)
     except KeyboardInterrupt as interrupt:
         _report_notes(interrupt)
         sys.exit(130)
@@ -79,6 +67,26 @@ def _run(words: list[str]) -> None:
         sys.exit(code)
     finally:
         gc.freeze()  # a last search for garbage would only delay the exit
+
+
+def _requested(words: list[str]) -> list[str]:
+    """Return the command of the words; empty if they name none, so that all are listed.
+
+    Building only the requested command saves a twentieth of its time.
+
+    Raises:
+        UsageError: The command belongs to a package that is not installed.
+    """
+    from cbdsl.cli.commands import COMMANDS, missing_package
+    from cbdsl.cli.plugins import warn_of_faults
+    from cbdsl.errors.errors import UsageError
+
+    if words and words[0] in COMMANDS:
+        return words[:1]
+    if package := missing_package(words[0]) if words else None:
+        raise UsageError(f"cb {words[0]} comes with {package}: pip install {package}")
+    warn_of_faults(COMMANDS)
+    return []
 
 
 def _plain_validation(words: list[str]) -> bool:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from drawn_experience import experience
 from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl_reproduction.arcs import ActionArc, DrawnArc, diagram_of
-
-from .series import experience
 
 STEPS = st.tuples(*(st.sampled_from(each) for each in (["XX", "X0"], ["a", "b"], ["X0", "X1"])))
 

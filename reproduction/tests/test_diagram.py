@@ -5,6 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 
 import pytest
+from drawn_experience import experience
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,8 +13,6 @@ from cbdsl.learning.experience import Experience
 from cbdsl_reproduction.arcs import ActionArc, diagram_of
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from tests.conftest import Checked
-
-from .series import experience
 
 # Actions of a greedy policy: one for each state.
 CHOSEN = {"XX": "search", "X0": "search ◁ track", "X-": "track"}

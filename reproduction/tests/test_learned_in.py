@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
+from drawn_experience import experience
 
 from cbdsl_reproduction.checks import Check, Schedule
 from cbdsl_reproduction.claim import near
 from cbdsl_reproduction.learned_in import learned_in, learned_in_quantities
 from cbdsl_reproduction.series import COARTICULATED
-
-from .series import experience
 
 HELD_OUT = 20
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from drawn_experience import experience
 
 from cbdsl_reproduction.learning_curves import per_transition, settled_at
-
-from .series import experience
 
 
 @pytest.mark.parametrize("jump", [5, 12, 25])

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from drawn_experience import experience
 
 from cbdsl.training.trial import Trial
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.series import SEQUENTIAL
 from cbdsl_reproduction.stability import stable_after, stable_quantity
 from tests.training.toy import ToyEpisodeRunner, toy_trial
-
-from .series import experience
 
 
 @pytest.fixture(scope="module")

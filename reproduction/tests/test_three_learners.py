@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from drawn_experience import experience
 
 from cbdsl.learning.experience import Experience
 from cbdsl.program.transition import Transition
@@ -16,8 +17,6 @@ from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, STAGED, Hande
 from cbdsl_reproduction.quantity import Quantity, Verdict
 from cbdsl_reproduction.retries import retries
 from cbdsl_reproduction.three_learners import LearnerTrials, dip_length, quantities_of, stable_at
-
-from .series import experience
 
 TRIALS, EPISODES, FIRST = 100, 200, 25
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from drawn_experience import experience
 
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
@@ -14,8 +15,6 @@ from cbdsl_reproduction.series import REACHTOUCH, SEQUENTIAL
 from cbdsl_reproduction.worth import met, shares_of, worth_quantities
 from tests.conftest import Checked
 from tests.training.toy import toy_trial
-
-from .series import experience
 
 
 def trial_of(trial: Trial, *experiences: Experience) -> Trial:

@@ -8,7 +8,7 @@ import re
 import pytest
 import yaml
 
-from cbdsl.cli.main import COMMANDS
+from cbdsl.cli.commands import COMMANDS
 from cbdsl.yaml_text.library import shipped
 from tests.cli.test_main import BAD, ROOT, cb
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from cbdsl.backends.backend import BACKENDS
+from cbdsl.cli.commands import COMMANDS
 from cbdsl.documents.kinds import KINDS
 from cbdsl.learning.learner import LEARNERS
 from cbdsl.robot.driver_kind import DRIVERS
@@ -27,6 +28,7 @@ REGISTRIES: tuple[Registry[Any], ...] = (
     SOURCES,
     MODIFIERS,
     DRIVERS,
+    COMMANDS,
 )
 
 

@@ -13,7 +13,7 @@ from cbdsl.learning.action_outcome import ActionOutcome
 from cbdsl.program.catalog_models import models_of, predict
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.held_out import Prediction, brier, reliability, try_scenes
-from tests.reproduction.test_habituation import TEN
+from tests.training.drawn_catalog import TEN
 
 
 def predictions(*pairs: tuple[float, bool]) -> list[Prediction]:
