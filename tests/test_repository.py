@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import tomllib
 from collections.abc import Iterable, Iterator
 from importlib.metadata import version
@@ -106,3 +108,12 @@ def test_pre_commit_hooks_run_commands_of_the_checks() -> None:
     for hook in repository["hooks"]:
         command = re.sub(r"^\.venv/bin/", "", hook["entry"])
         assert f"$(BIN){command}" in checks, hook["id"]
+
+
+def test_spelling_leaves_out_skipped_files_that_a_hook_names() -> None:
+    folders = (ROOT / "tests/fuzz/corpus", ROOT / "tests/checking/bad", ROOT / "cbdsl/errors/codes")
+    named = [file for folder in folders for file in folder.iterdir() if file.is_file()]
+    names = [file.relative_to(ROOT) for file in (*named, ROOT / "docs/diagnostics.md")]
+    command = [sys.executable, "-m", "codespell_lib", *names]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "")
