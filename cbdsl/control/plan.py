@@ -128,7 +128,7 @@ class ControllerPlan:
         slot["seeks"], slot["follows"] = form.search is not None, search.follows
         slot["within"], slot["until"] = search.within, search.until
         slot["joint"], slot["joints"] = len(self.listed), len(search.joints)
-        slot["closing"] = search.closing
+        slot["closing"], slot["object"] = search.closing, -1
         slot["requires"] = form.requires
         slot["anchor"], slot["offset"] = form.anchor, form.offset
         slot["watches"] = form.watches

@@ -24,6 +24,8 @@ from cbdsl.control.signal import Floats
 from cbdsl.control.stack import TICKS
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import copy, dot, fill, norm, scale
+from cbdsl.sensing.fingertip import add_contact
+from cbdsl.sensing.forward import place_point
 from cbdsl.sensing.refresh import DEFINED, UNDEFINED, displace_value, refresh
 
 Integers = NDArray[np.int64]
@@ -32,6 +34,13 @@ Records = NDArray[Any]
 
 # Largest growth of a stride in a tick, and its smallest factor.
 _LONGER, _SHORTEST = 1.05, 0.2
+
+# Largest distance of a contact from the seen object, taken for a ball of its apparent size, m.
+# Contacts with objects are up to 1.6 cm off; those with the table around a flat one, from 3.3 cm.
+_BESIDE = 0.02
+
+# Longest time for which a controller that has lost its contact counts as engaged, s.
+_REGRASP = 2.0
 
 _DESCENT, _RESIDUAL = int(Rule.DESCENT), int(Rule.RESIDUAL)
 
@@ -78,12 +87,17 @@ SLOT = np.dtype(
         ("closing", np.float64),
         ("joint", np.int64),
         ("joints", np.int64),
+        # Row of the seen object that it seeks contact with, -1 for none, and whether a fingertip
+        # touches something else.
+        ("object", np.int64),
+        ("astray", np.bool_),
         ("requires", np.bool_),
         ("seeking", np.bool_),
         ("exhausted", np.bool_),
         # Whether it is defined, or was and seeks to be again; whether it was undefined; whether its
         # preparation failed.
         ("engaged", np.bool_),
+        ("lost", np.int64),  # ticks since it was defined
         ("forgotten", np.bool_),
         ("blocked", np.bool_),
         # Reference relative to the feedback at activation: the row that stores it, the row of its
@@ -185,6 +199,7 @@ def tick(
         given = not slot.requires or _is_given(slots, acting[number, 2])
         if slot.anchor >= 0:
             _anchor(slot, onsets, table, value, given)
+        slot.astray = _is_astray(slot, table, parts, loads, value, frames)
         _decide(slot, slots, acting[number, 1], given, positions, listed, table, jacobian, own)
         if slot.mode == IDLE:
             ages[place] = 0
@@ -203,12 +218,7 @@ def tick(
         ages[place] = min(ages[place] + 1, TICKS)
         anything = True
         if slot.mode == TRACK:
-            measured = table[slot.feedback].stamp
-            if slot.reference >= 0:
-                measured = max(measured, table[slot.reference].stamp)
-            window = windows[slot.window : slot.window + slot.notes[5]]
-            note(slot.phi, measured, slot.settings, window, slot.notes)
-            require_settled(slot.error, error_bound(slot, table, value), slot.notes)
+            _note(slot, slots, acting[number, 2], windows, table, value)
     if not anything:
         return RESTED
     outcome = move(
@@ -225,6 +235,24 @@ def tick(
             total, locked, singular, load_guards, loads, table, jacobian,
         )  # fmt: skip
     return UNSOUND if outcome == NOT_FINITE else MOVED
+
+
+@compiled
+def _note(
+    slot: Any, slots: Records, required: int, windows: Floats, table: Records, value: Floats
+) -> None:
+    """Note a slot's potential for its predicate.
+
+    A controller is not at rest while its required controller seeks contact again.
+    """
+    measured = table[slot.feedback].stamp
+    if slot.reference >= 0:
+        measured = max(measured, table[slot.reference].stamp)
+    window = windows[slot.window : slot.window + slot.notes[5]]
+    note(slot.phi, measured, slot.settings, window, slot.notes)
+    is_held = not slot.requires or slots[required].mode == TRACK
+    bound = error_bound(slot, table, value) if is_held else -math.inf
+    require_settled(slot.error, bound, slot.notes)
 
 
 @compiled
@@ -281,6 +309,32 @@ def _is_given(slots: Records, required: int) -> bool:
 
 
 @compiled
+def _is_astray(
+    slot: Any, table: Records, parts: Records, loads: Floats, value: Floats, frames: Floats
+) -> bool:
+    """Return whether the fingertips are in contact, and not all of them at the sought object.
+
+    The object is taken for a ball of its apparent size around its remembered position. Force and
+    torque of a load cell determine the place of the contact on the fingertip.
+    """
+    feedback, there = table[slot.feedback], table[slot.object]
+    if slot.object < 0 or feedback.defined != DEFINED:
+        return False
+    if there.defined != DEFINED:
+        return True
+    place = np.empty(3)
+    for number in range(feedback.part, feedback.part + feedback.parts):
+        part, distance = parts[number], 0.0
+        place_point(frames[part.frame], part.origin, place)
+        add_contact(loads[part.cell], part.radius, place)
+        for i in range(3):
+            distance += (place[i] - value[there.start + i]) ** 2
+        if distance > (there.radius + _BESIDE) ** 2:
+            return True
+    return False
+
+
+@compiled
 def _anchor(slot: Any, onsets: Records, table: Records, value: Floats, given: bool) -> None:
     """Store the displaced feedback at activation as the reference.
 
@@ -334,11 +388,12 @@ def _decide(
         return
     feedback = table[slot.feedback]
     responds = slot.watches or _responds(feedback, jacobian, columns)
-    if feedback.defined == DEFINED and responds:
+    if feedback.defined == DEFINED and responds and not slot.astray:
         slot.mode = TRACK
         slot.seeking = slot.exhausted = False
         slot.engaged = True
         slot.forgotten = False
+        slot.lost = 0
         return
     _forget(slot)
     if slot.seeks and not slot.seeking and not slot.exhausted:
@@ -348,6 +403,8 @@ def _decide(
     if slot.seeking and feedback.defined != UNDEFINED:
         slot.mode = SEARCH
         slot.forgotten = False
+        slot.lost += 1
+        slot.engaged = slot.engaged and slot.lost * slot.settings[2] <= _REGRASP
     else:
         slot.engaged = False
 
@@ -518,7 +575,7 @@ def reset_slot(slots: Records, number: int, before: Floats, onsets: Records) -> 
     slot = slots[number]
     slot.phi = slot.error = math.nan
     slot.seeking = slot.exhausted = slot.engaged = slot.forgotten = slot.blocked = False
-    slot.anchored = False
+    slot.anchored = slot.astray = False
     if slot.onset >= 0:
         restart_onset(onsets[slot.onset])
     reset(slot.notes)

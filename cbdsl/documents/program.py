@@ -63,7 +63,8 @@ class SeekSection(Section):
 
     once: Text | None = None
     """Controller, written as in ``actions``, that first has to come ``within`` of its reference.
-    Its composition is not at rest during the search; its rest is judged at the end."""
+    Its composition is not at rest during the search; its rest is judged at the end. If it moves to
+    a seen object, forces of fingers count only at that object."""
     within: Length = 0.02
     """Maximum distance of ``once`` from its reference."""
     until: Coordinate | None = None

@@ -105,6 +105,8 @@ class LoadCell(Section):
     """Direction in the link's frame in which the finger presses."""
     share: Positive = 1.0
     """Share of a force reference for this finger, so that opposing fingers balance."""
+    radius: Lever = 0.0
+    """Radius of a round fingertip about the link's origin; without it, contacts are there."""
 
 
 class Sensor(Section):

@@ -101,6 +101,11 @@ class ControllerRun:
         self._held = -1
         self._own_reference = self.rows.reference
 
+    def aim(self, row: int) -> None:
+        """Let contacts count only at the seen object of a row of the signal table."""
+        self._record["object"] = row
+        self.needs = (*self.needs, row)
+
     def begin(self, rng: np.random.Generator) -> None:
         """Begin an episode with ``rng`` as the source of all samples."""
         self.preparation.begin(rng)
@@ -169,6 +174,11 @@ class ControllerRun:
     def exhausted(self) -> bool:
         """True if its search ended without success."""
         return bool(self._record["exhausted"])
+
+    @property
+    def astray(self) -> bool:
+        """True if the fingertips touch something else than the object they seek."""
+        return bool(self._record["astray"])
 
     @property
     def gain(self) -> float:

@@ -5,10 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from cbdsl.control.plan import ControllerPlan
-from cbdsl.program.controller import Composition, Controller, Primitive
+from cbdsl.program.controller import (
+    AlongNormals,
+    Composition,
+    Controller,
+    Primitive,
+    Relative,
+)
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.member_lead import MemberLead
 from cbdsl.sensing.signals import Signals
+from cbdsl.types.resource import FingerForces, Resource, StereoPosition
 
 
 class ControllerRuns:
@@ -46,6 +53,19 @@ class ControllerRuns:
                 if seek and seek.once in [each.name for each in primitive.controllers]:
                     yield seeker, [self.run(each) for each in primitive.controllers]
 
+    def aim(self) -> None:
+        """Let contacts that are sought at a seen object count only there.
+
+        A controller that seeks once another has arrived touches the object that the other reaches
+        for, and not the table beside it.
+        """
+        named = {run.controller.name: run for run in self._runs.values()}
+        for run in self._runs.values():
+            controller = run.controller
+            goal = named.get(controller.seek.once or "") if controller.seek else None
+            if goal is not None and _sees(goal.controller) and _feels_each_finger(controller):
+                run.aim(goal.rows.reference)
+
     def lead(self, primitive: Primitive, place: int) -> MemberLead:
         """Return the controllers that determine a primitive's predicate at a place of the state."""
         optimising = [each for each in primitive.controllers[:-1] if each.reference is None]
@@ -61,3 +81,16 @@ class ControllerRuns:
     def all(self) -> tuple[ControllerRun, ...]:
         """All runs created so far."""
         return tuple(self._runs.values())
+
+
+def _sees(controller: Controller) -> bool:
+    """Return whether the reference of a controller is the position of a seen object."""
+    reference = controller.reference
+    base = reference.base if isinstance(reference, Relative) else reference
+    return isinstance(base, Resource) and isinstance(base.source, StereoPosition)
+
+
+def _feels_each_finger(controller: Controller) -> bool:
+    """Return whether a controller compares the forces along the normals of a hand's fingers."""
+    along = isinstance(controller.reference, AlongNormals)
+    return along and isinstance(controller.feedback.source, FingerForces)

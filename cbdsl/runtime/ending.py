@@ -166,6 +166,8 @@ def _absence(required: ControllerRun) -> str:
 
 def _clause(lead: ControllerRun, stuck: Sequence[str] = ()) -> str:
     controller = lead.controller
+    if lead.astray:
+        return f"{controller.name} felt something else than the object it sought"
     if lead.exhausted:
         return f"{controller.name} closed on nothing"
     if lead.preparation.no_path:

@@ -61,6 +61,7 @@ class ProgramRun:
         make = ControllerRuns(signals, plan, period)
         self._levels = ActionLevels(program, make)
         self._lost = LostObjects(program, signals.vision, signals.robot.vision.channels.aliases)
+        make.aim()
         self.runs: tuple[ControllerRun, ...] = make.all
         self.children = self._make_children(signals, plan)
         looks = {
@@ -244,7 +245,8 @@ class ProgramRun:
             self._act(self._action)
         limit = self.program.episode_time
         if limit is not None and self.predicate == "0" and self._all_ticks * self._period >= limit:
-            self._end("1" if self.rewarded else "-", f"the {limit:g} s of {self._title} were over")
+            is_done = self.rewarded and not self.program.success
+            self._end("1" if is_done else "-", f"the {limit:g} s of {self._title} were over")
         self._end_without_objects()
 
     def _end_without_objects(self) -> None:
@@ -457,8 +459,11 @@ class ProgramRun:
     def _outcome(self, changed: bool) -> str:
         """Return the program's own predicate at the end of its policy.
 
-        A program without rewardable members succeeds when its last action is quiescent.
+        A program without rewardable members succeeds when its last action is quiescent. One that
+        states its success achieves nothing else.
         """
+        if self.program.success:
+            return "-"
         leads = [lead for some in self._levels.leads.values() for lead in some]
         rewardable = any(lead.earners for lead in leads)
         if self.rewarded and not self._reward_ends:

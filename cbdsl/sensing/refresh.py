@@ -58,9 +58,9 @@ ROW = np.dtype(
 )
 
 #: A part of a row: a place in a frame, with the joints that move it; another row, with its weight
-#: and its place in the sum; a load cell, with its normal in the frame; a camera, with the share of
-#: its heading and the heading, rad; or a fingertip in contact, with its stiffness, N/m, and the
-#: frame of the only direction that counts, -1 for all.
+#: and its place in the sum; a load cell, with its normal in the frame and the radius of its
+#: fingertip; a camera, with the share of its heading and the heading, rad; or a fingertip in
+#: contact, with its stiffness, N/m, and the frame of the only direction that counts, -1 for all.
 PART = np.dtype(
     [
         ("frame", np.int64),
@@ -75,6 +75,7 @@ PART = np.dtype(
         ("normal", np.float64, 3),
         ("guide", np.int64),
         ("angles", np.float64, 2),
+        ("radius", np.float64),
     ]
 )
 

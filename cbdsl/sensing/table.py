@@ -29,6 +29,7 @@ class RowPart(NamedTuple):
     normal: Sequence[float] | Floats = (0.0, 0.0, 0.0)
     guide: int = -1
     angles: Sequence[float] | Floats = (0.0, 0.0)
+    radius: float = 0.0
 
 
 class Form(NamedTuple):

@@ -208,7 +208,9 @@ class Touch:
         for place, cell in enumerate(self._fingers(hand).values(), self._own[hand].start):
             link = self._kinematics.link(cell.link)
             normal = link.rotation.dot(self._normals[cell.link])
-            parts.append(RowPart(link.frame, cell=place, normal=normal))
+            parts.append(
+                RowPart(link.frame, link.position, cell=place, normal=normal, radius=cell.radius)
+            )
         return parts, self._flexions[hand]
 
     def contact_parts(self, source: FingerLoad | NetLoad | NetForces) -> list[RowPart]:

@@ -277,6 +277,24 @@ def test_a_search_begins_once_its_leader_is_near_and_ends_with_its_joints(
     assert not bench.plan.slots["exhausted"][1]
 
 
+def test_motion_rests_only_while_its_required_contact_is_measured(
+    rng: np.random.Generator,
+) -> None:
+    bench = Bench([CASES[1]._replace(search=SEARCHING), CASES[0]._replace(requires=True)], rng)
+    bench.acting[1, 2] = 0
+    hold, motion = (case.reading(rng) for case in bench.cases)
+    found, longest = [], round(2.0 / TICK)
+    for stamp in range(1, 80 + longest):
+        bench.write(0, hold._replace(measured=stamp < 60), hold.value, stamp)
+        bench.write(1, motion, motion.value, stamp)
+        bench.tick()
+        found.append(bench.predicates()[1])
+    assert found[58] == "1"
+    # It goes on while contact is sought again, and is undefined once that takes too long.
+    assert set(found[59 : 58 + longest]) == {"0"}
+    assert set(found[60 + longest :]) == {"-"}
+
+
 def test_what_was_lost_starts_from_rest(rng: np.random.Generator) -> None:
     bench, first = Bench(CASES[1:2], rng), CASES[1].reading(rng)
     wanted = []

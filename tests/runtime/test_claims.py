@@ -12,17 +12,6 @@ import pytest
 from cbdsl.documents.program import PROGRAM
 from tests.conftest import ROOT
 
-# Programs whose claims are about the robot itself, about its visual features, or about forces
-# that other tests judge; and those of robots without a stage of everyday objects.
-OTHERWISE = {
-    "bimanualgrab", "bimanualinspect", "bimanualtouch", "desk_reach", "find_the_other", "grasp",
-    "handover", "hover_follow", "impedance", "let_go", "notice", "panda_grasp", "panda_pick",
-    "posture", "press_and_slide", "push", "put_down", "reach", "reachtouch",
-    "reachtouch_bimanual", "searchtrack", "show_ball", "sixaxis_reach", "stack_three",
-    "stand_three", "tactileprobe", "take_with_both", "touch_remembered", "touch_table",
-    "transport_hand", "twist", "visualinspect", "watch_for_motion",
-}  # fmt: skip
-
 
 @pytest.fixture
 def claims(monkeypatch: pytest.MonkeyPatch) -> Any:
@@ -30,14 +19,21 @@ def claims(monkeypatch: pytest.MonkeyPatch) -> Any:
     return importlib.import_module("claims")
 
 
+#: Programs that hardly ever reach their end on the chosen objects.
+RARELY = {"reachtouch_bimanual", "take_with_both"}
+
+
 def by_name(claims: Any, program: str) -> Any:
     return next(each for each in claims.CLAIMS if each.program == program)
 
 
-def test_every_shipped_program_has_a_judge_or_is_judged_elsewhere(claims: Any) -> None:
+def test_every_shipped_program_has_a_judge_or_a_reason_to_need_none(claims: Any) -> None:
+    judges = importlib.import_module("claim_judges")
     shipped = {path.stem for path in (ROOT / PROGRAM.folder).glob("*.yaml")}
-    judged = {each.program for each in claims.CLAIMS}
-    assert judged | OTHERWISE == shipped and not judged & OTHERWISE
+    judged, without = {each.program for each in judges.CLAIMS}, set(judges.NOTHING_TO_CLAIM)
+    assert judged | without == shipped
+    assert not judged & without
+    assert all(judges.NOTHING_TO_CLAIM.values())
 
 
 def judged(claims: Any, program: str, contexts: list[str], seed: int, count: int = 1) -> list[Any]:
@@ -55,8 +51,16 @@ def judged(claims: Any, program: str, contexts: list[str], seed: int, count: int
         ("deliver", "die", False),
         ("deliver", "book", False),
         ("deliver", "parcel", False),
+        ("grasp", "tuna_can", False),
+        ("panda_pick", "on_table", True),
+        ("pick_and_lift", "canister", False),
+        ("pick_and_lift", "jar", True),
         ("pick_and_place", "mug", True),
         ("pick_and_place", "matchbox", False),
+        ("reachtouch", "matchbox", False),
+        ("reachtouch", "paperback", False),
+        ("reachtouch", "soup_can", True),
+        ("searchtrack", "hammer", True),
         ("stand", "purple_box_on_blue_box", True),
         ("stand", "purple_box_on_football", False),
     ],
@@ -69,27 +73,28 @@ def test_claim_on_an_everyday_object_agrees_with_the_world(
     assert episode.claimed == claimed, episode.ending
 
 
+#: Contexts of the programs with many; each is run once.
+SOME = {
+    "bimanualtouch": ["soup_can", "matchbox", "softball"],
+    "stand": ["purple_box_on_blue_box", "blue_box_on_football", "basketball_on_purple_box"],
+    "stack": ["football_on_blue_box", "purple_box_on_basketball", "blue_box_on_purple_box"],
+}
+
+
+def programs() -> list[str]:
+    return [path.stem for path in sorted((ROOT / PROGRAM.folder).glob("*.yaml"))]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "program",
-    [
-        "deliver",
-        pytest.param(
-            "pick_and_place",
-            marks=pytest.mark.xfail(
-                strict=False, reason="a slip of the play ball in the hand counts as its support"
-            ),
-        ),
-        "stand",
-        "stack",
-        "set_on",
-    ],
-)
-def test_no_claim_is_false_in_any_context(claims: Any, program: str) -> None:
-    contexts = list(claims.contexts_of(by_name(claims, program)))
+@pytest.mark.parametrize("program", programs())
+def test_no_claim_of_a_shipped_program_is_false(claims: Any, program: str) -> None:
+    if program in importlib.import_module("claim_judges").NOTHING_TO_CLAIM:
+        return
+    contexts = SOME.get(program) or list(claims.contexts_of(by_name(claims, program)))
     episodes = judged(claims, program, contexts, 52_100)
     assert [(each.context, each.fault) for each in episodes if each.fault] == []
-    assert sum(each.claimed for each in episodes) >= len(episodes) // 4
+    if program not in RARELY:
+        assert any(each.claimed for each in episodes)
 
 
 class World:

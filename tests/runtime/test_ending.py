@@ -26,6 +26,7 @@ def lead(error: float, **other: Any) -> Any:
     controller = Made(**own | {name: other.pop(name) for name in own if name in other})
     runs = {
         "error": error, "predicate": "1", "phi": 0.5, "settled": True, "exhausted": False,
+        "astray": False,
         "engaged": False, "preparation": Made(no_path=""),
     }  # fmt: skip
     return Made(controller=controller, **runs | other)
@@ -70,6 +71,7 @@ def told(*leads: Any, **other: Any) -> str:
         (lead(math.nan, feedback=BALL, reference=PALM), "reach had no ball.position"),
         (lead(math.nan, reference=None), "reach had no right_arm.position"),
         (lead(math.nan, exhausted=True), "reach closed on nothing"),
+        (lead(math.nan, astray=True), "reach felt something else than the object"),
         (lead(0.1, preparation=Made(no_path="a wall")), "reach had no way: a wall"),
         (lead(0.01, potential="harmonic"), "came to rest at least 1.0 cm from"),
         (lead(0.01, potential="harmonic", phi=0.001), "came to rest 1.0 cm from"),

@@ -30,6 +30,9 @@ from cbdsl.sensing.observation import Cell
 
 Floats = NDArray[np.float64]
 
+# Largest distance of objects that touch, m.
+_TOUCHING = 1e-4
+
 
 class MujocoEngine(Engine):
     """A robot in MuJoCo; see ``Engine``.
@@ -220,10 +223,30 @@ class MujocoEngine(Engine):
         return frozenset(cell for cell, tip in cells if tip in pressing)
 
     def neighbours(self, name: str) -> frozenset[str]:
-        """Return the names of the other objects that press on an object, as of the last step."""
-        pressing, number = set(self._pressing(name).tolist()), self._world.body
+        """Return the names of the other objects that touch an object.
+
+        The contact of a light object under a press comes and goes from step to step. The last step
+        alone does not show it.
+        """
+        pressing, body = set(self._pressing(name).tolist()), self._world.body
         return frozenset(
-            other for other in self.objects if other != name and number(other).number in pressing
+            other
+            for other in self.objects
+            if other != name
+            and (body(other).number in pressing or self._apart(name, other) <= _TOUCHING)
+        )
+
+    def _apart(self, name: str, other: str) -> float:
+        """Return the distance of two objects, m, at most 1 mm."""
+        model, data, fromto = self._world.model, self._placed(), np.zeros(6)
+        first, second = (
+            np.flatnonzero(model.geom_bodyid == self._world.body(each).number)
+            for each in (name, other)
+        )
+        most = 10.0 * _TOUCHING
+        return min(
+            (mj.mj_geomDistance(model, data, a, b, most, fromto) for a in first for b in second),
+            default=most,
         )
 
     def _pressing(self, name: str) -> NDArray[np.int32]:

@@ -1,0 +1,336 @@
+"""Judges of claims by the simulator's truth, one for each kind of claim.
+
+A judge returns the reason why a claim is false at the end of an episode, or an empty text if it is
+true. ``CLAIMS`` lists the programs with their stages, whose objects appear in no training as far as
+there are such stages. ``NOTHING_TO_CLAIM`` has the reason for each other program.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+# An object is lifted, near its goal, at rest and raised from here on, m and m/s.
+LIFTED, NEAR, STILL, RAISED = 0.02, 0.06, 0.01, 0.05
+# Ticks of 1/60 s over which a speed is averaged, and before a claim in which a contact counts.
+WHILE, BEFORE = 12, 6
+# Largest angle from the optical axis of a camera in the middle of whose image an object is, rad.
+MIDDLE = math.radians(10)
+# Largest distance of a hand's tip from the middle of the object that it reached for, m, beyond the
+# distance from the tip at which it stops.
+REACHED, STANDOFF = 0.05, 0.14
+
+
+class Watch:
+    """Truth about the objects of one episode.
+
+    Args:
+        truth: Ground truth of the world.
+        things: Names of the objects that the stage has.
+    """
+
+    def __init__(self, truth: Any, things: Iterable[str]) -> None:
+        self._truth, self._all = truth, set(things)
+        self._tracks: dict[str, list[Floats]] = {}
+        self._alone: dict[str, int] = {}
+        self._touched: dict[str, None] = {}
+        self._tick: Any = None
+
+    def note(self, tick: Any) -> None:
+        """Take in a tick."""
+        self._tick = tick
+        for name in self._all.intersection(self._truth.names()):
+            self._tracks.setdefault(name, []).append(self._truth.pose(name).position.copy())
+            borne = bool(self._truth.neighbours(name))
+            self._alone[name] = 0 if borne else self._alone.get(name, 0) + 1
+            if self._truth.touched(name):
+                self._touched.setdefault(name)
+
+    @property
+    def things(self) -> list[str]:
+        """Names of the objects that were in the world."""
+        return list(self._tracks)
+
+    @property
+    def ever_touched(self) -> list[str]:
+        """Names of the objects that the robot has touched, in the order of the first touches."""
+        return list(self._touched)
+
+    def lift(self, name: str) -> float:
+        """Return the largest height of an object above its first place, m."""
+        track = np.array(self._tracks[name])
+        return float((track[:, 2] - track[0, 2]).max())
+
+    def height(self, name: str) -> float:
+        """Return the height of an object above its first place at the end, m."""
+        track = self._tracks[name]
+        return float(track[-1][2] - track[0][2])
+
+    def level(self, name: str) -> float:
+        """Return the height of an object in the world at the end, m."""
+        return float(self._tracks[name][-1][2])
+
+    def speed(self, name: str) -> float:
+        """Return the mean speed of an object over the last ticks, m/s."""
+        track = self._tracks[name][-WHILE:]
+        return 60.0 * math.dist(track[0], track[-1]) / max(len(track) - 1, 1)
+
+    def distance(self, name: str, goal: str) -> float:
+        """Return the distance of an object from a goal on the level, m."""
+        place = self._truth.pose(goal).position
+        return math.dist(self._tracks[name][-1][:2], place[:2])
+
+    def is_held(self, name: str) -> bool:
+        """Return whether the robot touches an object."""
+        return bool(self._truth.touched(name))
+
+    def fingers(self, name: str, hand: str) -> int:
+        """Return the number of a hand's fingertips on an object, or on a fixture."""
+        return sum(cell[0] == hand for cell in self._truth.touching(name))
+
+    def is_borne(self, name: str) -> bool:
+        """Return whether another object bore an object a moment ago."""
+        return self._alone[name] <= BEFORE
+
+    def neighbours(self, name: str) -> set[str]:
+        """Return the names of the objects that press on an object."""
+        return set(self._truth.neighbours(name))
+
+    def aside(self, name: str) -> float:
+        """Return the smallest angle of an object from the optical axis of a camera, rad."""
+        signals, place = self._tick.signals, self._truth.pose(name).position
+        signals.kinematics.place()
+        angles = []
+        for camera in signals.robot.cameras.values():
+            frame = signals.kinematics.frame(camera.link)
+            ray = place - frame.position
+            angles.append(math.acos(float(frame.rotation[:, 0] @ ray) / float(np.linalg.norm(ray))))
+        return min(angles)
+
+    def reach(self, name: str, arm: str) -> float:
+        """Return the distance of an arm's tip from an object, m."""
+        tip = self._tick.signals.tips.point(arm).position
+        return math.dist(tip, self._truth.pose(name).position)
+
+
+Judge = Callable[[Watch], str]
+
+
+def placed(watch: Watch) -> str:
+    """Judge that the object hangs on nothing, near the pad, after it was lifted."""
+    (name,) = watch.things
+    off = watch.distance(name, "pad")
+    if watch.lift(name) < LIFTED:
+        return f"lifted by {1e3 * watch.lift(name):.0f} mm"
+    if off > NEAR:
+        return f"{1e3 * off:.0f} mm off the pad"
+    return "" if watch.is_borne(name) else "in the air"
+
+
+def delivered(watch: Watch) -> str:
+    """Judge that the object was placed, released, and rests."""
+    (name,) = watch.things
+    if watch.is_held(name):
+        return "still in the hand"
+    if watch.speed(name) > STILL:
+        return f"moving at {1e3 * watch.speed(name):.0f} mm/s"
+    return placed(watch)
+
+
+def put_down(watch: Watch) -> str:
+    """Judge that the object was lifted, released, and rests on something."""
+    (name,) = watch.things
+    if watch.is_held(name):
+        return "still in the hand"
+    if watch.lift(name) < LIFTED:
+        return f"lifted by {1e3 * watch.lift(name):.0f} mm"
+    if watch.speed(name) > STILL:
+        return f"moving at {1e3 * watch.speed(name):.0f} mm/s"
+    return "" if watch.is_borne(name) else "in the air"
+
+
+def stands(watch: Watch) -> str:
+    """Judge that each object rests on the one below it and on nothing else."""
+    heights = sorted(watch.things, key=watch.level)
+    for below, name in pairwise(heights):
+        if watch.speed(name) > STILL:
+            return f"{name} moves at {1e3 * watch.speed(name):.0f} mm/s"
+        if below not in watch.neighbours(name) or "table" in watch.neighbours(name):
+            return f"{name} is beside {below}"
+    return ""
+
+
+def set_on(watch: Watch) -> str:
+    """Judge that the lower object bears the upper one."""
+    if (
+        watch.is_borne("top")
+        and watch.lift("top") >= LIFTED
+        and watch.distance("top", "base") < NEAR
+    ):
+        return ""
+    return f"{1e3 * watch.distance('top', 'base'):.0f} mm off the lower object"
+
+
+def raised(watch: Watch) -> str:
+    """Judge that an object is in a hand, and off the table."""
+    heights = [watch.height(name) for name in watch.things if watch.is_held(name)]
+    if not heights:
+        return "not in the hand"
+    height = max(heights)
+    return "" if height > RAISED else f"raised by {1e3 * height:.0f} mm"
+
+
+def touched(watch: Watch) -> str:
+    """Judge that the robot touches an object of the stage."""
+    return "" if any(map(watch.is_held, watch.things)) else "touches no object"
+
+
+def grasped(watch: Watch) -> str:
+    """Judge that all fingertips of one hand are on one object."""
+    most = max(watch.fingers(n, h) for n in watch.things for h in ("left_hand", "right_hand"))
+    return "" if most == 3 else f"{most} fingertips on the object"
+
+
+def gripped(watch: Watch) -> str:
+    """Judge that both pads of a gripper are on one object."""
+    most = max(watch.fingers(name, "gripper") for name in watch.things)
+    return "" if most == 2 else f"{most} pads on the object"
+
+
+def between_hands(watch: Watch) -> str:
+    """Judge that both hands are on one object."""
+    for name in watch.things:
+        if all(watch.fingers(name, hand) for hand in ("left_hand", "right_hand")):
+            return ""
+    return "not between both hands"
+
+
+def in_left_hand(watch: Watch) -> str:
+    """Judge that the left hand alone holds the object, off the table."""
+    (name,) = watch.things
+    if watch.fingers(name, "right_hand"):
+        return "still in the right hand"
+    return raised(watch) if watch.fingers(name, "left_hand") else "not in the left hand"
+
+
+def other_touched(watch: Watch) -> str:
+    """Judge that the robot touches another object than its first one."""
+    now = [name for name in watch.things if watch.is_held(name)]
+    return "" if set(now) - set(watch.ever_touched[:1]) else f"touches {now or 'no object'}"
+
+
+def on_table(watch: Watch) -> str:
+    """Judge that fingertips of the right hand are on the table."""
+    return "" if watch.fingers("table", "right_hand") else "no fingertip on the table"
+
+
+def looked_at(watch: Watch) -> str:
+    """Judge that an object is in the middle of an image."""
+    angle = min(map(watch.aside, watch.things))
+    return "" if angle < MIDDLE else f"{math.degrees(angle):.0f} deg aside"
+
+
+def untouched(watch: Watch) -> str:
+    """Judge that the robot touches no object."""
+    now = [name for name in watch.things if watch.is_held(name)]
+    return f"touches {now}" if now else ""
+
+
+def reached(watch: Watch) -> str:
+    """Judge that the tip of the right arm is at an object, as near as its standoff allows."""
+    off = min(watch.reach(name, "right_arm") for name in watch.things)
+    return "" if off < STANDOFF + REACHED else f"{1e3 * off:.0f} mm off the object"
+
+
+class Claim(NamedTuple):
+    """Program on a stage, and the judge of its claims.
+
+    Attributes:
+        program, stage: Names of the documents.
+        judge: Function that returns why a claim is false, empty if it is true.
+        contexts: Contexts of the stage; all if empty.
+        values: Values of the program's parameters, by context.
+    """
+
+    program: str
+    stage: str
+    judge: Judge
+    contexts: tuple[str, ...] = ()
+    values: Callable[[str], Mapping[str, str]] = lambda context: {}
+
+
+_CHANNELS = {"blue_box": "blue", "purple_box": "hue_9", "basketball": "red", "football": "green"}
+
+
+def _red(_: str) -> Mapping[str, str]:
+    """Return the channel of everyday objects."""
+    return {"feature": "red"}
+
+
+def _pair(context: str) -> Mapping[str, str]:
+    """Return channels of two objects of the stage ``stacking``."""
+    upper, _, lower = context.partition("_on_")
+    return {"feature": _CHANNELS[upper], "goal": _CHANNELS[lower]}
+
+
+_PAIRS = tuple(f"{a}_on_{b}" for a in _CHANNELS for b in _CHANNELS if a != b)
+_SET = ("can_on_slab", "box_on_drum", "ball_on_drum", "can_on_ball")
+_LARGE = ("parcel", "medicine_ball", "play_ball", "cereal_box", "paint_can", "tray")
+_DARK = ("dark",)
+_TO_GIVE = ("ball_right", "cube_right", "cylinder_right")
+
+#: Claims of the shipped programs, as far as possible about objects that no training stage has.
+CLAIMS: Sequence[Claim] = (
+    Claim("bimanualgrab", "box_between_hands", between_hands),
+    Claim("bimanualinspect", "box_between_hands", between_hands),
+    Claim("bimanualtouch", "everyday_objects", between_hands, values=_red),
+    Claim("deliver", "everyday_objects", delivered),
+    Claim("find_by_touch", "lights_out", touched, _DARK),
+    Claim("find_the_other", "two_red_balls", other_touched),
+    Claim("grasp", "everyday_objects", grasped),
+    Claim("handover", "things_to_give", in_left_hand, _TO_GIVE),
+    Claim("impedance", "other_pairs", set_on, _SET),
+    Claim("let_go", "large_on_table", untouched),
+    Claim("notice", "something_new", looked_at, ("before_the_window", "elsewhere")),
+    Claim("panda_grasp", "cube_before_panda", gripped),
+    Claim("panda_pick", "cube_before_panda", put_down),
+    Claim("pick_and_lift", "everyday_objects", raised),
+    Claim("pick_and_place", "everyday_objects", placed),
+    Claim("press_and_slide", "absent", on_table),
+    Claim("reach", "everyday_objects", reached, values=_red),
+    Claim("reachtouch", "everyday_objects", grasped, values=_red),
+    Claim("reachtouch_bimanual", "everyday_objects", between_hands, _LARGE, _red),
+    Claim("searchtrack", "everyday_objects", looked_at, values=_red),
+    Claim("set_on", "other_pairs", set_on, _SET),
+    Claim("stack", "stacking", stands, _PAIRS, _pair),
+    Claim("stack_three", "stacks_of_three", stands),
+    Claim("stand", "stacking", stands, _PAIRS, _pair),
+    Claim("stand_three", "stacks_of_three", stands),
+    Claim("tactileprobe", "held_right", grasped),
+    Claim("take_and_put_down", "everyday_objects", put_down, values=_red),
+    Claim("take_with_both", "everyday_objects", raised, _LARGE),
+    Claim("touch_remembered", "lights_out", touched, _DARK),
+    Claim("touch_table", "bare_table", on_table),
+    Claim("transport_hand", "wall_right", reached),
+    Claim("visualinspect", "spotted_right", looked_at),
+    Claim("watch_for_motion", "shaken", looked_at),
+)
+
+#: Reason for each shipped program whose end claims nothing about the world.
+NOTHING_TO_CLAIM: Mapping[str, str] = {
+    "desk_reach": "moves an arm without sensors; ends at a posture",
+    "hover_follow": "follows until its time is over; comes to no end of its own",
+    "posture": "moves an arm to a posture",
+    "push": "claims a force, which tests/runtime/test_force_programs.py judges",
+    "put_down": "begins with something held; judged as the end of take_and_put_down",
+    "show_ball": "shows a ball to cb calibrate; has neither reward nor success",
+    "sixaxis_reach": "moves an arm without sensors; ends at a posture",
+    "twist": "claims a torque, which tests/runtime/test_force_programs.py judges",
+}
