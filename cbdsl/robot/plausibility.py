@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from cbdsl.robot.urdf import Numbers, UrdfInertial, UrdfLink, UrdfModel, UrdfShape
+from cbdsl.robot.urdf import Numbers, UrdfInertial, UrdfJoint, UrdfLink, UrdfModel, UrdfShape
 
 # Tolerance of the bounds on principal moments for rounding, as a share of the largest moment.
 _ROUNDING = 0.02
 # Radius of gyration, m, beyond which moments are implausible, such as moments in kg mm^2.
 _LARGEST = 20.0
+# Largest distance, m, mass, kg, and length of an axis; ten turns, and the smallest range and speed.
+_FARTHEST, _HEAVIEST, _LONGEST_AXIS = 1e3, 1e6, 1e3
+_MOST_RADIANS, _LEAST = 20.0 * math.pi, 1e-6
 # Largest moment, kg m^2, that can be computed with.
 _MOST = 1e100
 
@@ -49,6 +52,41 @@ def _oddness(inertial: UrdfInertial, moved: bool) -> str:
         )
     radius = math.sqrt(most / inertial.mass)
     return f"a radius of gyration of {radius:.3g} m" if radius > _LARGEST else ""
+
+
+def odd_numbers(model: UrdfModel) -> Iterator[tuple[str, str]]:
+    """Yield joints and links with numbers that no robot has, each with the reason.
+
+    Engines compute with them, and their results are wrong or not finite.
+
+    Raises:
+        UrdfError: If a value of a link is not a number.
+    """
+    for name, joint in model.joints.items():
+        reason = _odd_joint(joint)
+        if reason:
+            yield name, reason
+    for name, link in model.bodies.items():
+        if link.inertial is not None and link.inertial.mass > _HEAVIEST:
+            yield name, f"a mass of {link.inertial.mass:g} kg"
+
+
+def _odd_joint(joint: UrdfJoint) -> str:
+    """Return the first number of a joint that no robot has; empty if all are plausible."""
+    distance, axis = math.hypot(*joint.origin.xyz), math.hypot(*joint.axis)
+    if distance > _FARTHEST:
+        return f"a distance of {distance:.3g} m from its parent"
+    if not joint.movable:
+        return ""
+    if axis > 0.0 and not 1.0 / _LONGEST_AXIS < axis < _LONGEST_AXIS:
+        return f"an axis of length {axis:.3g}"
+    ends = [abs(end) for end in (joint.lower, joint.upper) if math.isfinite(end)]
+    if max(ends, default=0.0) > (_FARTHEST if joint.slides else _MOST_RADIANS):
+        hint = "" if joint.slides else ", as if in degrees"
+        return f"limits of {joint.lower:g} to {joint.upper:g} {joint.unit}{hint}"
+    if 0.0 < joint.velocity < _LEAST or 0.0 < joint.upper - joint.lower < _LEAST:
+        return f"a range or speed below {_LEAST:g} {joint.unit}"
+    return ""
 
 
 def principal_moments(inertia: Numbers) -> tuple[float, float, float]:

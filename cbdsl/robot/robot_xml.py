@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 from pathlib import Path
 from xml.etree import ElementTree
@@ -12,6 +13,8 @@ from cbdsl.robot.urdf import UrdfError
 
 # The largest public models, of humanoids, have 1.6 MB; meshes have files of their own.
 MOST_BYTES = 4_000_000
+_ENCODING = re.compile(rb"""\s*<\?xml[^>]*?encoding=["']([\w.:-]+)""")
+_READ_BY_ENGINES = ("utf-8", "utf8", "ascii", "us-ascii")
 
 
 def robot_text(path: Path) -> bytes:
@@ -42,6 +45,27 @@ def xml_root(text: bytes | str, path: Path, kind: str) -> ElementTree.Element:
         return ElementTree.fromstring(text)
     except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise UrdfError(f"{path}: it is no XML, of which {kind} is made: {error}") from None
+
+
+def require_names_for_engines(root: ElementTree.Element, text: bytes, path: Path) -> None:
+    """Refuse names that engines read otherwise: they take every model for UTF-8.
+
+    Comments and descriptions may have any encoding whose letters A to Z are those of ASCII.
+
+    Raises:
+        UrdfError: If the text declares another encoding, and has names beyond ASCII or no ASCII.
+    """
+    declared = _ENCODING.match(text)
+    encoding = declared[1].decode("ascii") if declared else "utf-8"
+    if text.startswith((b"\xff\xfe", b"\xfe\xff")):
+        encoding = "utf-16"
+    elif encoding.lower() in _READ_BY_ENGINES or _has_plain_names(root):
+        return
+    raise UrdfError(f"{path}: it is encoded in {encoding}, and engines read UTF-8; convert it")
+
+
+def _has_plain_names(root: ElementTree.Element) -> bool:
+    return all(value.isascii() for each in root.iter() for value in each.attrib.values())
 
 
 def require_robot(root: ElementTree.Element, path: Path) -> None:

@@ -6,7 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
-from cbdsl.robot.robot_xml import refuse_macros, require_robot, robot_text, xml_root
+from cbdsl.robot.robot_xml import (
+    refuse_macros,
+    require_names_for_engines,
+    require_robot,
+    robot_text,
+    xml_root,
+)
 from cbdsl.robot.urdf import (
     UNLIMITED,
     Mimic,
@@ -56,6 +62,8 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
             "the extra mujoco: pip install 'cbdsl[mujoco]'"
         )
     require_robot(root, path)
+    if isinstance(text, bytes):
+        require_names_for_engines(root, text, path)
     links = frozenset(link.get("name", "") for link in root.findall("link"))
     try:
         _require_few(root)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.robot.plausibility import flat_shapes, odd_inertias, principal_moments
+from cbdsl.robot.plausibility import flat_shapes, odd_inertias, odd_numbers, principal_moments
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import parse_urdf
 
@@ -102,3 +102,61 @@ def test_odd_inertias_of_a_point_fixed_to_a_link_are_none() -> None:
 def test_flat_shapes_names_shapes_without_volume(shape: str, told: str | None, use: str) -> None:
     found = [*flat_shapes(model(f"<{use}><geometry>{shape}</geometry></{use}>"))]
     assert found == ([] if told is None else [("b", told)])
+
+
+JOINT = (
+    '<joint name="j" type="{kind}"><parent link="a"/><child link="b"/><origin xyz="{origin}"/>'
+    '<axis xyz="{axis}"/><limit lower="{lower}" upper="{upper}" effort="1" velocity="{speed}"/>'
+    "</joint>"
+)
+USUAL = {
+    "kind": "revolute", "origin": "0 0 1", "axis": "0 0 1", "lower": "-3", "upper": "3",
+    "speed": "1", "mass": "2",
+}  # fmt: skip
+
+
+def numbered(**numbers: str) -> list[tuple[str, str]]:
+    """Return the odd numbers of a model that is usual but for the given ones."""
+    parts = USUAL | numbers
+    mass = f'<inertial><mass value="{parts.pop("mass")}"/></inertial>'
+    text = f'<robot name="m"><link name="a"/><link name="b">{mass}</link>{JOINT}</robot>'
+    return [*odd_numbers(parse_urdf(text.format(**parts), Path("m.urdf")))]
+
+
+@pytest.mark.parametrize(
+    ("numbers", "reason"),
+    [
+        ({"lower": "-180", "upper": "180"}, "limits of -180 to 180 rad, as if in degrees"),
+        ({"upper": "360"}, "limits of -3 to 360 rad, as if in degrees"),
+        ({"kind": "prismatic", "upper": "2000"}, "limits of -3 to 2000 m"),
+        ({"origin": "1e308 1e308 0"}, "a distance of 1.41e+308 m from its parent"),
+        ({"origin": "0 5000 0"}, "a distance of 5e+03 m from its parent"),
+        ({"kind": "fixed", "origin": "0 5000 0"}, "a distance of 5e+03 m from its parent"),
+        ({"axis": "1e200 0 0"}, "an axis of length 1e+200"),
+        ({"axis": "0 0 1e-9"}, "an axis of length 1e-09"),
+        ({"speed": "1e-320"}, "a range or speed below 1e-06 rad"),
+        ({"lower": "0", "upper": "1e-300"}, "a range or speed below 1e-06 rad"),
+    ],
+)
+def test_odd_numbers_of_a_joint_are_named(numbers: dict[str, str], reason: str) -> None:
+    assert numbered(**numbers) == [("j", reason)]
+
+
+def test_odd_numbers_of_a_heavy_link_are_named() -> None:
+    assert numbered(mass="1e7") == [("b", "a mass of 1e+07 kg")]
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        {},
+        {"lower": "-62", "upper": "62"},
+        {"lower": "-1e10", "upper": "1e10"},
+        {"kind": "continuous", "lower": "-180", "upper": "180"},
+        {"kind": "fixed", "axis": "0 0 0"},
+        {"speed": "0"},
+        {"axis": "0 3 4"},
+    ],
+)
+def test_odd_numbers_of_a_usual_model_are_none(numbers: dict[str, str]) -> None:
+    assert numbered(**numbers) == []

@@ -251,3 +251,28 @@ def test_what_is_read_is_what_kinematics_can_be_made_of(path: Path) -> None:
     except UrdfError:
         return
     assert pinocchio.buildModelFromUrdf(str(path)).nq >= 0
+
+
+@pytest.mark.parametrize(
+    ("encoding", "name", "is_read"),
+    [
+        ("utf-8", "poignée", True),
+        ("us-ascii", "grip", True),
+        ("iso-8859-1", "grip", True),
+        ("iso-8859-1", "poignée", False),
+        ("windows-1252", "poignée", False),
+        ("utf-16", "grip", False),
+    ],
+)
+def test_names_that_engines_read_otherwise_are_refused(
+    encoding: str, name: str, is_read: bool, tmp_path: Path
+) -> None:
+    comment = "<!-- grip -->" if encoding == "us-ascii" else "<!-- poignée -->"
+    text = f'<robot name="m">{comment}<link name="{name}"/></robot>'
+    file = tmp_path / "m.urdf"
+    file.write_bytes(f'<?xml version="1.0" encoding="{encoding}"?>{text}'.encode(encoding))
+    if is_read:
+        assert read_urdf(file).links == {name}
+    else:
+        with pytest.raises(UrdfError, match=f"encoded in {encoding}, and engines read UTF-8"):
+            read_urdf(file)

@@ -24,7 +24,7 @@ def check_speeds(loaded: Loaded[RobotDocument], findings: Findings) -> None:
     ]
     for name, settings in control.tasks.items():
         if settings.speed is not None and name in TYPES:
-            unit = str(TYPES[name].unit)
+            unit = TYPES[name].unit.partition(" or ")[0]
             speeds.append((("control", "tasks", name, "speed"), settings.speed, unit))
     for steps, speed, unit in speeds:
         if speed > _FASTEST.get(unit, math.inf):

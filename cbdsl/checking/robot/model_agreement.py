@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from cbdsl.checking.findings import Findings
 from cbdsl.documents.robot import Coupling, RobotDocument
 from cbdsl.errors.counting import some
-from cbdsl.robot.plausibility import flat_shapes, odd_inertias
+from cbdsl.robot.plausibility import flat_shapes, odd_inertias, odd_numbers
 from cbdsl.robot.urdf import Mimic, UrdfError, UrdfJoint, UrdfModel
 from cbdsl.yaml_text.loaded import Loaded
 
@@ -70,16 +70,19 @@ def _position(joint: UrdfJoint, position: float) -> str:
 
 
 def check_bodies(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
-    """Warn of links with impossible moments of inertia or shapes."""
+    """Warn of links with impossible moments of inertia or shapes, and of implausible numbers."""
     place = loaded.source.place("model")
     try:
         inertias, flat = [*odd_inertias(model)], [*flat_shapes(model)]
+        odd = [*odd_numbers(model)]
     except UrdfError as error:
         findings.add("CB301", place, names=[], given=loaded.document.model, problem=str(error))
         return
     for code, links in (("CB746", inertias), ("CB747", flat)):
         if links:
             findings.add(code, place, model=model.path.name, links=some([*_lines(links)]))
+    if odd:
+        findings.add("CB748", place, model=model.path.name, parts=some([*_lines(odd)]))
 
 
 def _lines(links: Sequence[tuple[str, str]]) -> Iterator[str]:
