@@ -1,5 +1,18 @@
 """Harmonic function on a grid, and the descent from any point to its goal (Eq 3.2)."""
 
+# Model: a harmonic function has no local minima, so that its gradient leads to the goal from every
+# free point that is connected with it (Connolly and Grupen, 1993).
+# Equation: Laplace's equation, sum_i d^2 phi / dx_i^2 = 0, on a regular grid. There, phi at each
+# free vertex is the mean of its 2 n neighbours, with phi = 0 at the goal and 1 at obstacles. The
+# solved function is u, a multiple of 1 - phi. Far from the goal, phi differs from 1 by less than
+# the precision of a double, but u keeps its digits, because it is accurate relative to itself.
+# Between vertices, u is interpolated by a quadratic B-spline: its weights are positive and add up
+# to 1, so that the interpolation has no minima of its own.
+# Assumptions: obstacles are constant while a field is in use, and the clearance covers the body
+# around the point. A moving goal changes the source alone; a new field starts from the solution of
+# the last.
+# Source: Section 3.1.3, Eq 3.2; the scaling of u and the spline are additions of this project.
+
 from __future__ import annotations
 
 import math

@@ -1,5 +1,16 @@
 """Rate of task coordinates: gain, speed and acceleration; compiled."""
 
+# Model: a task is a point that follows the gradient of its potential with a bounded rate and a
+# bounded change of the rate, like a double integrator under time-discrete control.
+# Equations: the rate of the step s is v = kappa s. It is then limited in this order:
+#     braking       |v| <= sqrt(2 a (d - a / (2 k^2))), with the residual d and k = |v| / d
+#     speed         |v| <= v_max, in the norm of the type of the feedback
+#     acceleration  |v - v_before / T| <= a T, with the period T of the ticks
+# The displacement of the tick is v T. A Newton step of a spring is half of its residual, so that
+# kappa <= 2 / T reaches the reference within one tick and never overshoots it.
+# Assumptions: the reference is constant within a tick, and the level achieves its displacement.
+# Source: Eq 3.18 for the Newton step; the bounds are additions of this project.
+
 from __future__ import annotations
 
 import math

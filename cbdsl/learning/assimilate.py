@@ -1,5 +1,18 @@
 """ASSIMILATE: the resources that an action needs in each context (Algorithm 2)."""
 
+# Model: whether an allocation of resources is rewarded depends on a few features of the context f,
+# such as the object's position. Two decision trees are grown from the contexts of all episodes:
+#     psi(f)             allocation with the highest probability of reward (Eq 5.3 and 5.4)
+#     Pr(reward | pi, f) probability that the policy pi is rewarded with that allocation
+# A leaf with h rewards of n trials estimates (h + 1) / (n + 2), Laplace's rule of succession. While
+# it explores, the learner draws each allocation with the probability that it is the best one
+# (Thompson sampling from the Beta distributions of the leaf). An episode tries several allocations
+# in turn, and each attempt is one sample of its allocation. A context without reward counts for the
+# tree of reward only if the preferred allocation was tried.
+# Assumptions: attempts of one episode share their context, although an attempt may displace the
+# object; ``blames_first`` drops later attempts. Differences below _RESOLUTION are noise.
+# Source: Algorithm 2, Section 5.3.
+
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -6,6 +6,19 @@ one plane through both cameras. Both images then have them in the same order. If
 regions differ, the correspondences are ambiguous and are not resolved.
 """
 
+# Model: a region is the image of a ball. Its line of sight is x = o + t d, with the optical centre
+# o and the direction d of the centroid. Two lines match if they nearly meet in front of both
+# cameras:
+#     gap = |(o_2 - o_1) . (d_1 x d_2)| / |d_1 x d_2| <= ray_gap
+# The meeting point is the middle of the shortest segment between the lines. Each camera then yields
+# a size, area (distance / focal length)^2, and the ratio of the two sizes must be at least _ALIKE.
+# A match of several regions with several others, all on one plane through both optical centres, is
+# resolved by the ordering constraint: along the baseline, both images show the same order.
+# Assumptions: no object stands in front of another one within such a plane, because the order would
+# then be reversed. Groups with missing regions are ambiguous, since the missing one is unknown.
+# Clipped regions have shifted centroids. They get a wider gap and no comparison of sizes.
+# Source: Eq 3.14 for triangulation; Baker and Binford (1981) for the ordering constraint.
+
 from __future__ import annotations
 
 import math

@@ -1,5 +1,18 @@
 """Instances: objects of one channel, distinguished and remembered individually."""
 
+# Model: each object of a channel is a ball with a remembered position and radius. Each image
+# assigns regions to objects, and the rest of the regions to new objects. Steps for one image pair:
+#     1. claim    each object takes the region nearest to its line of sight, within radius + BESIDE
+#     2. retract  a claim by one camera is dropped if the other should see the object and does not
+#     3. grow     a claim that may show two objects, or a part of another one, is not believed
+#     4. update   positions of the other claims correct the memories; missing ones are explained
+#     5. discover stereo matches of the other regions in two successive images are new objects
+# Assumptions: objects of one channel look alike, so that only position and size distinguish them.
+# They move less between two images than the distance to their neighbours, or a hand carries them. A
+# missing object is kept if a hand, another object, or the border of the view explains its absence.
+# It is forgotten otherwise, because a robot that acts on a removed object acts on nothing.
+# Source: Eq 3.10 has one object per channel; several instances are an addition of this project.
+
 from __future__ import annotations
 
 import math

@@ -1,5 +1,19 @@
 """Memory of an object's position, kept while a hand or another object occludes it."""
 
+# Model: the position x of a ball on a level surface, with constant horizontal velocity v between
+# images, observed with white noise. An alpha-beta filter estimates both:
+#     x' = x + v T                       prediction over the period T
+#     x = x' + alpha (z - x')            correction by the measured position z
+#     v = v + beta / T (z - x')
+# The gains of sighting n are those of a least-squares line, alpha = 2 (2 n - 1) / (n (n + 1)) and
+# beta = 6 / (n (n + 1)), until they fall to the constant gains of the robot document. The centroid
+# of a partly occluded region is biased. A measurement thus counts only if the size s = area
+# (distance / focal length)^2 is near the largest size so far in every camera. If the share of one
+# camera alone changes, an occluder arrives or leaves: beta is 0 for this image.
+# Assumptions: objects do not change their size, and velocities are horizontal.
+# Source: Kalata (1984) for alpha-beta filters; the rules of occlusion are additions of this
+# project.
+
 from __future__ import annotations
 
 import math

@@ -1,5 +1,18 @@
 """Silhouettes: the visible parts of solids, and the occlusions among solids."""
 
+# Model: a pinhole camera at the origin looks along +x. A line of sight has the slopes (y, z), and
+# the direction (1, y, z). Pixels are column = f (W / (2 f) - y) and row = f (H / (2 f) - z).
+# Equations: each target is sampled by N x N lines of sight across its bounding window. A line sees
+# the target if it enters the target before any other solid. Of the n lines that see it,
+#     area     = n f^2 (window / N^2)
+#     centroid = mean of (y, z), mapped to pixels
+#     moments  = f^2 (mean products - products of the means + cell^2 / 12)
+# The last term is the variance within the cell that each line stands for. Solids are balls, boxes
+# and cylinders, which are convex, so that the lines of a column that meet one are adjacent;
+# ``met_rows`` finds the first and the last one.
+# Assumptions: no lens distortion and no blur. Disturbances are added by the caller, not here.
+# Source: Eq 3.10 defines regions of pixels; this is their limit for fine pixels.
+
 from __future__ import annotations
 
 import math
