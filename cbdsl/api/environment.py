@@ -115,7 +115,7 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
             raise gymnasium.error.ResetNeeded("reset begins an episode")
         if not self.action_space.contains(action):
             known = f"0 to {len(self.actions) - 1}"
-            raise gymnasium.error.InvalidAction(f"{action!r} is no action; known: {known}")
+            raise gymnasium.error.InvalidAction(f"{action!r} is not an action; known: {known}")
         before, run = len(self._passed), self._tick.run
         run.decide(self.actions[int(action)])
         self._advance()

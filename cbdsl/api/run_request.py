@@ -164,7 +164,7 @@ def read_policy(
 
     file = _locate(PolicyDocument, name, program_file, library)
     if _is_recording(file):
-        raise UsageError(f"{file}: this is no policy document; it looks like a recording")
+        raise UsageError(f"{file}: this is not a policy document; it looks like a recording")
     require_clean(file, library)
     loaded = library.read(file, PolicyDocument)
     if loaded.document.program != program.name:

@@ -52,7 +52,7 @@ class Compositions:
                 names = [
                     name for name, each in document.controllers.items() if isinstance(each, str)
                 ]
-                problem = f"'{key}' is no composition below 'controllers'"
+                problem = f"'{key}' is not a composition below 'controllers'"
                 place = source.key("rewards", key)
                 self._context.add("CB482", place, name=key, names=names, problem=problem)
                 continue
@@ -71,7 +71,7 @@ class Compositions:
         """
         for i, part in enumerate(parts):
             if part not in rewarded:
-                self._refuse_part(key, i, part, f"is no part of '{key}'", list(rewarded))
+                self._refuse_part(key, i, part, f"is not a part of '{key}'", list(rewarded))
         if parts and not any(rewarded.get(part, True) for part in parts):
             names = [name for name, is_rewarded in rewarded.items() if is_rewarded]
             self._refuse_part(key, 0, parts[0], "reads nothing of the environment", names)

@@ -20,10 +20,10 @@ def check_guards(context: ProgramContext) -> None:
             continue
         place = source.place("guards", key)
         if not robot.load_cells:
-            problem = f"'{robot.name}' has no load cells that would feel it"
+            problem = f"'{robot.name}' has no load cells to measure it"
             context.add("CB587", place, problem=problem)
         elif 0 < bound <= least:
-            problem = f"{bound:g} N is no more than what its load cells take for noise, {least:g} N"
+            problem = f"{bound:g} N is within the noise of its load cells, {least:g} N"
             context.add("CB587", place, problem=problem)
 
 
@@ -38,5 +38,5 @@ def _check_joint_torque(context: ProgramContext) -> None:
         context.add("CB587", place, problem=problem)
     elif 0 < bound <= settings.threshold:
         least = f"{settings.threshold:g} N m"
-        problem = f"motion without contact may cause {least}, and {bound:g} N m is no more"
+        problem = f"motion without contact may cause up to {least}, and the bound is {bound:g} N m"
         context.add("CB587", place, problem=problem)

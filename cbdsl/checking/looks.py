@@ -34,7 +34,7 @@ def look_of(
     library, findings = session.library, Findings()
     path = library.find(ProgramDocument, use.program, beside)
     if path is None:
-        return f"there is no program '{use.program}'"
+        return f"unknown program '{use.program}'"
     known = library.read(path, ProgramDocument).document.parameters
     for key in values:
         if key not in known:
@@ -43,7 +43,7 @@ def look_of(
     if program is not None and use.policy is not None and not findings.failed:
         file = library.find(PolicyDocument, use.policy, beside)
         if file is None:
-            return f"there is no policy '{use.policy}'"
+            return f"unknown policy '{use.policy}'"
         try:
             loaded = library.read(file, PolicyDocument)
         except DiagnosticsError:

@@ -95,7 +95,7 @@ class MemberExchange:
         """
         candidates = list(self._candidates(program, member, name))
         if not candidates:
-            return None, f"there is no sound program '{name}' for robot '{program.robot}'"
+            return None, f"no valid program '{name}' for robot '{program.robot}'"
         if program.name in used_names(candidates[0]):
             return None, f"'{name}' uses '{program.name}' itself"
         own = member_program(program, member)

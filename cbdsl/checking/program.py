@@ -62,7 +62,7 @@ def check_program(
 
 def _no_parameter(name: str, known: list[str]) -> str:
     listed = ", ".join(known) or "none"
-    return f"there is no parameter '{name}'{suggestion(name, known)} (known: {listed})"
+    return f"unknown parameter '{name}'{suggestion(name, known)} (known: {listed})"
 
 
 def examine_program(

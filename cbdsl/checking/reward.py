@@ -27,7 +27,7 @@ def check_rewarded(program: CheckedProgram, path: Path, library: Library) -> tup
     used = [action.name for action in program.actions if action.program is not None]
     why = "none of its actions is a controller that measures a heading or a force"
     if hidden:
-        why = f"'{hidden[0]}', which could be, is no action by itself"
+        why = f"'{hidden[0]}', which could be, is not an action by itself"
     elif used:
         why = f"what '{used[0]}' earns is its own, and {why}"
     findings.add("CB720", source.key("actions"), name=program.name, why=why)

@@ -78,7 +78,7 @@ def stand_in(
     program = examine(path, own, Findings())
     other = None if file is None else examined(file, document, values, session, examine)
     if program is None or other is None:
-        return None, f"there is no sound program '{name}' for robot '{document.robot}'"
+        return None, f"no valid program '{name}' for robot '{document.robot}'"
     substitute = _substitute(program, other)
     return substitute.program, substitute.refusal
 

@@ -36,7 +36,7 @@ def _entries(code: str | None, every: bool) -> list[Entry]:
     entry = entry_of(code.upper())
     if entry is None:
         raise UsageError(
-            f"there is no finding '{code}'{_suggestion(code, entries())} (cb explain --all has all)"
+            f"unknown code '{code}'{_suggestion(code, entries())} (cb explain --all has all)"
         )
     return [entry]
 

@@ -45,7 +45,8 @@ def read_action(text: str) -> ActionText:
     )
     if not program or not re.match(NAME_PATTERN, label) or any(not v for _, _, v in pairs):
         raise UsageError(
-            f"'{text}' is no action: give a program as NAME, NAME:key=value or LABEL=NAME:key=value"
+            f"'{text}' is not an action; write a program as NAME, NAME:key=value or "
+            "LABEL=NAME:key=value"
         )
     return ActionText(label, program, {key: value for key, _, value in pairs})
 

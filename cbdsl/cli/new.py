@@ -253,7 +253,7 @@ def _require_name(name: str) -> None:
 
     if not re.search(NAME_PATTERN, name):
         raise UsageError(
-            f"'{name}' is no name: a letter, then letters, digits and underscores make one"
+            f"'{name}' is not a name: a letter, then letters, digits and underscores make one"
         )
 
 

@@ -104,7 +104,7 @@ class Motion(Section):
     @model_validator(mode="after")
     def _is_shaken_or_thrown(self) -> Self:
         if self.thrown and self.within is not None:
-            raise ValueError("what is thrown flies on: `within` is for what is shaken")
+            raise ValueError("`within` applies to shaken objects, not to thrown ones")
         return self
 
 

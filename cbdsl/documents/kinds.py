@@ -18,7 +18,7 @@ def _record(name: str, record: Any) -> Kind:
     if not isinstance(record, Kind):
         raise PluginError(f"is {type(record).__name__}, not cbdsl.documents.kind.Kind")
     if not (isinstance(record.model, type) and issubclass(record.model, Document)):
-        raise PluginError("its model is no subclass of cbdsl.documents.document.Document")
+        raise PluginError("its model is not a subclass of cbdsl.documents.document.Document")
     if "kind" not in record.model.model_fields or kind_name(record.model) != name:
         raise PluginError(f'its model lacks kind: Literal["{name}"]')
     if missing := record.references.keys() - record.model.model_fields:

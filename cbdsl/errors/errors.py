@@ -31,4 +31,4 @@ class UsageError(Exception):
         """
         names = list(known)
         listed = ", ".join(names) or "none"
-        return cls(f"there is no {what} '{name}'{suggestion(name, names)} (known: {listed})")
+        return cls(f"unknown {what} '{name}'{suggestion(name, names)} (known: {listed})")

@@ -44,7 +44,7 @@ class LookAlikeError(CompositionError):
     """
 
     def __init__(self, sign: str, suggestion: str, span: Span) -> None:
-        super().__init__(f"'{sign}' is not the operator: {suggestion}", span)
+        super().__init__(f"'{sign}' is not the subject-to operator: {suggestion}", span)
         self.sign = sign
         self.suggestion = suggestion
 
@@ -115,11 +115,11 @@ class _Scanner:
         wanted, start = " or ".join(allowed), self._next()
         if start == len(self._text):
             end = self._read + 1
-            return CompositionError(f"it ends where {wanted} should follow", Span(end, end + 1))
+            return CompositionError(f"expected {wanted} at the end", Span(end, end + 1))
         token = _SUBJECT_TO.match(self._text, start) or _ARGUMENT.match(self._text, start)
         sign = token[0] if token else self._text[start]
         span = Span(start + 1, start + 1 + len(sign))
-        return CompositionError(f"'{sign}' where {wanted} should be", span)
+        return CompositionError(f"expected {wanted}, found '{sign}'", span)
 
     def _look_alike(self) -> LookAlikeError | None:
         """Return the error for a look-alike of the operator, if one is next."""

@@ -17,7 +17,7 @@ def exact_interval(hits: float, trials: float) -> tuple[float, float]:
         ValueError: If there were no trials, or fewer than hits.
     """
     if not (0 <= hits <= trials and trials > 0):
-        raise ValueError(f"{hits} of {trials} is no proportion")
+        raise ValueError(f"{hits} of {trials} is not a proportion")
     from scipy.special import betaincinv
 
     lower = 0.0 if hits == 0 else float(betaincinv(hits, trials - hits + 1, TAIL))

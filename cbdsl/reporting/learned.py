@@ -184,13 +184,13 @@ def _models(file: Path, policy: PolicyDocument) -> Iterator[tuple[str | None, st
 def _model(library: Library, file: Path, name: str | None, document: str) -> InternalModel:
     path = library.find(ModelDocument, document, file)
     if path is None:
-        raise UsageError(f"there is no model '{document}'")
+        raise UsageError(f"unknown model '{document}'")
     model = library.read(path, ModelDocument).document
     if model.space == "position":
         raise UsageError("it is over positions, which have no limits to draw it between")
     place = library.find(RobotDocument, model.robot, path)
     if place is None:
-        raise UsageError(f"there is no robot '{model.robot}', whose joint limits it keeps")
+        raise UsageError(f"unknown robot '{model.robot}', which defines its joint limits")
     robot = library.read(place, RobotDocument).document
     known = {*robot.effectors, *robot.groups}
     if model.effector not in known:
@@ -249,7 +249,7 @@ def _read_episode(line: bytes, journal: str) -> Episode:
     except KeyError as error:
         raise UsageError(f"{journal} lacks {error}") from error
     except (ValueError, TypeError, IndexError) as error:
-        raise UsageError(f"{journal} is no episode ({error})") from error
+        raise UsageError(f"{journal} is not an episode ({error})") from error
 
 
 def _episode(row: dict[str, Any]) -> Episode:

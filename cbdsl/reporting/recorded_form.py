@@ -107,7 +107,7 @@ def _robot_faults(summary: Mapping[str, Any]) -> Iterator[str]:
     for name, pair in robot["couplings"].items():
         has_numbers = len(pair) in (2, 3) and all(isinstance(n, int | float) for n in pair[1:])
         if not has_numbers or pair[0] not in summary["joints"]:
-            yield f"robot.couplings.{name}: is no recorded joint with a ratio"
+            yield f"robot.couplings.{name}: is not a recorded joint with a ratio"
     try:
         len(parse_urdf(robot["urdf"], Path("robot.urdf")).bodies)
     except UrdfError as error:

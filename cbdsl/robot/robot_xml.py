@@ -44,7 +44,7 @@ def xml_root(text: bytes | str, path: Path, kind: str) -> ElementTree.Element:
     try:
         return ElementTree.fromstring(text)
     except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise UrdfError(f"{path}: it is no XML, of which {kind} is made: {error}") from None
+        raise UrdfError(f"{path}: it is not XML, the format of {kind}: {error}") from None
 
 
 def require_names_for_engines(root: ElementTree.Element, text: bytes, path: Path) -> None:

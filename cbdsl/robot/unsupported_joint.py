@@ -58,7 +58,7 @@ def unsupported(joint: UrdfJoint) -> UnsupportedJoint | None:
     if joint.mimic is not None:
         master, ratio, offset = joint.mimic
         if joint.leaderless:
-            trait = f"made to mimic '{master}', which is no joint that moves"
+            trait = f"made to mimic '{master}', which is not a joint that moves"
             return UnsupportedJoint(trait, "mend its <mimic> in the model")
         trait = f"made to mimic '{master}'"
         shift = f" and offset {offset:g}" if offset else ""

@@ -144,4 +144,4 @@ class Composer:
 
 
 def _unknown(name: str, known: Sequence[str] | Mapping[str, object]) -> str:
-    return f"there is no controller '{name}'{suggestion(name, known)} (known: {', '.join(known)})"
+    return f"unknown controller '{name}'{suggestion(name, known)} (known: {', '.join(known)})"

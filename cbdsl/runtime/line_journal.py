@@ -119,16 +119,16 @@ def _row(line: bytes, path: Path, number: int, what: str) -> dict[str, Any]:
     try:
         row = json.loads(line)
     except (ValueError, RecursionError) as error:
-        raise damaged(path, number, f"it is no JSON ({error})", what) from error
+        raise damaged(path, number, f"it is not JSON ({error})", what) from error
     if not isinstance(row, dict):
-        raise damaged(path, number, "it is no JSON object", what)
+        raise damaged(path, number, "it is not a JSON object", what)
     return row
 
 
 def damaged(path: Path, number: int, problem: str, what: str = "trial") -> JournalError:
     """Return the error of a line that cannot be used."""
     if number == 1:
-        return DamagedJournalError(f"{path} is no journal of a {what}: of line 1, {problem}")
+        return DamagedJournalError(f"{path} is not a journal of a {what}: of line 1, {problem}")
     option = "" if what == "calibration" else ", with --resume where it has that"
     whole, aside = quote(str(path)), quote(f"{path}.damaged")
     return DamagedJournalError(

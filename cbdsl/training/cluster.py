@@ -116,7 +116,7 @@ def _client(scheduler: str) -> Client:
                 f"the certificates of both ends are not signed by the same authority ({_CA_FILE})"
             )
     except MemoryError:  # Dask takes the first bytes of an answer for its length
-        problem = "what answers there is no scheduler of Dask"
+        problem = "the server at this address is not a Dask scheduler"
     except TypeError:  # Dask's error for missing certificates
         problem = f"TLS needs certificates, which Dask's settings name, such as {_CA_FILE}"
     except RuntimeError as error:

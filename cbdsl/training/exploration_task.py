@@ -183,7 +183,7 @@ class ExplorationTask:
         """Check that an action of a journal exists."""
         for name in (outcome.action, *outcome.opened):
             if name not in (NOOP, *exploration.affordances, *runner.known([name])):
-                raise damaged(path, line, f"there is no action '{name}'", "exploration")
+                raise damaged(path, line, f"unknown action '{name}'", "exploration")
 
     def _note(
         self,
@@ -297,12 +297,12 @@ def outcome_of(row: Mapping[str, Any], path: Path, line: int) -> ActionOutcome:
     except KeyError as error:
         raise damaged(path, line, f"it lacks {error}", "exploration") from error
     except (TypeError, ValueError, AttributeError) as error:
-        raise damaged(path, line, f"it is no action ({error})", "exploration") from error
+        raise damaged(path, line, f"it is not an action ({error})", "exploration") from error
 
 
 def _text(value: object) -> str:
     if not isinstance(value, str):
-        raise TypeError(f"{value!r} is no text")
+        raise TypeError(f"{value!r} is not text")
     return value
 
 

@@ -84,7 +84,7 @@ def entry_of(row: Mapping[str, Any], path: Path, line: int) -> JournalEntry:
     except KeyError as error:
         raise damaged(path, line, f"it lacks {error}") from error
     except (TypeError, ValueError, AttributeError) as error:
-        raise damaged(path, line, f"it is no episode ({error})") from error
+        raise damaged(path, line, f"it is not an episode ({error})") from error
 
 
 def require_usable(path: Path, identity: Mapping[str, Any]) -> None:

@@ -79,11 +79,11 @@ CASTS: tuple[Cast, ...] = (
 
 #: Types without outgoing casts, with the reason: their signals are features, never feedback.
 FEATURES: Mapping[str, str] = {
-    "velocity": "joints displace what they move, and a velocity is no displacement",
+    "velocity": "joints displace what they move, and a velocity is not a displacement",
     "volume": "no joint changes how large a thing is",
     "count": "no joint changes how many things there are",
     "probability": "no joint moves what is expected",
-    "heading_rate": "joints displace what they move, and a rate is no displacement",
+    "heading_rate": "joints displace what they move, and a rate is not a displacement",
     "extent": "how a thing's outline changes as it turns depends on its shape, which is not known",
     "axis": "how a thing's outline changes as it turns depends on its shape, which is not known",
 }

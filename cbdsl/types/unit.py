@@ -106,7 +106,9 @@ def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:
     except OverflowError:
         raise QuantityError("this number is too large") from None
     if unit is not None and unit.dimension not in dimensions:
-        raise QuantityError(f"'{value}' is of {unit.dimension}; expected {_wanted(dimensions)}")
+        raise QuantityError(
+            f"'{value}' has the dimension {unit.dimension}; expected {_wanted(dimensions)}"
+        )
     if not math.isfinite(number):
         raise QuantityError(f"{value!r} is not finite")
     return number

@@ -117,7 +117,7 @@ def first_look_alike(text: str) -> int:
 def look_alike_message(text: str, suggestion: str) -> str:
     """Return the message about a text with a look-alike character."""
     character = spelled(text[first_look_alike(text)])
-    return f"{character} is not the character that is meant; write '{' '.join(suggestion.split())}'"
+    return f"{character} looks like another character; write '{' '.join(suggestion.split())}'"
 
 
 def spelled(character: str) -> str:

@@ -205,7 +205,7 @@ class _Composer:
         if not is_plain:
             return
         if event.anchor and not text:
-            problem = f"text that begins with '&' has to be quoted; write '&{event.anchor}'"
+            problem = f"a text that begins with '&' must be quoted; write '&{event.anchor}'"
             self._find("CB124", node.place, problem=problem)
             node.faulty = True
         try:
@@ -293,7 +293,7 @@ class _Composer:
         """Return the text of a key as written, because 10 and X- are both patterns of a state."""
         if isinstance(event, yaml.AliasEvent):
             key = f"*{event.anchor}"
-            problem = f"a key that begins with '*' has to be quoted; write '{key}'"
+            problem = f"a key that begins with '*' must be quoted; write '{key}'"
             self._find("CB124", place, problem=problem)
             return key
         if not isinstance(event, yaml.ScalarEvent):

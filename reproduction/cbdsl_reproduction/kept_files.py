@@ -51,9 +51,9 @@ def _damage(path: Path, number: int, line: bytes) -> Iterator[DamagedLine]:
     try:
         row = json.loads(line.decode("utf-8"))
     except UnicodeDecodeError:
-        yield DamagedLine(path, number, "it is no UTF-8", passed=False)
+        yield DamagedLine(path, number, "it is not UTF-8", passed=False)
     except (ValueError, RecursionError):
-        yield DamagedLine(path, number, "it is no JSON", passed=True)
+        yield DamagedLine(path, number, "it is not JSON", passed=True)
     else:
         if not isinstance(row, (dict, list)):
-            yield DamagedLine(path, number, "it is no row of a trial", passed=False)
+            yield DamagedLine(path, number, "it is not a row of a trial", passed=False)

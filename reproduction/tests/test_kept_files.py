@@ -49,7 +49,7 @@ def test_a_line_that_was_cut_off_is_told_and_the_rest_goes_on(
     held = damage(kept, b'{"what": "x", "se')
     assert cb(monkeypatch, KEPT.name, "--keep", str(kept.parent)) == 0
     told = capsys.readouterr().err
-    assert f"warning: {kept}, line 2: it is no JSON; it is passed over" in told
+    assert f"warning: {kept}, line 2: it is not JSON; it is passed over" in told
     assert "run again" in told and len(toys) == 1 and kept.read_bytes() == held
     assert [row["seed"] for row in KeptRows(kept)] == [0, 2]
 
@@ -80,10 +80,10 @@ def test_a_damaged_journal_of_learning_is_not_called_one_of_other_trials(
     kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def run(settings: RunSettings) -> None:
-        raise damaged(settings.folder / "a.episodes.jsonl", 3, "it is no JSON")
+        raise damaged(settings.folder / "a.episodes.jsonl", 3, "it is not JSON")
 
     monkeypatch.setattr(sys.modules["cbdsl_reproduction.toy"], "run", run)
     assert cb(monkeypatch, KEPT.name, "--keep", str(kept.parent)) == 2
     told = capsys.readouterr().err
-    assert "a.episodes.jsonl, line 3: it is no JSON" in told and "other trials" not in told
+    assert "a.episodes.jsonl, line 3: it is not JSON" in told and "other trials" not in told
     assert "head -n 2 " in told and "the same command goes on there" in told

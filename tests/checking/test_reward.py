@@ -40,7 +40,7 @@ def test_what_only_moves_is_not_rewarded(name: str) -> None:
         (
             f"controllers:\n  stay: {STAY}\n  track: {TRACK}\n  both: stay ◁ track\n"
             "actions: [both]\n",
-            "'track', which could be, is no action by itself",
+            "'track', which could be, is not an action by itself",
         ),
         (
             f"use: {{look: {{program: searchtrack}}}}\ncontrollers: {{stay: {STAY}}}\n"

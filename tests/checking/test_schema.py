@@ -136,7 +136,7 @@ def test_a_policy_beside_a_schema_is_a_finding(folder: Path) -> None:
     path = folder / "programs" / "using.yaml"
     path.write_text(USING.replace("schema: pick", "schema: pick, policy: reachtouch"))
     (found,) = check_document(path, Session(Library(folder)))
-    assert found.code == "CB649" and "leave out 'reachtouch'" in found.message
+    assert found.code == "CB649" and "remove 'reachtouch'" in found.message
     assert found.place.line == 5
 
 

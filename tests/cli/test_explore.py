@@ -79,7 +79,7 @@ def test_actions_are_read(text: str, label: str, program: str, values: dict[str,
 
 def test_what_is_no_action_is_told() -> None:
     for text in ("", ":a=b", "2=reachtouch", "reachtouch:feature="):
-        with pytest.raises(UsageError, match="is no action"):
+        with pytest.raises(UsageError, match="is not an action"):
             read_action(text)
 
 
@@ -204,8 +204,8 @@ def test_a_damaged_journal_names_its_line(
     assert json.loads(whole.splitlines()[2])["action"]
     changes = {
         "it lacks 'ahead'": ('"ahead"', '"behind"'),
-        "it is no action": ('"sim_seconds": ', '"sim_seconds": "x", "t": '),
-        "there is no action 'fly'": ('"action": "', '"action": "fly", "_": "'),
+        "it is not an action": ('"sim_seconds": ', '"sim_seconds": "x", "t": '),
+        "unknown action 'fly'": ('"action": "', '"action": "fly", "_": "'),
         "it says not what joined": ('"action"', '"joined": 5, "action"'),
     }
     for named, change in changes.items():

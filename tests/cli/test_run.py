@@ -87,7 +87,7 @@ def cb_process(*arguments: str, **changes: str | None) -> subprocess.CompletedPr
 MISTAKES = [
     (["serchtrack"], 2, ["serchtrack", "did you mean 'searchtrack'", "known: "]),
     (["nowhere/none.yaml"], 1, ["nowhere/none.yaml:1:1", "No such file"]),
-    (["folder"], 2, ["there is no program 'folder'", "known: "]),
+    (["folder"], 2, ["unknown program 'folder'", "known: "]),
     (["elsewhere.yaml"], 1, ["elsewhere.yaml:2:7", "stage", "program"]),
     (["broken.yaml"], 1, ["broken.yaml:6:", "gone"]),
     (["searchtrack", "--stage", "table_rihgt"], 2, ["did you mean 'table_right'"]),

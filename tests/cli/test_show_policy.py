@@ -109,7 +109,7 @@ def _program(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 @pytest.mark.parametrize(
     ("arguments", "code", "named"),
     [
-        (["nonesuch"], 2, "there is no policy 'nonesuch'"),
+        (["nonesuch"], 2, "unknown policy 'nonesuch'"),
         (["robots/dexter.yaml"], 1, "CB201"),
         (["nonesuch.yaml"], 1, "CB101"),
         (["programs/reach.yaml", "--above", "2"], 2, "--above"),
@@ -141,4 +141,4 @@ def test_a_state_without_a_letter_for_each_member_is_told(
     write(policy.model_copy(update={"policy": {**policy.policy, state: "reach"}}), file)
     for command in (["show", "policy"], ["report"]):
         assert cb(monkeypatch, *command, str(file)) == 2
-        assert f"'{state}' is no state of searchtrack, reach" in capsys.readouterr().err
+        assert f"'{state}' is not a state of searchtrack, reach" in capsys.readouterr().err

@@ -98,7 +98,7 @@ def test_another_format_is_told_with_those_that_there_are(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", "program", "reach", "--format", "xml") == 2
-    told = "cb: there is no format 'xml' (known: text, json, dot, mermaid, svg)\n"
+    told = "cb: unknown format 'xml' (known: text, json, dot, mermaid, svg)\n"
     assert capsys.readouterr().err == told
 
 

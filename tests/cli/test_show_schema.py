@@ -87,4 +87,4 @@ def test_what_stands_in_has_to_fit(
     assert "CB634" in told and "its actions are not those of 'reachtouch'" in told
     file.write_text(SCHEMA.replace("reachtouch_bimanual", "nonesuch"), encoding="utf-8")
     assert cb(monkeypatch, "validate", str(file)) == 1
-    assert "there is no sound program 'nonesuch'" in " ".join(capsys.readouterr().out.split())
+    assert "no valid program 'nonesuch'" in " ".join(capsys.readouterr().out.split())

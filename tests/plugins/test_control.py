@@ -111,7 +111,7 @@ def test_a_modifier_of_the_slot_that_fails_is_named(
     [
         ("keep_out", "keep_oot", "keep_out"),
         ("orbit: {radius: 5 cm, period: 4 s}", "funnel: {height: 5 cm}", "a key of the controller"),
-        ("orbit: {radius", "orbt: {radius", "there is no modifier 'orbt'"),
+        ("orbit: {radius", "orbt: {radius", "unknown modifier 'orbt'"),
         ("period: 4 s", "period: 4 cm", "expected time"),
         (", period: 4 s", "", "its options are radius, period"),
         ("[0.35 m, -0.3 m, 0.1 m], feedback: right_arm.position,\n     effector: "

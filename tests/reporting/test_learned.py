@@ -58,7 +58,7 @@ def test_what_is_missing_is_told(tmp_path: Path) -> None:
     learned = read_learned(file)
     assert [model.document.effector for model in learned.models] == ["right_hand"]
     assert learned.notes == (
-        "Without the internal model walked_head: there is no model 'walked_head'.",
+        "Without the internal model walked_head: unknown model 'walked_head'.",
     )
 
 

@@ -148,7 +148,7 @@ def test_changes_last_over_episodes(play: Play, checked: Checked) -> None:
         (lambda c: c.hold("approach", (1.0, 2.0, math.inf)), "three numbers"),
         (lambda c: c.compose([]), "at least one"),
         (lambda c: c.compose(["touch", "touch"]), "each of them once"),
-        (lambda c: c.compose(["searchtrack.track"]), "there is no controller"),
+        (lambda c: c.compose(["searchtrack.track"]), "unknown controller"),
     ],
 )
 def test_what_cannot_be_is_refused_and_changes_nothing(

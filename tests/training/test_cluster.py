@@ -191,7 +191,9 @@ def test_a_server_that_is_no_scheduler_is_told(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listening:
         threading.Thread(target=_answer, args=(listening,), daemon=True).start()
         address = f"tcp://127.0.0.1:{listening.getsockname()[1]}"
-        with pytest.raises(UsageError, match=f"--scheduler {address}: what answers there is no"):
+        with pytest.raises(
+            UsageError, match=f"--scheduler {address}: the server at this address is not"
+        ):
             run_on_cluster(made_tasks(tmp_path, 1, 1), address, Notes())
 
 

@@ -132,9 +132,12 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, text: str) -> N
     ("damage", "problem"),
     [
         (lambda line: line.replace('"seed"', '"sead"'), "it lacks 'seed'"),
-        (lambda line: line[:-20], "it is no JSON ("),
-        (lambda line: "[1, 2]", "it is no JSON object"),
-        (lambda line: line.replace('"rewarded": {', '"rewarded": 7, "r": {'), "it is no episode ("),
+        (lambda line: line[:-20], "it is not JSON ("),
+        (lambda line: "[1, 2]", "it is not a JSON object"),
+        (
+            lambda line: line.replace('"rewarded": {', '"rewarded": 7, "r": {'),
+            "it is not an episode (",
+        ),
     ],
 )
 def test_a_damaged_line_is_told_by_its_number_and_how_to_go_on(

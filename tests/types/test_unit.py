@@ -33,7 +33,7 @@ def test_what_is_no_finite_number_is_an_error(value: object) -> None:
 
 
 def test_an_error_names_the_units_that_would_do() -> None:
-    with pytest.raises(QuantityError, match=r"of force; expected length \(m, cm, mm, km\)"):
+    with pytest.raises(QuantityError, match=r"dimension force; expected length \(m, cm, mm, km\)"):
         read_quantity("2 N", ("length",))
     with pytest.raises(QuantityError, match=r"'metre' is not a unit; expected length"):
         read_quantity("2 metre", ("length",))

@@ -61,7 +61,7 @@ def test_a_name_means_what_it_would_mean_in_a_document_here(tmp_path: Path) -> N
     own.write_text("cbdsl: 1\nkind: program\nname: own\n", encoding="utf-8")
     library = Library(tmp_path)
     assert library.locate(ProgramDocument, "own") == own
-    with pytest.raises(UsageError, match="there is no stage 'own'"):
+    with pytest.raises(UsageError, match="unknown stage 'own'"):
         library.locate(StageDocument, "own")
     with pytest.raises(UsageError, match="did you mean 'own'"):
         library.locate(ProgramDocument, "ownn")

@@ -144,7 +144,7 @@ class LeRobotBackend:
         finite = np.isfinite(reference)
         if not finite.all():
             joint = self._joints[int(np.argmin(finite))]
-            raise BackendError(f"the reference of joint '{joint}' is no finite number")
+            raise BackendError(f"the reference of joint '{joint}' is not a finite number")
         change = np.clip(reference - self._reference, -self._farthest, self._farthest)
         self._reference = np.clip(self._reference + change, self._lower, self._upper)
 

@@ -196,5 +196,5 @@ def accepts(potential: PotentialType, feedback: Resource) -> bool:
 
 def _why_nothing(feedback: Resource) -> str:
     if not is_measured(feedback):
-        return f", and nothing does: it is no signal ({feedback.origin.value})"
-    return ", and nothing does"
+        return f"; no effector does, because it is not a signal ({feedback.origin.value})"
+    return "; no effector does"

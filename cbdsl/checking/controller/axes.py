@@ -42,7 +42,7 @@ def fill_axes(
         at = (*steps, "axes", place)
         value = context.substitute(text, at, scope)
         if value is not None and value not in AXES:
-            problem = f"'{value}' is none of x, y and z"
+            problem = f"unknown axis '{value}'; allowed are x, y and z"
             context.add("CB580", context.source.place(*at), problem=problem)
         if value is None or value not in AXES:
             value = next((axis for axis in AXES if axis not in (*document.axes, *filled)), AXES[-1])

@@ -73,7 +73,7 @@ def _problem(feedback: Resource, effector: Resource) -> str:
     if feedback.type.name != "force" or not isinstance(
         feedback.source, (FingerLoad, NetLoad, NetForces)
     ):
-        return f"'{feedback.name}' is no force of a finger or a hand that an arm presses with"
+        return f"'{feedback.name}' is not a force of a finger or a hand that an arm presses with"
     if effector.type.name != "position":
         return f"'{effector.name}' is a {effector.type}, and moves in {effector.type.unit}"
     return ""

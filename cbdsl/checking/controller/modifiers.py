@@ -37,7 +37,7 @@ def _problem(
 ) -> str | dict[str, float]:
     """Return the options in SI units, or the error of a modifier as a clause."""
     if name not in MODIFIERS:
-        return f"there is no modifier '{name}'"
+        return f"unknown modifier '{name}'"
     try:
         kind = MODIFIERS.get(name)
     except UsageError as error:

@@ -46,7 +46,7 @@ def _faint(context: ProgramContext, document: written.ControllerSection, feedbac
     change, least = document.onset.change, least_force(context.body.document)
     if not 0.0 < change <= least:
         return ""
-    return f"{change:g} N is no more than what the load cells take for noise, {least:g} N"
+    return f"{change:g} N is within the noise of the load cells, {least:g} N"
 
 
 def _problem(
@@ -60,10 +60,10 @@ def _problem(
         if potential.field:
             return "a field is solved for before it is known where 'here' is"
         if potential.compares is not None:
-            return f"'here' is no {potential.compares}, which {potential.name} wants"
+            return f"'here' is not a {potential.compares}, which {potential.name} requires"
     base = reference.base if isinstance(reference, Relative) else None
     if base is not None and base.is_drawn:
-        return f"'{base.name}' is drawn anew, and nothing is displaced from a draw"
+        return f"'{base.name}' is random, and a random reference cannot be displaced"
     return ""
 
 
@@ -71,7 +71,7 @@ def _fault(reference: Reference, feedback: Resource) -> str:
     """Return the error of an onset, as a clause; empty if there is none."""
     loads = (NetLoad, FingerLoad)
     if not isinstance(feedback.source, loads) or feedback.type.name == "wrench":
-        return f"'{feedback.name}' is no force and no torque of a hand or a finger"
+        return f"'{feedback.name}' is neither a force nor a torque of a hand or a finger"
     if not (isinstance(reference, Relative) and reference.base is None and any(reference.offset)):
         return "the load changes from 'here' towards a reference such as 'here - 2 N'"
     return ""

@@ -91,7 +91,7 @@ def _problems(
 def _ranges(context: ProgramContext, effector: str, moved: tuple[str, ...]) -> Iterator[str]:
     joints = context.body.document.joints(effector)
     if joints != moved:
-        yield f"it has the joints of '{effector}', and others are moved"
+        yield f"it applies to the joints of '{effector}', but others are moved"
     for joint, span in zip(joints, context.body.limits(joints), strict=True):
         if span is not None and not (math.isfinite(span[1] - span[0]) and span[0] < span[1]):
             yield f"joint '{joint}' has no limits with a middle between them"

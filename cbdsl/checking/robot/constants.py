@@ -55,8 +55,8 @@ def check_constants(loaded: Loaded[RobotDocument], findings: Findings) -> None:
     check_signs(robot, source, (), positive, not_negative, findings)
     if robot.vision.latency > _LATEST:
         place = source.place("vision", "latency")
-        problem = f"images that come {robot.vision.latency:g} s late show nothing of use"
-        findings.add("CB208", place, problem=f"{problem}; it has to be at most {_LATEST:g} s")
+        problem = f"a latency of {robot.vision.latency:g} s is too long for control"
+        findings.add("CB208", place, problem=f"{problem}; it must be at most {_LATEST:g} s")
     if all(source.is_whole(*rate) for rate in _RATES):
         _rates(robot, source, findings)
         _tasks(robot, source, findings)
@@ -85,7 +85,7 @@ def check_signs(
             value: Any = reduce(_part, path, document)
             if value is not None and (value < 0 or (value == 0 and paths is positive)):
                 place = source.place(*steps, *path)
-                findings.add("CB208", place, problem=f"it has to be {wanted}")
+                findings.add("CB208", place, problem=f"it must be {wanted}")
 
 
 def _part(value: Any, step: Any) -> Any:
@@ -103,8 +103,8 @@ def _rates(robot: RobotDocument, source: SourceMap, findings: Findings) -> None:
         steps: Steps = ("simulation", "physics_rate")
         would_do = max(1, round(ratio)) * control
         problem = (
-            f"{physics:g} physics steps per second are no multiple of {control:g} ticks, as "
-            f"{would_do:g} would be"
+            f"{physics:g} physics steps per second are not a multiple of {control:g} ticks; write "
+            f"a multiple, such as {would_do:g}"
         )
         place = source.place(*(steps if source.holds(*steps) else rate))
         findings.add("CB313", place, problem=problem)

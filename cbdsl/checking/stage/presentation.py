@@ -157,14 +157,14 @@ class _PresentationCheck:
         removed, released = show.removed_after, show.released_after
         is_held = show.place is not None and show.place.held
         if removed is not None and released is not None and removed <= released:
-            self._excluded("removed_after", f"it is let go of only after {released:g} s")
+            self._excluded("removed_after", f"it is released only after {released:g} s")
         if show.motion is None:
             return
         start = show.motion.after[0]
         if is_held and (released is None or start < released):
             self._excluded("motion", "it is held still when the motion starts")
         if removed is not None and removed <= start:
-            self._excluded("removed_after", "it is taken away before its motion starts")
+            self._excluded("removed_after", "it is removed before its motion starts")
 
     def _excluded(self, key: str, problem: str) -> None:
         self._findings.add("CB357", self._source.key(*self._steps, key), problem=problem)

@@ -118,7 +118,7 @@ def require_legible(policy: PolicyDocument, file: Path) -> None:
     for each in decisions(policy):
         if len(each.state) != size or not set(each.state) <= _LETTERS:
             members = ", ".join(policy.predicates) or "no members"
-            raise UsageError(f"{file}: '{each.state}' is no state of {members}; see cb validate")
+            raise UsageError(f"{file}: '{each.state}' is not a state of {members}; see cb validate")
 
 
 def _arrivals(policy: PolicyDocument) -> Counter[str]:

@@ -62,7 +62,7 @@ def composed_program(
         ValueError: The name is invalid for a program.
     """
     if not re.fullmatch(NAME_PATTERN, name) or "\n" in name:
-        raise ValueError(f"'{name}' is no name of a program: letters, digits and _")
+        raise ValueError(f"'{name}' is not a name of a program: letters, digits and _")
     source = _plain(Library().text(file), str(file))
     before, controllers = source.get("name", ""), dict(source["controllers"])
     left_out = []

@@ -59,7 +59,7 @@ class Requests:
         name = request.get("do")
         if not isinstance(name, str) or name not in self._does:
             near, known = suggestion(str(name), self._does), ", ".join(self._does)
-            raise RequestError(f"there is no request '{name}'{near} (known: {known})")
+            raise RequestError(f"unknown request '{name}'{near} (known: {known})")
         return self._does[name](request)
 
     def _pause(self, _: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -100,7 +100,7 @@ class Requests:
     def _compose(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
         stack = request.get("stack")
         if stack is not None and not _is_list_of(stack, str):
-            raise RequestError(f"stack: {stack!r} is no list of controllers, nor null")
+            raise RequestError(f"stack: {stack!r} is not a list of controllers, nor null")
         self._ask(lambda: self._composer.compose(stack))
         return {}
 
@@ -134,7 +134,7 @@ def text(request: Mapping[str, Any], key: str) -> str:
     """
     value = request.get(key)
     if not isinstance(value, str):
-        raise RequestError(f"{key}: {value!r} is no text")
+        raise RequestError(f"{key}: {value!r} is not text")
     return value
 
 
@@ -146,7 +146,7 @@ def numbers(request: Mapping[str, Any], key: str) -> list[float]:
     """
     values = request.get(key)
     if not isinstance(values, list):
-        raise RequestError(f"{key}: {values!r} is no list of numbers")
+        raise RequestError(f"{key}: {values!r} is not a list of numbers")
     return [number({key: value}, key) for value in values]
 
 
@@ -158,5 +158,5 @@ def number(request: Mapping[str, Any], key: str) -> float:
     """
     value = request.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise RequestError(f"{key}: {value!r} is no number")
+        raise RequestError(f"{key}: {value!r} is not a number")
     return float(value)

@@ -16,12 +16,12 @@ from cbdsl.errors.wording import diagnostic
 _MARKER = re.compile(r"(?:<{7}|\|{7}|>{7})(?: .*)?\Z|={7}\Z")
 _FIRST, _LAST = "<<<<<<<", ">>>>>>>"
 _MERGED = (
-    "is of a merge conflict; keep one of the two sides, and delete the lines that begin with "
+    "belongs to a merge conflict; keep one of the two sides, and delete the lines that begin with "
     "'<<<<<<<', '=======' and '>>>>>>>'"
 )
 _COMPARED = (
-    "is of a comparison of two versions; keep the lines that begin with '+', without it, and "
-    "delete those that begin with '-', or the other way round"
+    "belongs to a diff of two versions; keep the lines that begin with '+', without the sign, and "
+    "delete the lines that begin with '-', or vice versa"
 )
 # A line of the newer version has a plus sign in front of a key or an item.
 _NEWER = re.compile(r"\+\s*(?:- \s*\S|[\w*'\"-]+\s*:(?:\s|$))")

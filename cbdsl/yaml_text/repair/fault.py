@@ -34,12 +34,12 @@ _EXPECTED = {
     "bool_parsing": "true or false",
 }
 _PROBLEMS = {
-    "greater_than": "it has to be greater than {gt:g}",
-    "greater_than_equal": "it has to be at least {ge:g}",
-    "less_than": "it has to be less than {lt:g}",
-    "less_than_equal": "it has to be at most {le:g}",
-    "too_short": "{actual_length} given, at least {min_length} needed",
-    "too_long": "{actual_length} given, at most {max_length} possible",
+    "greater_than": "it must be greater than {gt:g}",
+    "greater_than_equal": "it must be at least {ge:g}",
+    "less_than": "it must be less than {lt:g}",
+    "less_than_equal": "it must be at most {le:g}",
+    "too_short": "{actual_length} given, at least {min_length} required",
+    "too_long": "{actual_length} given, at most {max_length} allowed",
 }
 #: Names of the components of fixed-length lists.
 _PARTS = {
@@ -122,7 +122,7 @@ def not_allowed(place: Place, names: Sequence[str], value: object) -> Diagnostic
     """Return the diagnostic of a value that is not among the allowed names."""
     if isinstance(value, str):
         return diagnostic("CB206", place, names=names, name=value)
-    expected = "one of the words that are allowed"
+    expected = "one of the allowed words"
     return diagnostic(
         "CB204", place, names=names, given="", expected=expected, found=describe(value)
     )
@@ -136,7 +136,7 @@ def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Di
     given_values = count(len(given.value) if isinstance(given.value, list) else 1, "value")
     parts = _PARTS.get(str(path[-1]))
     names = f": {parts}" if parts else ""
-    problem = f"{given_values} where {wanted} are wanted{names}"
+    problem = f"{given_values} given, {wanted} required{names}"
     return diagnostic("CB208", given.place, problem=problem)
 
 

@@ -173,7 +173,7 @@ def _look_alike(trouble: _Trouble) -> Slip | None:
 def _fence(trouble: _Trouble) -> Slip | None:
     if not _FENCE.match(trouble.text):
         return None
-    problem = "this line marks a block of code in a text, and is no part of it; delete it"
+    problem = "this line marks a block of code in a text, and is not a part of it; delete it"
     fences = (n for n, line in enumerate(trouble.lines, 1) if _FENCE.match(line))
     return Slip(problem, trouble.line, 1, lines=dict.fromkeys(fences, ""))
 
@@ -195,7 +195,7 @@ def _unquoted(trouble: _Trouble) -> Slip | None:
     if match is None:
         return None
     quoted = f"'{match['text'].strip('`')}'"
-    problem = f"text that begins with '{rest[0]}' has to be quoted; write {quoted}"
+    problem = f"a text that begins with '{rest[0]}' must be quoted; write {quoted}"
     # Only the schema can decide whether a value may begin with such a sign.
     is_certain = key is not None or rest[0] == "`"
     mended = {line: before + quoted + rest[match.end() :]} if is_certain else {}
@@ -218,7 +218,7 @@ def _after_the_end(trouble: _Trouble) -> Slip | None:
         problem = f"leave out the '{rest}' at the end of the line"
         return Slip(problem, trouble.line, trouble.column, lines=trouble.instead(before))
     if set(rest) <= {"]", "}"}:
-        problem = f"this '{rest}' closes nothing; leave it out"
+        problem = f"unmatched '{rest}'; remove it"
         return Slip(problem, trouble.line, trouble.column, lines=trouble.instead(before))
     problem = (
         f"'{rest}' cannot follow the '{before[-1]}', which ends the value; a unit stands behind "
@@ -239,7 +239,7 @@ def _row_in_text(trouble: _Trouble) -> Slip | None:
     start = len(trouble.before) - len(text)
     quoted = f'"{text}{row[0]}"'
     line = trouble.before[:start] + quoted + trouble.rest[row.end() :]
-    problem = f"within braces, text that holds brackets has to be quoted; write {quoted}"
+    problem = f"within braces, a text with brackets must be quoted; write {quoted}"
     return Slip(problem, trouble.line, start + 1, "CB124", trouble.instead(line))
 
 

@@ -66,17 +66,17 @@ def test_changes_are_made_and_saved(paused: Paused) -> None:
 @pytest.mark.parametrize(
     ("request_", "words"),
     [
-        ({"do": "gain", "controller": "approach"}, "value: None is no number"),
-        ({"do": "gain", "controller": 1, "value": 1}, "controller: 1 is no text"),
+        ({"do": "gain", "controller": "approach"}, "value: None is not a number"),
+        ({"do": "gain", "controller": 1, "value": 1}, "controller: 1 is not text"),
         ({"do": "gain", "controller": "approach", "value": -1}, "above 0"),
         ({"do": "hold", "controller": "approach", "target": "here"}, "no list of numbers"),
         ({"do": "hold", "controller": "approach", "target": [1, 2, True]}, "no number"),
         ({"do": "hold", "controller": "approach", "target": [1, 2]}, "three numbers"),
         ({"do": "compose", "stack": "approach"}, "no list of controllers"),
         ({"do": "compose", "stack": [["approach"]]}, "no list of controllers"),
-        ({"do": "compose", "stack": ["reach"]}, "there is no controller 'reach'"),
+        ({"do": "compose", "stack": ["reach"]}, "unknown controller 'reach'"),
         ({"do": "save", "name": "../mine"}, "no name of a program"),
-        ({"do": "save"}, "name: None is no text"),
+        ({"do": "save"}, "name: None is not text"),
     ],
     ids=str,
 )

@@ -84,7 +84,7 @@ NOT_YAML = [
     ("a: {x: 1,\n  y: 2\nb: 3\n", (1, 4), "this '{' is never closed; a '}' is missing"),
     ("a: [1, 2\nb: 3\n", (1, 4), "this '[' is never closed; a ']' is missing"),
     ("a: [1, 2}\n", (1, 9), "this '}' does not close the '[' in line 1; write ']'"),
-    ("a: [1, 2]]\nb: 1\n", (1, 10), "this ']' closes nothing"),
+    ("a: [1, 2]]\nb: 1\n", (1, 10), "unmatched ']'"),
     ("a: [1, 2],\nb: 1\n", (1, 10), "leave out the ',' at the end"),
     ("a: [1, 2] deg\nb: 1\n", (1, 11), "'deg' cannot follow the ']'"),
     ("a: [1,, 2]\n", (1, 7), "a value is missing before this ','"),
@@ -124,7 +124,7 @@ UNQUOTED = [
     ("a: {b: 1 m, c: stereo.red - [1 cm]}\n", (1, 16), 'write "stereo.red - [1 cm]"'),
 ]
 LOOK_ALIKE = [
-    ("a: \u221244 cm\n", (1, 4), "(U+2212, minus sign) is not the character that is meant"),
+    ("a: \u221244 cm\n", (1, 4), "(U+2212, minus sign) looks like another character"),
     ("a: \u20131.5\n", (1, 4), "write '-1.5'"),
     ("a: \uff12\uff15\n", (1, 4), "write '25'"),
     ("a: 25\xa0cm\n", (1, 4), "U+00A0 (no-break space)"),
