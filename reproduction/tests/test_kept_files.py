@@ -55,7 +55,7 @@ def test_a_line_that_was_cut_off_is_told_and_the_rest_goes_on(
 
 
 @pytest.mark.parametrize(
-    ("line", "problem"), [(b"\xff\xfe\x00garbage", "no UTF-8"), (b"12", "no row of a trial")]
+    ("line", "problem"), [(b"\xff\xfe\x00garbage", "not UTF-8"), (b"12", "not a row of a trial")]
 )
 def test_a_line_that_cannot_be_passed_over_stops_with_its_number_and_a_remedy(
     line: bytes,

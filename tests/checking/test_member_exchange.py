@@ -123,7 +123,7 @@ def test_a_schema_may_exchange_members(tmp_path: Path) -> None:
     ("old", "new", "finding"),
     [
         ("touch: tactileprobe", "tuch: tactileprobe", "CB606"),
-        ("touch: tactileprobe", "touch: tactileprob", "no sound program 'tactileprob'"),
+        ("touch: tactileprobe", "touch: tactileprob", "no valid program 'tactileprob'"),
         ("touch: tactileprobe", "touch: searchtrack", "'searchtrack' is not rewarded for spring"),
         ("touch: tactileprobe", "touch: bimanualtouch", "'bimanualtouch' uses 'reachtouch' itself"),
         ("touch: tactileprobe", "touch: tactileprobe, program: reachtouch_bimanual", "CB634"),

@@ -122,7 +122,7 @@ def test_a_heading_has_the_chain_along_which_its_effector_moves_it(
 def test_unknown_names_are_usage_errors() -> None:
     with pytest.raises(UsageError, match="did you mean 'searchtrack'"):
         check_program("serchtrack")
-    with pytest.raises(UsageError, match="no parameter 'featur'; did you mean 'feature'"):
+    with pytest.raises(UsageError, match="unknown parameter 'featur'; did you mean 'feature'"):
         check_program("searchtrack", {"featur": "hue_1"})
 
 

@@ -103,7 +103,7 @@ MISTAKES = [
     (["searchtrack", "--policy", "reachtouch"], 2, ["policies/reachtouch.yaml", "'reachtouch'"]),
     (["searchtrack", "--policy", "serchtrack"], 2, ["did you mean 'searchtrack'"]),
     (["searchtrack", "--policy", "none.yaml"], 1, ["none.yaml:1:1"]),
-    (["searchtrack", "--policy", "episode_1.json"], 2, ["no policy document", "recording"]),
+    (["searchtrack", "--policy", "episode_1.json"], 2, ["not a policy document", "recording"]),
     (["searchtrack", "--record", "file"], 2, ["--record file"]),
     (["searchtrack", "--record", "file/below"], 2, ["--record file/below"]),
     (["searchtrack", "--seed", "-1"], 2, ["--seed"]),

@@ -34,5 +34,5 @@ def test_all_of_a_hundred() -> None:
 
 @pytest.mark.parametrize(("hits", "trials"), [(0, 0), (-1, 5), (6, 5)])
 def test_what_is_no_proportion_is_refused(hits: int, trials: int) -> None:
-    with pytest.raises(ValueError, match="no proportion"):
+    with pytest.raises(ValueError, match="not a proportion"):
         exact_interval(hits, trials)

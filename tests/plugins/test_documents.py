@@ -126,7 +126,7 @@ def check(*_):
     [
         ("3", "is int, not"),
         ("PLAYLIST", 'lacks kind: Literal["broken"]'),
-        ("PLAYLIST._replace(model=int)", "no subclass"),
+        ("PLAYLIST._replace(model=int)", "not a subclass"),
         ("PLAYLIST._replace(model=Broken, references={'robot': 'robto'})", "not there: robto"),
         ("PLAYLIST._replace(model=Broken, references={'robots': 'robot'})", "references robots"),
         ("PLAYLIST._replace(model=Broken, folder='../x')", "folder ../x"),
@@ -154,7 +154,7 @@ def test_a_broken_record_is_named_with_its_package_and_takes_nothing_down(
     out, err = capsys.readouterr()
     assert "kind of document 'broken' (package faulty 1.0, group cbdsl.documents)" in err
     assert reason in err
-    assert "CB206 'broken'" in out and "1 error" in out
+    assert "CB206 unknown value 'broken'" in out and "1 error" in out
     assert cb(monkeypatch, "schema", "--write", "schemas") == 0
     assert reason in capsys.readouterr().err
 

@@ -49,7 +49,7 @@ def test_it_learns_and_goes_on_after_an_interruption(
         (("--set", "exploraton=0.5"), "did you mean 'exploration'"),
         (("--set", "exploration=2"), "constant exploration = 2: "),
         (("--set", "patience=3 cm"), "constant patience = 3 cm: "),
-        (("--bandwidth", "0.1"), "no constant of learner 'monte_carlo', 'bandwidth'"),
+        (("--bandwidth", "0.1"), "unknown constant of learner 'monte_carlo', 'bandwidth'"),
         (("--set", "exploration"), "--set exploration: expected name=value"),
     ],
 )

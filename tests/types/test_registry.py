@@ -49,7 +49,9 @@ def test_a_package_adds_an_entry(registry: Registry[float], folder: Path) -> Non
 
 
 def test_an_unknown_name_has_the_nearest_and_all_known_ones(registry: Registry[float]) -> None:
-    with pytest.raises(UsageError, match=r"no number 'tua'; did you mean 'tau'.*known: pi, tau"):
+    with pytest.raises(
+        UsageError, match=r"unknown number 'tua'; did you mean 'tau'.*known: pi, tau"
+    ):
         registry.get("tua")
 
 

@@ -215,7 +215,7 @@ def test_reference_that_is_not_finite_is_never_sent(odd: float) -> None:
     backend = begun(device)
     reference = np.zeros(len(NAMES))
     reference[2] = odd
-    with pytest.raises(BackendError, match=f"the reference of joint '{NAMES[2]}' is no finite"):
+    with pytest.raises(BackendError, match=f"the reference of joint '{NAMES[2]}' is not a finite"):
         stepped(backend, reference)
     assert device.actions == []
 

@@ -70,5 +70,5 @@ def test_findings_are_told_and_changes_of_other_programs_left_out(file: Path) ->
 
 @pytest.mark.parametrize("name", ["", "../etc/passwd", "a b", "1a", "a.yaml", "x\n"])
 def test_only_names_of_programs_are_taken(file: Path, name: str) -> None:
-    with pytest.raises(ValueError, match="no name of a program"):
+    with pytest.raises(ValueError, match="not a name of a program"):
         composed_program(file, "table_right", {}, NOTHING, name)

@@ -135,8 +135,8 @@ def test_nothing_is_done_without_the_token(served: Served) -> None:
         ({"do": "step", "ticks": 0}, "from 1 to 1000"),
         ({"do": "step", "ticks": True}, "from 1 to 1000"),
         ({"do": "speed", "value": 0}, "from 0.01 to 100"),
-        ({"do": "speed", "value": "1"}, "no number"),
-        (b'{"do": "speed", "value": NaN}', "no number"),
+        ({"do": "speed", "value": "1"}, "not a number"),
+        (b'{"do": "speed", "value": NaN}', "not a number"),
     ],
     ids=str,
 )
