@@ -10,6 +10,11 @@ reproduction=""
 [ "$extra" != dev ] || reproduction="./reproduction[dev]"
 
 fail() { echo "setup: $1" >&2; exit 1; }
+# Names in the table of extras.
+extras=$(sed -n '/^\[project.optional-dependencies\]/,/^\[/s/^\([a-z0-9]*\) = .*/\1/p' pyproject.toml)
+for name in $(echo "$extra" | tr ',' ' '); do
+    echo "$extras" | grep -qx "$name" || fail "unknown extra '$name'; allowed: $(echo "$extras" | paste -sd ' ' -)"
+done
 # An ordinary user's PATH may lack ldconfig.
 has_library() { PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q "$1"; }
 is_supported() {
@@ -41,7 +46,8 @@ has_library libgomp.so.1 || packages="$packages libgomp1"
     packages="$packages libegl1 libgl1 libgl1-mesa-dri"
 if [ -n "$packages" ] && command -v apt-get >/dev/null 2>&1 && [ "$(id -u)" = 0 ]; then
     echo "setup: apt-get install ${packages# }"
-    # shellcheck disable=SC2086 -- one word per package
+    # One word per package.
+    # shellcheck disable=SC2086
     { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $packages; } >/dev/null 2>&1 ||
         echo "setup: apt-get could not install ${packages# }; continuing without" >&2
 elif [ -n "$packages" ]; then

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from types import FunctionType
 
 from numba.core import event
@@ -58,5 +59,14 @@ class _Teller(event.Listener):
     def conclude(self) -> None:
         """Report machine code that could not be kept."""
         if self._progress is not None and (reason := problem()):
-            message = f"compiled code cannot be kept ({reason}), so every run compiles again"
-            print(message, file=sys.stderr, flush=True)
+            _report(reason)
+
+
+@cache
+def _report(reason: str) -> None:
+    """Report once that machine code cannot be kept."""
+    message = (
+        f"compiled code cannot be kept ({reason}), so every run compiles again; "
+        "NUMBA_CACHE_DIR names another folder"
+    )
+    print(message, file=sys.stderr, flush=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from numba import njit
 
+from cbdsl.cli import compilation
 from cbdsl.cli.compilation import NOTICE, told_of_compilation
 
 
@@ -17,3 +18,18 @@ def test_the_first_function_that_is_compiled_is_told(capsys: pytest.CaptureFixtu
         assert [function(1) for function in functions] == [2, 3]
     assert njit(lambda x: x)(1) == 1  # outside of the context there is no notice
     assert capsys.readouterr() == ("", "")
+
+
+def test_code_that_cannot_be_kept_is_reported_once(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compilation, "problem", lambda: "/kept: Read-only file system")
+    for plus in (1, 2):
+        with told_of_compilation():
+            assert njit(lambda x, plus=plus: x + plus)(1) == 1 + plus
+    expected = (
+        "compiled code cannot be kept (/kept: Read-only file system), so every run compiles again; "
+        "NUMBA_CACHE_DIR names another folder"
+    )
+    lines = capsys.readouterr().err.splitlines()
+    assert [line for line in lines if line != NOTICE] == [expected]
