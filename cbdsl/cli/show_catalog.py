@@ -139,12 +139,17 @@ def _predict(
                 word = "rewarded" if prediction.rewarded else "no reward"
                 print(
                     f"scene {prediction.scene + 1} of {scenes}: {prediction.action:20s} "
-                    f"{prediction.probability:.2f}  {word}",
+                    f"{chance(prediction)}  {word}",
                     flush=True,
                 )
 
         predictions = try_scenes(catalog, runner, scenes, seed, tell)
     _conclude(predictions, as_json=as_json)
+
+
+def chance(prediction: Prediction) -> str:
+    """Return a predicted probability as text."""
+    return f"{prediction.probability:.2f}" if prediction.known else "unknown"
 
 
 def _conclude(predictions: list[Prediction], *, as_json: bool) -> None:

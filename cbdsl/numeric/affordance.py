@@ -22,6 +22,9 @@ _WORKSPACE: Mapping[str, float] = {
 
 # Smallest spread of predictive densities, in parts of the prior's variance.
 _LEAST_SPREAD = 0.01
+# Largest excess of a Mahalanobis distance of familiar features over its usual value, which is the
+# root of the number of components. Gaussian samples exceed it in less than one of 10,000 cases.
+_FAMILIAR = 4.0
 
 
 def _sum(covariance: Floats) -> float:
@@ -108,11 +111,23 @@ class AffordanceModel:
         """Probability Pr(reward | a), by Laplace's rule: 0.5 without trials."""
         return (self.successes + 1) / (self.tried + 2)
 
+    def knows(self, features: Floats) -> bool:
+        """Return whether features are near those of a trial, with reward or without.
+
+        Elsewhere nothing was tried, and a reward is unknown. A model without any features holds
+        everywhere.
+        """
+        tried = [each for each in (self.rewarded, self.unrewarded) if each.weight > 0]
+        most = math.sqrt(len(self.scale)) + _FAMILIAR
+        return not tried or any(self._apart(each, features) <= most for each in tried)
+
     def reward_given(self, features: Floats) -> float:
         """Return Pr(reward | f, a), by Bayes' rule from the features with and without reward.
 
-        It returns to Pr(reward | a) if the features are equally unlikely with and without reward.
+        It is 0.5 where nothing was tried; see ``knows``.
         """
+        if not self.knows(features):
+            return 0.5
         prior = self.reward_probability
         if self.rewarded.weight == 0 or self.unrewarded.weight == 0:
             return prior
@@ -125,9 +140,11 @@ class AffordanceModel:
 
     def distance(self, features: Floats) -> float:
         """Return the Mahalanobis distance of features from the rewarded ones."""
-        if self.rewarded.weight == 0:
-            return 0.0
-        known = self._predictive(self.rewarded)
+        return 0.0 if self.rewarded.weight == 0 else self._apart(self.rewarded, features)
+
+    def _apart(self, samples: SampleStatistics, features: Floats) -> float:
+        """Return the Mahalanobis distance of features from samples."""
+        known = self._predictive(samples)
         apart = features - known.mean
         return math.sqrt(float(apart @ np.linalg.solve(known.covariance, apart)))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
@@ -12,6 +13,8 @@ from cbdsl.numeric.affordance import AffordanceModel, deviation_of
 from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.types.resource import AFFORDS, AffordanceProbability, Origin, Resource
 from cbdsl.types.resource_type import PROBABILITY
+
+Floats = NDArray[np.float64]
 
 
 def affordance_resource(
@@ -82,9 +85,27 @@ def predict(
     ahead: Mapping[str, tuple[float, ...]],
 ) -> float:
     """Return Pr(reward | f, a) from the features before the action, or Pr(reward | a) without."""
+    features = _vector(affordance, model, ahead)
+    return model.reward_probability if features is None else model.reward_given(features)
+
+
+def is_known(
+    affordance: AffordanceSection,
+    model: AffordanceModel,
+    ahead: Mapping[str, tuple[float, ...]],
+) -> bool:
+    """Return whether an action was tried with features like those before the action."""
+    features = _vector(affordance, model, ahead)
+    return features is None or model.knows(features)
+
+
+def _vector(
+    affordance: AffordanceSection,
+    model: AffordanceModel,
+    ahead: Mapping[str, tuple[float, ...]],
+) -> Floats | None:
+    """Return the components of a model's features, or ``None`` if some are undefined."""
     if not affordance.features or not all(name in ahead for name in affordance.features):
-        return model.reward_probability
+        return None
     numbers = [value for name in affordance.features for value in ahead[name]]
-    if len(numbers) != len(model.scale):
-        return model.reward_probability
-    return model.reward_given(np.array(numbers))
+    return np.array(numbers) if len(numbers) == len(model.scale) else None

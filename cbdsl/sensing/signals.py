@@ -306,14 +306,20 @@ class Signals:
         return self._rows.bind_read(size, reader, form)
 
     def _affordance(self, source: AffordanceProbability) -> Reading | None:
-        """Return Pr(reward | f, a) for the current features, ``None`` while one is undefined."""
+        """Return Pr(reward | f, a) for the current features.
+
+        It is ``None`` while a feature is undefined, or unlike all that were tried.
+        """
         values = []
         for feature in source.features:
             reading = self.read(feature)
             if reading is None:
                 return None
             values.append(reading.value.ravel())
-        probability = source.model.reward_given(np.concatenate([*values, np.zeros(0)]))
+        features = np.concatenate([*values, np.zeros(0)])
+        if not source.model.knows(features):
+            return None
+        probability = source.model.reward_given(features)
         return Reading(np.array([probability]), None, int(self.clock[0]))
 
     def _bind_normal_forces(self, source: FingerForces | NetForces) -> int:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.program.catalog_models import models_of, predict
+from cbdsl.program.catalog_models import is_known, models_of, predict
 from cbdsl.training.action_runner import ActionRunner
 
 # Number of probability bins of a reliability diagram.
@@ -24,6 +24,7 @@ class Prediction(NamedTuple):
         probability: Predicted probability of reward, given the features.
         base: Base rate of the action's rewards in the catalog, without the features.
         rewarded: True if the action was rewarded.
+        known: True if the action was tried with such features; otherwise the probability is 0.5.
     """
 
     scene: int
@@ -31,6 +32,7 @@ class Prediction(NamedTuple):
     probability: float
     base: float
     rewarded: bool
+    known: bool = True
 
 
 class Reliability(NamedTuple):
@@ -76,7 +78,8 @@ def try_scenes(
         # Another turn of the experimenter would invalidate the features.
         outcome = runner.run(name, names, own, undisturbed=True)
         base = models[name].reward_probability
-        predictions.append(Prediction(scene, name, probability, base, outcome.rewarded))
+        known = is_known(catalog.affordances[name], models[name], ahead)
+        predictions.append(Prediction(scene, name, probability, base, outcome.rewarded, known))
         note(predictions[-1])
     return predictions
 

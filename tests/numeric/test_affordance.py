@@ -107,7 +107,9 @@ def test_an_action_that_never_failed_is_predicted_by_its_rate() -> None:
     assert model.reward_given(np.zeros(1)) == 0.5
     for _ in range(8):
         model = model.updated(np.zeros(1), rewarded=True)
-    assert model.reward_given(np.full(1, 50.0)) == 0.9
+    assert model.reward_given(np.ones(1)) == 0.9
+    # Nothing was tried there.
+    assert model.reward_given(np.full(1, 50.0)) == 0.5
 
 
 @given(
@@ -131,3 +133,29 @@ def test_variance_of_the_other_measures_depends_on_the_origin(measure: str) -> N
     fresh = AffordanceModel.fresh(np.full(3, 0.03))
     near, far = (fresh.updated(np.full(3, x), rewarded=True) for x in (0.0, 1.0))
     assert far.variance(measure) > 10 * near.variance(measure)
+
+
+@pytest.mark.parametrize("rewarded", [True, False])
+def test_reward_given_unfamiliar_features_is_unknown(rewarded: bool) -> None:
+    rng = np.random.default_rng(4)
+    model = AffordanceModel.fresh(np.full(3, 0.03))
+    for sample in rng.normal([0.6, -0.2, -0.3], 0.08, (50, 3)):
+        model = model.updated(sample, rewarded=rewarded)
+    near, far = np.array([0.65, -0.3, -0.25]), np.array([1.5, -0.2, -0.3])
+    assert model.knows(near) and model.reward_given(near) == model.reward_probability
+    assert not model.knows(far) and model.reward_given(far) == 0.5
+
+
+def test_knows_nearly_all_samples_of_its_own_distribution() -> None:
+    rng = np.random.default_rng(5)
+    model = AffordanceModel.fresh(np.full(4, 0.03))
+    samples = rng.multivariate_normal(np.zeros(4), np.diag([0.2, 0.1, 0.05, 0.01]), 40)
+    for place, sample in enumerate(samples):
+        model = model.updated(sample, rewarded=place % 3 > 0)
+    fresh = rng.multivariate_normal(np.zeros(4), np.diag([0.2, 0.1, 0.05, 0.01]), 1000)
+    assert sum(map(model.knows, fresh)) >= 995
+
+
+def test_model_without_features_knows_everything() -> None:
+    model = AffordanceModel.fresh(np.zeros(0)).updated(None, rewarded=True)
+    assert model.knows(np.zeros(0))
