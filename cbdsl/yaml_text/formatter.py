@@ -78,23 +78,23 @@ def formatted(text: str) -> str:
     Raises:
         SyntaxFaultError: The text is not valid YAML.
     """
+    given = text.removeprefix("\ufeff")
     try:
-        return _formatted(text)
+        events = _events(given)
     except yaml.MarkedYAMLError as error:
         raise SyntaxFaultError(error, ()) from None
-
-
-def _formatted(text: str) -> str:
-    lines = [line.rstrip("\r\n") for line in lines_of(text.removeprefix("\ufeff"))]
-    source = "\n".join(lines) + "\n"
     try:
-        layout = _Layout(source, lines)
-    except UnknownLayoutError:
-        _events(source)  # raises if the text is not valid YAML
+        result = _laid_out(given)
+        # Some line breaks of the given text may be parts of values.
+        is_same = _events(result) == events and comments(result) == comments(given)
+    except (UnknownLayoutError, yaml.MarkedYAMLError):
         return text
-    result = layout.text()
-    is_same = _events(result) == _events(source) and comments(result) == comments(source)
     return result if is_same else text
+
+
+def _laid_out(text: str) -> str:
+    lines = [line.rstrip("\r\n") for line in lines_of(text)]
+    return _Layout("\n".join(lines) + "\n", lines).text()
 
 
 def comments(text: str) -> list[str]:

@@ -22,6 +22,11 @@ SHIPPED = sorted(
     file for name in ("robots", "programs", "knowledge") for file in (ROOT / name).rglob("*.yaml")
 )
 SHORT = [file for file in SHIPPED if file.stat().st_size < 8_000]
+PIECES = (
+    *(" ", "\n", "  ", "#", " # x", "- ", ":", ",", "{", "}", "[", "]", "'", "\n\n", "|", ""),
+    *("\u2028", "\u2029", "\x85", "\r", "\r\n", "\ufeff", '"', "&a ", "*a", "? ", "\t"),
+    *("!x ", "%", "---\n", "...\n", ">-\n", "~", "\\"),
+)
 UNEVEN = """\
 # first
 
@@ -146,6 +151,12 @@ def test_small_texts(text: str) -> None:
     assert comments(once) == comments(text)
 
 
+@pytest.mark.parametrize("separator", ["\u2028", "\u2029", "\x85"])
+def test_line_separator_within_a_value_stays(separator: str) -> None:
+    for text in (f"a: [1,  2{separator}3]\n", f'a:   "x{separator}y"\n'):
+        assert values(formatted(text)) == values(text)
+
+
 def disordered(text: str, rng: random.Random) -> str:
     """Return the same document with other columns, spaces in brackets and empty lines."""
     times = rng.choice([1, 2, 3])
@@ -185,9 +196,7 @@ def test_any_edit_that_is_yaml_keeps_its_values_and_comments(file: Path, seed: i
     text, rng = list(file.read_text("utf-8")), random.Random(seed)
     for _ in range(rng.randrange(1, 6)):
         place = rng.randrange(len(text))
-        text[place : place + rng.randrange(3)] = rng.choice(
-            [" ", "\n", "  ", "#", " # x", "- ", ":", ",", "{", "}", "[", "]", "'", "\n\n", "|", ""]
-        )
+        text[place : place + rng.randrange(3)] = rng.choice(PIECES)
     edited = "".join(text)
     try:
         before = values(edited)
