@@ -9,8 +9,8 @@ from importlib.util import find_spec
 #: Module that each engine of cbdsl requires, in the order of preference.
 MODULES: Mapping[str, str] = {"bullet": "pybullet", "mujoco": "mujoco", "kinematic": "pinocchio"}
 
-# First version of Python for which the engine has no wheels.
-_NO_WHEELS = {"bullet": (3, 14)}
+# First version of Python for which a package of the extra has no wheels.
+_NO_WHEELS = {"bullet": (3, 14), "ros2": (3, 14)}
 
 
 def installed_engines() -> tuple[str, ...]:
@@ -29,9 +29,16 @@ def remedy(name: str) -> str:
     Args:
         name: Engine of cbdsl's own.
     """
-    installed = ", ".join(installed_engines()) or "none"
-    limit = _NO_WHEELS.get(name)
+    return f"{extra_advice(name)}; installed: {', '.join(installed_engines()) or 'none'}"
+
+
+def extra_advice(extra: str) -> str:
+    """Return how to install an extra, or why it cannot be installed.
+
+    Args:
+        extra: Extra that is named after an engine or a kind of driver.
+    """
+    limit = _NO_WHEELS.get(extra)
     if limit is not None and sys.version_info >= limit:
-        version = ".".join(map(str, sys.version_info[:2]))
-        return f"it has no wheels for Python {version}; installed: {installed}"
-    return f"try: pip install 'cbdsl[{name}]'; installed: {installed}"
+        return f"it has no wheels for Python {'.'.join(map(str, sys.version_info[:2]))}"
+    return f"try: pip install 'cbdsl[{extra}]'"

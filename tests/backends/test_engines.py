@@ -50,6 +50,7 @@ def test_remedy_proposes_no_engine_without_wheels(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(sys, "version_info", (3, 14, 0))
     expected = "it has no wheels for Python 3.14; installed: mujoco, kinematic"
     assert engines.remedy("bullet") == expected
+    assert engines.extra_advice("ros2") == "it has no wheels for Python 3.14"
 
 
 def required(extras: Iterable[str], python: str) -> set[str]:

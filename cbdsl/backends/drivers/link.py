@@ -8,6 +8,7 @@ from typing import NamedTuple, Protocol
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.drivers.sample import Command, Sample
+from cbdsl.backends.engines import extra_advice
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
@@ -98,7 +99,7 @@ def _factory(kind: str) -> DriverLinkFactory:
         factory: DriverLinkFactory = getattr(import_module(module), attribute)
     except ImportError as error:
         raise BackendError(
-            f"driver kind '{kind}' cannot be loaded: {error}; try: pip install 'cbdsl[{kind}]'"
+            f"driver kind '{kind}' cannot be loaded: {error}; {extra_advice(kind)}"
         ) from error
     except UsageError as error:
         raise BackendError(str(error)) from error
