@@ -98,7 +98,9 @@ def new_robot(
     remarks = [*source.remarks, *([] if semantics is None else semantics.remarks)]
     if proposal.left_out:
         counts = proposal.left_out
-        remarks.append(f"left out what programs cannot move: {counts}; its comments say more")
+        remarks.append(
+            f"left out joints that programs cannot move: {counts}; the document lists them"
+        )
     remarks += proposal.remarks
     template = _Template(RobotDocument, "robot", name, to)
     template.write(proposal.values, force, source.files, remarks)
