@@ -58,7 +58,7 @@ def test_a_stage_and_an_exploration_of_ones_own(reader: Reader, tmp_path: Path) 
     assert reader.seconds < DAY
 
 
-def test_what_a_page_shows_and_nobody_prints_is_noticed() -> None:
+def test_output_on_a_page_that_no_command_prints_is_noticed() -> None:
     assert_shown("one\n...\nthree\n", "zero\none\ntwo\nthree \n")
     with pytest.raises(AssertionError):
         assert_shown("one\n...\nfour\n", "one\ntwo\nthree\n")

@@ -143,7 +143,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     ),
     "A crash, a hang, or a traceback of `cb validate` is a fault.": (
         "test_broken_files.py:test_validate_of_a_thousand_broken_files_is_bounded",
-        "cli/test_validate_fuzz.py:test_any_mutation_is_told_in_any_format",
+        "cli/test_validate_fuzz.py:test_any_mutation_is_reported_in_any_format",
     ),
     "`cb` opens no port, except for `--live`, `--scheduler`, and robots that speak ROS 2.": (
         f"{_HERE}test_commands_without_a_network_listen_nowhere",
@@ -157,7 +157,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     ),
     "It acts only on requests with a token that is in the page": (
         f"{_SERVER}test_nothing_is_done_without_the_token",
-        f"{_SERVER}test_the_page_has_a_token_that_nobody_guesses",
+        f"{_SERVER}test_the_page_has_an_unguessable_token",
     ),
     "other users of the same machine can open the page.": (
         f"{_SERVER}test_two_pages_get_the_same",

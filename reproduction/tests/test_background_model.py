@@ -52,7 +52,7 @@ def test_what_is_kept_is_not_searched_again(tmp_path: Path) -> None:
     assert KeptSearches(path).get("hue_1", 2, look).posture == HERE and made == [0, 1, 2]
 
 
-def test_empty_channels_are_told() -> None:
+def test_empty_channels_are_reported() -> None:
     found = [TrackedPostures(f"hue_{n}", (HERE,) if n < 10 else (), n > 9) for n in range(1, 11)]
     found += [TrackedPostures(f"sat_{n}", (), True) for n in range(1, 11)]
     saturation, hue, intensity = quantities(found)

@@ -20,7 +20,7 @@ from cbdsl_reproduction.learners.context_letters import LETTERS, context_letters
         ({}, "???"),
     ],
 )
-def test_what_is_seen_is_told(features: Mapping[str, float], letters: str) -> None:
+def test_seen_objects_are_reported(features: Mapping[str, float], letters: str) -> None:
     assert context_letters(features) == letters
     assert len(letters) == LETTERS
 
@@ -33,7 +33,7 @@ def test_what_is_seen_is_told(features: Mapping[str, float], letters: str) -> No
         ({"velocity.y": -0.026, "place.y": -1e-9, "volume": 0.012}, "rrs"),
     ],
 )
-def test_what_is_nearly_still_in_the_middle_or_large_is_told_apart(
+def test_nearly_still_central_or_large_objects_are_distinguished(
     features: Mapping[str, float], letters: str
 ) -> None:
     assert context_letters(features) == letters

@@ -67,7 +67,7 @@ def test_every_program_and_policy_of_the_robot_takes_part() -> None:
     assert not {"sixaxis_reach", "desk_reach"} & set(names)
 
 
-def test_parts_are_told_apart_by_policy_and_engine() -> None:
+def test_parts_are_distinguished_by_policy_and_engine() -> None:
     from cbdsl.api.shipped import shipped_robot
     from cbdsl.yaml_text.library import Library, shipped
 

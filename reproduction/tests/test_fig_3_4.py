@@ -39,7 +39,7 @@ def test_reaches_that_a_lower_controller_does_not_help() -> None:
     assert verdicts(alone, alone, alone)[4:] == [Verdict.MISSED] * 4
 
 
-def test_reaches_that_fail_or_rise_are_told() -> None:
+def test_reaches_that_fail_or_rise_are_reported() -> None:
     good, late = reach([1.0, 0.0], [0.0, 1.0]), reach([1.0, 0.5], [0.0, 0.1], error=0.5)
     rising = reach([1.0, 1.1, 0.0], [0.0, 0.5])
     arrived, c0, c1, c2, change, places, *_ = _quantities(

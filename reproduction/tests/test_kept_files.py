@@ -40,7 +40,7 @@ def test_sound_files_and_journals_of_learning_are_passed(kept: Path) -> None:
     assert list(damaged_lines(kept.parent)) == []
 
 
-def test_a_line_that_was_cut_off_is_told_and_the_rest_goes_on(
+def test_a_line_that_was_cut_off_is_reported_and_the_rest_goes_on(
     kept: Path,
     toys: list[RunSettings],
     monkeypatch: pytest.MonkeyPatch,

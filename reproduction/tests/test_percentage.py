@@ -68,7 +68,7 @@ def test_outcomes_that_go_together_count_as_one_of_each_trial() -> None:
     assert surer.verdict is Verdict.UNDECIDED
 
 
-def test_few_trials_tell_less_of_what_always_happens() -> None:
+def test_few_trials_report_less_of_what_always_happens() -> None:
     few, many = ([[40] * trials] * 2 for trials in (2, 25))
     claim = at_least(95)
     assert clustered_percentage("", "", few[0], few[1], claim).verdict is Verdict.UNDECIDED

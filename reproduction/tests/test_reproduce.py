@@ -206,7 +206,7 @@ def test_what_keeps_its_episodes_takes_a_folder_and_a_number_of_them(
     assert "--workers is for experiments that learn" in capsys.readouterr().err
 
 
-def test_a_folder_that_cannot_be_is_told(
+def test_a_folder_that_cannot_be_is_reported(
     learning: list[RunSettings],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -225,7 +225,7 @@ def test_a_folder_that_cannot_be_is_told(
         (KeyboardInterrupt(), 130, "the same command goes on"),
     ],
 )
-def test_what_keeps_a_trial_from_its_end_is_told_with_the_folder(
+def test_the_cause_of_an_unfinished_trial_is_reported_with_the_folder(
     error: BaseException,
     code: int,
     told: str,
@@ -251,7 +251,7 @@ def test_a_json_file(
     assert [row["experiment"] for row in rows] == ["toy-1", "toy-2"]
 
 
-def test_what_is_not_installed_is_told() -> None:
+def test_a_missing_package_is_reported() -> None:
     """Run in a separate process, because Python does not import loaded modules again."""
     script = (
         "import sys\nsys.modules['pybullet'] = None\n"
@@ -264,7 +264,7 @@ def test_what_is_not_installed_is_told() -> None:
 
 
 @pytest.mark.slow
-def test_two_workers_measure_what_one_process_measures_and_tell_what_stops_them(
+def test_two_workers_measure_what_one_process_measures_and_report_what_stops_them(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     pytest.importorskip("distributed", reason="side by side: extra 'learn'")

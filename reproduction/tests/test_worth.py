@@ -42,7 +42,7 @@ def test_what_follows_is_discounted_and_weighed_by_how_often_it_did() -> None:
     assert found["X-", "track"] == 0.0
 
 
-def test_a_choice_is_followed_by_the_best_ones_whatever_was_done_then() -> None:
+def test_a_choice_is_followed_by_the_best_ones_in_any_case() -> None:
     badly = experience(("0X", "search", "X-"))
     found = worth(trial_of(toy_trial(), *[DETOUR, badly, badly, badly] * 5))
     assert found["XX", "search"] == pytest.approx(0.64)
@@ -67,7 +67,7 @@ def test_a_used_program_is_one_choice(checked: Checked) -> None:
     assert ("0XX", "searchtrack") not in found
 
 
-def test_trials_count_as_often_as_they_are_told_to() -> None:
+def test_trials_count_as_often_as_they_are_reported_to() -> None:
     found = met([trial_of(toy_trial(), *[DIRECT] * 6), trial_of(toy_trial(), *[NOTHING] * 6)])
     place = found.pairs.index(("XX", "track"))
     for times, expected in ((1, 1), 0.4), ((2, 0), 0.8), ((0, 2), 0.0), ((3, 1), 0.6):
@@ -85,7 +85,7 @@ def test_a_quantity_is_a_share_of_the_best_choice() -> None:
     assert math.isnan(never.ours) and never.interval is None and never.note == ""
 
 
-def test_shares_are_told_of_every_state() -> None:
+def test_shares_are_reported_of_every_state() -> None:
     shares = shares_of([trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(5)])
     assert shares["XX"] == pytest.approx({"track": 100, "search": 80})
     assert shares["X0"] == {}, "there is nothing to compare with"

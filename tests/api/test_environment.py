@@ -117,7 +117,7 @@ def test_a_success_that_is_rewarded_is_paid_once() -> None:
     environment.close()
 
 
-def test_a_closed_environment_and_an_unknown_action_are_told() -> None:
+def test_a_closed_environment_and_an_unknown_action_are_reported() -> None:
     environment = ProgramEnvironment("searchtrack")
     environment.reset(seed=1)
     for action in (-1, len(environment.actions)):

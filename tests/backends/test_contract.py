@@ -57,7 +57,7 @@ def begin(backend: Backend, stage: str = "table_right") -> Observation:
     return backend.observe()
 
 
-def test_same_seed_same_bytes_whatever_ran_before(
+def test_same_seed_gives_same_bytes_after_any_run(
     name: str, backend: Backend, dexter: RobotDocument, urdf: Path
 ) -> None:
     first = episode(backend, 3)

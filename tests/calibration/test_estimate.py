@@ -96,7 +96,7 @@ def test_stated_deviations_are_those_of_many_estimates(
     assert 0.6 < np.sqrt(np.mean(np.square(errors))) / np.mean(stated) < 2.0
 
 
-def test_errors_before_and_after_are_told(dexter: RobotDocument, showing: Showing) -> None:
+def test_errors_before_and_after_are_reported(dexter: RobotDocument, showing: Showing) -> None:
     true = draw_corrections(np.random.default_rng(3), 0.002, np.deg2rad(0.5), CAMERAS)
     for each in estimate(dexter.cameras, showing(3).views(true, 40, noise=0.2)).values():
         assert each.error(each.before) > 2 * each.error(each.after)

@@ -56,7 +56,7 @@ def test_another_calibration_does_not_go_on(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "line", ['{"hold": 0}', '{"hold": 0, "views": [{"camera": "left"}]}', "[]", "nonsense"]
 )
-def test_a_damaged_journal_is_told_with_its_line(tmp_path: Path, line: str) -> None:
+def test_a_damaged_journal_is_reported_with_its_line(tmp_path: Path, line: str) -> None:
     file = tmp_path / "mine.jsonl"
     with WatchJournal(file, IDENTITY) as journal:
         journal.append([view(0)])

@@ -41,7 +41,7 @@ def test_documents_that_name_each_other_keep_their_order(tmp_path: Path) -> None
     assert ordered == causes_first(found, session.library)
 
 
-def test_strangers_are_told_by_path_and_line() -> None:
+def test_strangers_are_reported_by_path_and_line() -> None:
     places = [Place("b.yaml", 1), Place("a.yaml", 9), Place("a.yaml", 2), Place("b.yaml", 4)]
     found = [Diagnostic("CB101", "a message", place) for place in places]
     assert [f.place for f in causes_first(found, Library())] == sorted(places)

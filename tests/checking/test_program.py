@@ -158,7 +158,7 @@ def test_a_closer_pattern_settles_what_others_leave_open(tmp_path: Path) -> None
         assert len({program.policy[p] for p in matching if p.count("*") == fewest}) == 1
 
 
-def test_a_faulty_part_does_not_hide_the_others_from_whoever_runs_it(tmp_path: Path) -> None:
+def test_a_faulty_part_does_not_hide_the_others_from_its_users(tmp_path: Path) -> None:
     text = (
         "parameters: {feature: [hue_1]}\n"
         f"controllers:\n  look: {{{LOOK}, gain: [3]}}\n  watch: {{{LOOK.replace('head', 'hed')}}}\n"

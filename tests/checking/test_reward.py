@@ -62,7 +62,7 @@ def test_a_reward_that_is_not_the_programs_own_is_named(
 LOCALIZE = "{potential: localizability, feedback: cameras.red, effector: right_arm.position}"
 
 
-def test_conditioning_earns_nothing_whatever_it_senses(tmp_path: Path) -> None:
+def test_conditioning_earns_nothing_for_any_signal(tmp_path: Path) -> None:
     """Controllers without a reference do not track the environment (Section 4.2)."""
     path = tmp_path / "own.yaml"
     text = f"controllers: {{look: {LOCALIZE}, track: {TRACK}}}\nactions: [look, track]\n"

@@ -90,7 +90,7 @@ def test_trees_decide_as_they_read_in_si(folder: Path) -> None:
     assert decide(schema.reward, {"place.x": 1.03}) == 0.02
 
 
-def test_features_follow_the_parameters_of_whoever_uses_it(folder: Path) -> None:
+def test_features_follow_the_parameters_of_the_using_program(folder: Path) -> None:
     program = check_program(folder / "programs" / "using.yaml", {}, Library(folder))
     (pick,) = [action.program for action in program.actions if action.program is not None]
     assert pick.schema is not None

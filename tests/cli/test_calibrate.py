@@ -102,7 +102,7 @@ def test_a_calibration_of_another_robot_is_refused(
         (("dexter", "--with", "hand=left_arm"), "left_arm"),
     ],
 )
-def test_what_cannot_be_calibrated_is_told(
+def test_an_impossible_calibration_is_reported(
     arguments: tuple[str, ...],
     told: str,
     tmp_path: Path,

@@ -9,7 +9,9 @@ from cbdsl.cli import compilation
 from cbdsl.cli.compilation import NOTICE, told_of_compilation
 
 
-def test_the_first_function_that_is_compiled_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_first_function_that_is_compiled_is_reported(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     functions = [njit(lambda x, plus=plus: x + plus) for plus in (1, 2)]
     with told_of_compilation():
         assert [function(1) for function in functions] == [2, 3]

@@ -51,7 +51,7 @@ def test_only_the_number_makes_a_code_near(
     assert f"did you mean '{near}'?" in told if near else "did you mean" not in told
 
 
-def test_the_version_is_told(
+def test_the_version_is_reported(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "--version") == 0

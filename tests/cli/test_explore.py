@@ -77,7 +77,7 @@ def test_actions_are_read(text: str, label: str, program: str, values: dict[str,
     assert read_action(text) == (label, program, values)
 
 
-def test_what_is_no_action_is_told() -> None:
+def test_an_invalid_action_is_reported() -> None:
     for text in ("", ":a=b", "2=reachtouch", "reachtouch:feature="):
         with pytest.raises(UsageError, match="is not an action"):
             read_action(text)
@@ -170,7 +170,7 @@ def test_an_action_that_cannot_run_is_left_out_and_the_rest_goes_on(
     assert found["searchtrack"].rewarded == found["searchtrack"].tried > 0
 
 
-def test_an_object_that_is_gone_is_told(
+def test_an_object_that_is_gone_is_reported(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["explore", "searchtrack", *ON, "--seed", "4", "--out", "gone.yaml"]

@@ -27,7 +27,7 @@ def test_misspelled_names_are_corrected_in_place(
     assert f"fixed {path}" in capsys.readouterr().err
 
 
-def test_what_is_not_certain_is_left_and_told(
+def test_uncertain_matches_are_skipped_and_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "searchtrack.yaml"

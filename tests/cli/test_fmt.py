@@ -48,7 +48,7 @@ def test_check_and_diff_write_nothing(
     assert (here / "uneven.yaml").read_text("utf-8") == UNEVEN
 
 
-def test_what_is_no_yaml_is_told_and_the_rest_goes_on(
+def test_invalid_yaml_is_reported_and_the_rest_continues(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     bad = "kind: program\na: [1\nb: 2\n"

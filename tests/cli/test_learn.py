@@ -151,7 +151,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize(("words", "told"), OTHERS, ids=[" ".join(each[0]) for each in OTHERS])
-def test_another_trial_does_not_go_on_and_what_differs_is_told(
+def test_another_trial_does_not_go_on_and_what_differs_is_reported(
     begun: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -196,7 +196,7 @@ def test_where_models_cannot_go_is_found_before_the_episodes(
     assert list((here / "policies").iterdir()) == []
 
 
-def test_what_a_resumed_trial_begins_with_is_told(
+def test_the_start_of_a_resumed_trial_is_reported(
     begun: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(begun)

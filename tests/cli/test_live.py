@@ -73,7 +73,7 @@ def test_exploring_with_a_page_explores_the_same(
     assert shown.read_text("utf-8") == alone.read_text("utf-8")
 
 
-def test_the_page_of_an_exploration_is_told_what_each_action_teaches(
+def test_the_page_of_an_exploration_is_reported_what_each_action_teaches(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -238,7 +238,7 @@ def test_new_robot_from_groups_in_xacro_by_another_name_expands_nothing(
 
 
 @pytest.mark.parametrize("library", ["xacro", "mujoco"])
-def test_without_the_extra_its_name_is_told(
+def test_without_the_extra_its_name_is_reported(
     library: str,
     folder: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -264,7 +264,7 @@ def test_a_model_is_never_written_over(folder: Path, monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.parametrize("folder", ["/nope", "", "model.urdf"])
-def test_a_package_without_a_folder_is_refused_whatever_the_model_names(
+def test_a_package_without_a_folder_is_refused_for_any_model(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],

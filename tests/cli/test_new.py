@@ -151,7 +151,7 @@ def test_a_model_without_a_name_gets_the_robots(
     assert set(read_urdf(folder / "robots" / "fresh.urdf").joints) == set(read_urdf(desk).joints)
 
 
-def test_links_that_touch_nothing_are_told(
+def test_links_that_touch_nothing_are_reported(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     desk = next(path for path in MODELS if path.name == "desk.urdf")

@@ -184,7 +184,7 @@ def test_the_same_call_prints_the_same_bytes(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_people_are_told_transitions_and_scripts_files(
+def test_people_are_reported_transitions_and_scripts_files(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "searchtrack", "--context", "in_view", "--record", "kept") == 0
@@ -243,7 +243,7 @@ def test_a_recording_that_is_there_stays_unless_it_is_to_be_replaced(
     assert "recording" in (here / "kept" / "episode_0.json").read_text()
 
 
-def test_an_episode_that_cannot_be_kept_is_told_all_the_same(
+def test_an_episode_that_cannot_be_kept_is_reported_all_the_same(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     def full(*_: object, **__: object) -> None:

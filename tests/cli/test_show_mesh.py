@@ -70,7 +70,7 @@ def test_a_mesh_becomes_the_form_of_a_thing(run: Run, tmp_path: Path) -> None:
         ("thing.stl", b"\xff" * 100, "not a mesh"),
     ],
 )
-def test_what_is_no_mesh_is_told(
+def test_an_invalid_mesh_is_reported(
     run: Run, tmp_path: Path, name: str, data: bytes | None, problem: str
 ) -> None:
     if data is not None:

@@ -131,7 +131,7 @@ def test_a_mistake_is_one_clear_message(
 
 
 @pytest.mark.parametrize("state", ["X", "XXX", "X?"])
-def test_a_state_without_a_letter_for_each_member_is_told(
+def test_a_state_without_a_letter_for_each_member_is_reported(
     state: str,
     policy: PolicyDocument,
     file: Path,

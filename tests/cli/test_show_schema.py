@@ -49,7 +49,7 @@ def shown(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -
     return run
 
 
-def test_the_trees_are_told_question_by_question(shown: Shown, file: Path) -> None:
+def test_the_trees_are_reported_question_by_question(shown: Shown, file: Path) -> None:
     text = shown(file)
     assert "  place.x > 1.02 m: 2 %\n  else: 97 %" in text
     assert "volume > 0.012 m^3: both\n  else:\n    place.y > 2 cm: left" in text

@@ -24,7 +24,7 @@ def test_what_stands_in_for_what(
     assert "tactileprobe" in capsys.readouterr().out
 
 
-def test_nothing_stands_in_for_what_nobody_rewards(
+def test_nothing_substitutes_an_unrewarded_program(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", "substitutes", "posture") == 0

@@ -59,7 +59,7 @@ def test_every_transition_has_one(told: str) -> None:
     assert set(TRANSITION.findall(told)[1:]) <= tables
 
 
-def test_the_stack_is_told_from_the_highest_priority(told: str) -> None:
+def test_the_stack_is_reported_from_the_highest_priority(told: str) -> None:
     last = told[told.rindex("  level ") :].splitlines()[1:]
     names = [line.split()[0] for line in last if not line.lstrip().startswith("at their")]
     assert names[:4] == ["touch", "approach", "orient", "posture"]

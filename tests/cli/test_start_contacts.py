@@ -58,7 +58,7 @@ def test_a_robot_whose_links_overlap_holds_its_posture(
         assert moved(folder, bare, engine) > 0.02
 
 
-def test_what_touches_only_where_it_starts_is_told(
+def test_contacts_at_the_start_posture_are_reported(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     # The arms are nearer than they are wide, and zero is in the middle of their ranges.

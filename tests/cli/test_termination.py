@@ -33,7 +33,7 @@ def test_the_signal_interrupts_and_what_was_done_about_it_before_is_done_again()
 
 @pytest.mark.slow
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
-def test_whoever_ends_a_lesson_is_told_how_it_goes_on(sent: signal.Signals, tmp_path: Path) -> None:
+def test_an_interrupted_trial_reports_how_to_continue(sent: signal.Signals, tmp_path: Path) -> None:
     lesson = subprocess.Popen(
         [sys.executable, "-c", COMMAND, *LEARN],
         cwd=tmp_path,

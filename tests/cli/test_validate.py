@@ -269,7 +269,7 @@ def test_a_file_that_is_not_there_may_be_a_neighbour(printed: Any) -> None:
 # -- bounds ----------------------------------------------------------------------------------
 
 
-def test_of_a_flood_the_first_findings_are_told(tmp_path: Path, printed: Any) -> None:
+def test_of_a_flood_the_first_findings_are_reported(tmp_path: Path, printed: Any) -> None:
     path = tmp_path / "flood.yaml"
     path.write_text(HEAD + REST + "policy:\n" + "".join(f"  q{i}: a{i}\n" for i in range(1500)))
     code, text = printed("--json", str(path))

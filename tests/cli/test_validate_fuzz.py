@@ -39,18 +39,18 @@ def survives(folder: Path, content: bytes, form: str) -> None:
 
 @TOLERANT
 @given(content=documents(), form=st.sampled_from(list(FORMATS)))
-def test_any_mutation_is_told_in_any_format(tmp_path: Path, content: bytes, form: str) -> None:
+def test_any_mutation_is_reported_in_any_format(tmp_path: Path, content: bytes, form: str) -> None:
     survives(tmp_path, content, form)
 
 
 @TOLERANT
 @given(content=st.binary(max_size=200) | st.text(max_size=200).map(lambda t: t.encode()))
-def test_any_bytes_are_told(tmp_path: Path, content: bytes) -> None:
+def test_any_bytes_are_reported(tmp_path: Path, content: bytes) -> None:
     survives(tmp_path, content, "text")
 
 
 @pytest.mark.slow
 @settings(TOLERANT, max_examples=MANY)
 @given(content=documents() | st.binary(), form=st.sampled_from(list(FORMATS)))
-def test_a_great_many_mutations_are_told(tmp_path: Path, content: bytes, form: str) -> None:
+def test_a_great_many_mutations_are_reported(tmp_path: Path, content: bytes, form: str) -> None:
     survives(tmp_path, content, form)

@@ -209,7 +209,7 @@ def test_the_way_out_of_an_obstacle_lowers_phi() -> None:
     assert phis[0] - phis[2] == pytest.approx(0.06 / 0.02)
 
 
-def test_the_way_out_is_to_the_nearest_of_all_vertices_from_wherever() -> None:
+def test_the_way_out_leads_to_the_nearest_vertex_from_any_point() -> None:
     grid = Grid.between(np.zeros(3), np.array([1.0, 0.8, 0.6]), 0.05)
     obstacles = (Obstacle.sphere("ball", np.array([0.5, 0.4, 0.3]), 0.22),)
     goal = np.array([0.9, 0.7, 0.5])

@@ -276,7 +276,7 @@ def test_joints_beyond_their_limits_come_back_at_bounded_speed() -> None:
 
 
 @given(seed=seeds, joints=st.integers(3, 14))
-def test_whatever_is_wanted_joints_beyond_their_limits_come_back(seed: int, joints: int) -> None:
+def test_joints_beyond_their_limits_return_for_any_request(seed: int, joints: int) -> None:
     rng = np.random.default_rng(seed)
     law = law_of(joints, DEXTER, 1.0)
     q = rng.uniform(-1.5, 1.5, joints)

@@ -51,7 +51,7 @@ def test_cycles_do_not_grow_with_the_grid() -> None:
     assert max(cycles) <= 12
 
 
-def test_it_begins_where_it_is_told(rng: np.random.Generator) -> None:
+def test_it_begins_where_it_is_reported(rng: np.random.Generator) -> None:
     free, source = random_scene((40, 40), rng)
     multigrid = Multigrid(free)
     u, cold = multigrid.solve(source, accuracy=1e-6, floor=1e-8)

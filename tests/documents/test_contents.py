@@ -38,7 +38,7 @@ def test_what_is_no_file_is_named_by_its_kind(
     assert refused(Path("/dev/zero")).strerror == "it is a device"
 
 
-def test_a_pipe_without_a_writer_keeps_nobody_waiting(tmp_path: Path) -> None:
+def test_a_pipe_without_a_writer_does_not_block(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     program = (
         "import sys; from pathlib import Path; from cbdsl.documents.contents import contents\n"

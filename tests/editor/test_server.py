@@ -84,7 +84,7 @@ def test_names_are_completed_by_what_they_are_for(client: Client, path: Path) ->
     assert "dexter" in labels("robot: ")
 
 
-def test_a_resource_tells_its_type(client: Client, path: Path) -> None:
+def test_a_resource_reports_its_type(client: Client, path: Path) -> None:
     shown = client.at("hover", path, *place(TEXT, "effector: "))["contents"]["value"]
     assert "configuration" in shown and "rad" in shown
 
@@ -161,7 +161,9 @@ def test_a_name_is_renamed_with_the_files_that_have_it(client: Client, path: Pat
     assert "there is a 'track' already" in told
 
 
-def test_a_controller_in_a_composition_tells_how_it_is_declared(client: Client, path: Path) -> None:
+def test_a_controller_in_a_composition_reports_how_it_is_declared(
+    client: Client, path: Path
+) -> None:
     shown = client.at("hover", path, *place(TEXT, "actions: ["))["contents"]["value"]
     assert shown.startswith("```yaml\nsearch:") and "head.uniform" in shown
     assert "track:" not in shown

@@ -31,7 +31,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_it_activates_and_tells_of_findings(folder: Path) -> None:
+def test_it_activates_and_reports_findings(folder: Path) -> None:
     pytest.importorskip("pygls")
     given = {"CB": str(Path(sys.executable).with_name("cb")), "CBDSL": str(ROOT)}
     done = subprocess.run(
@@ -48,7 +48,7 @@ def test_it_activates_and_tells_of_findings(folder: Path) -> None:
         ({"CBDSL": "/nowhere"}, "'/nowhere' is not the folder of the project: CBDSL="),
     ],
 )
-def test_what_its_tests_need_and_is_not_there_is_told(
+def test_a_missing_test_dependency_is_reported(
     given: dict[str, str], told: str, folder: Path
 ) -> None:
     sound = {"CB": str(Path(sys.executable).with_name("cb")), "CBDSL": str(ROOT)}

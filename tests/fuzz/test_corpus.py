@@ -70,5 +70,5 @@ def test_a_fuzzer_finds_a_fault_by_its_branches() -> None:
     assert b"ValueError: found" in done.stdout + done.stderr
 
 
-def test_entry_points_are_told_apart() -> None:
+def test_entry_points_are_distinguished() -> None:
     assert all(isinstance(entry_point(name), EntryPoint) for name in MODULES)

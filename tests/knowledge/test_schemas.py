@@ -63,7 +63,7 @@ def test_reachtouch_touches_what_it_can_and_begins_nothing_else(
     assert len(used) >= 2, "not always the same resources"
 
 
-def test_whoever_uses_it_sees_that_it_is_undefined(
+def test_a_using_program_reads_it_as_undefined(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "using.yaml"

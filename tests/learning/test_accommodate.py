@@ -75,7 +75,7 @@ def test_it_learns_to_search_where_nothing_is_seen_and_to_track_where_something_
 
 
 @pytest.mark.parametrize(("finished", "explores"), [(0, True), (1, True), (2, False), (3, False)])
-def test_it_explores_in_as_many_episodes_as_it_is_told_to(
+def test_it_explores_in_as_many_episodes_as_it_is_reported_to(
     finished: int, explores: bool, made: Made
 ) -> None:
     rewarded = (made("XX", "track", "X1"),)

@@ -177,7 +177,7 @@ def test_what_was_never_tried_is_rather_tried_than_given_up(schema: CheckedProgr
 
 
 @pytest.mark.parametrize("blames_first", [False, True])
-def test_an_episode_without_what_is_chosen_does_not_tell_that_nothing_works(
+def test_an_episode_without_what_is_chosen_does_not_report_that_nothing_works(
     schema: CheckedProgram, blames_first: bool
 ) -> None:
     """Move objects with the left arm, tried first, so that the right one, tried next, fails too."""
@@ -193,7 +193,7 @@ def test_an_episode_without_what_is_chosen_does_not_tell_that_nothing_works(
 
 
 @pytest.mark.parametrize(("each", "sides"), [(3, 2), (2, 1)])
-def test_sides_on_which_others_worked_are_told_apart_before_any_has_failed(
+def test_sides_on_which_others_worked_are_distinguished_before_any_has_failed(
     schema: CheckedProgram, each: int, sides: int
 ) -> None:
     """Three contexts a side are enough; two are not."""
@@ -402,7 +402,7 @@ def test_a_question_is_asked_between_numbers_that_differ() -> None:
     assert tree == Split("x", 0.5, Leaf((4, 5)), Leaf((0, 1, 2, 3)))
 
 
-def test_neighbours_that_measuring_does_not_tell_apart_have_no_gap() -> None:
+def test_neighbours_that_measuring_does_not_distinguish_have_no_gap() -> None:
     """Noise of one step, which falls as the labels do, is asked before a wide gap without that."""
     samples = [{"noise": 0.02 * (i > 3), "y": i + 6.0 * (i > 3)} for i in range(8)]
     labels = certain("aaaabbbb")
@@ -431,7 +431,7 @@ def test_what_is_tried_in_an_episode_stands_in_the_context_that_it_began_in(
     assert context.outcomes == {"left_arm": False, "right_arm": True}
 
 
-def test_likelihoods_are_told_in_thousandths(schema: CheckedProgram) -> None:
+def test_likelihoods_are_reported_in_thousandths(schema: CheckedProgram) -> None:
     learner = Assimilate(["any"], AssimilateConstants())
     learner.adopt(schema)
     here = features(schema, 0.5, 0.4)

@@ -63,7 +63,7 @@ def test_pairs_that_were_hardly_tried_come_first() -> None:
     assert chosen == {"b_on_a", "c_on_a"}
 
 
-def test_then_what_tells_most_is_taken_and_what_never_stays_is_left() -> None:
+def test_then_what_reports_most_is_taken_and_what_never_stays_is_left() -> None:
     exploration = explored({"a_on_b": [True, True], "b_on_a": [False] * 4})
     chosen = [exploration.choose(np.random.default_rng(seed)) for seed in range(40)]
     assert chosen.count("a_on_b") > 30

@@ -46,7 +46,7 @@ def test_it_is_found_by_its_name_and_has_no_findings(
         ("name: evening", "name: morning", "CB704.*morning"),
     ],
 )
-def test_faults_are_told_like_those_of_other_documents(
+def test_faults_are_reported_like_those_of_other_documents(
     old: str,
     new: str,
     wanted: str,

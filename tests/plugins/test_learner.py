@@ -53,7 +53,7 @@ def test_it_learns_and_goes_on_after_an_interruption(
         (("--set", "exploration"), "--set exploration: expected name=value"),
     ],
 )
-def test_wrong_constants_are_told(
+def test_wrong_constants_are_reported(
     words: tuple[str, ...],
     said: str,
     here: Path,

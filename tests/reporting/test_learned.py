@@ -52,7 +52,7 @@ def test_a_trial_that_went_on_has_more_in_its_journal(tmp_path: Path) -> None:
     assert len(read_learned(file).episodes) == 20
 
 
-def test_what_is_missing_is_told(tmp_path: Path) -> None:
+def test_a_missing_item_is_reported(tmp_path: Path) -> None:
     file = write_trial(tmp_path, "walked")
     (tmp_path / "walked_head.yaml").unlink()
     learned = read_learned(file)
@@ -62,7 +62,7 @@ def test_what_is_missing_is_told(tmp_path: Path) -> None:
     )
 
 
-def test_a_model_with_other_joints_than_its_effector_is_told(tmp_path: Path) -> None:
+def test_a_model_with_other_joints_than_its_effector_is_reported(tmp_path: Path) -> None:
     file = write_trial(tmp_path, "walked")
     path = tmp_path / "walked_right_hand.yaml"
     model = read(path, ModelDocument).document
@@ -90,7 +90,7 @@ def test_a_folder_has_its_policies_in_the_order_of_their_numbers(tmp_path: Path)
     assert names == ["walked_0.yaml", "walked_9.yaml", "walked_10.yaml"]
 
 
-def test_mistakes_are_told(tmp_path: Path) -> None:
+def test_mistakes_are_reported(tmp_path: Path) -> None:
     file = write_trial(tmp_path, "walked")
     with pytest.raises(UsageError, match="no such file"):
         find_learned(tmp_path / "none.yaml")

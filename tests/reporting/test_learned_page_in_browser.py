@@ -80,7 +80,7 @@ def test_curves_of_all_groups_are_drawn(shown: Page, learned: list[Learned]) -> 
         assert near.sum() > 300
 
 
-def test_keys_tell_the_values_of_each_episode(shown: Page, learned: list[Learned]) -> None:
+def test_keys_report_the_values_of_each_episode(shown: Page, learned: list[Learned]) -> None:
     shown.value("document.querySelector('.plot').focus()")
     rates = [episode.reward / episode.transitions for episode in learned[3].episodes]
     for key, place in (("Home", 0), ("ArrowRight", 1), ("ArrowRight", 2), ("End", 19),

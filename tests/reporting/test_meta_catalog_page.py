@@ -51,7 +51,7 @@ def test_each_box_of_a_stack_is_in_the_graph(page: str) -> None:
         assert set(known) <= drawn, plan
 
 
-def test_it_tells_of_every_pair_and_of_where_they_are_from(page: str) -> None:
+def test_it_reports_every_pair_and_its_origin(page: str) -> None:
     assert "football on purple_box" in page and "12 of 14" in page
     assert "cb explore" in page
 

@@ -54,11 +54,11 @@ def late(value: float, column: int = 1, usual: float = 1.0) -> np.ndarray:
     return array
 
 
-def test_where_nothing_stood_in_the_way_nothing_is_told() -> None:
+def test_nothing_is_reported_without_an_obstacle() -> None:
     assert reasons(made()) == []
 
 
-def test_what_was_missing_is_told_with_when_it_was_last_there() -> None:
+def test_a_missing_resource_is_reported_with_its_last_time() -> None:
     seen = np.zeros((TICKS, 3))
     seen[31:] = np.nan
     predicates = ["00"] * 31 + ["0-"] * 29
@@ -80,7 +80,7 @@ def test_what_was_missing_is_told_with_when_it_was_last_there() -> None:
         ({}, "its step was as long as a step may be"),
     ],
 )
-def test_who_got_little_is_told_with_the_cause(changes: dict[str, Any], named: str) -> None:
+def test_a_restricted_level_is_reported_with_the_cause(changes: dict[str, Any], named: str) -> None:
     (told,) = reasons(made(level_share=late(0.1), **changes))
     assert told.startswith("below got 10 % of what it wanted, ") and named in told
     (told,) = reasons(made(level_share=late(-0.4), **changes))

@@ -36,6 +36,6 @@ def test_a_mesh_that_has_changed_is_read_again(tmp_path: Path) -> None:
     assert read_thing_mesh(file, 0.01).halves == pytest.approx((2 * before[0], *before[1:]))
 
 
-def test_a_mesh_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_a_missing_mesh_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no such mesh"):
         read_thing_mesh(tmp_path / "nothing.obj", 1.0)

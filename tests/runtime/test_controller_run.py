@@ -365,7 +365,7 @@ def test_what_was_lost_is_approached_from_rest_again(
     assert rates[0] == rates[31] == pytest.approx(step)
 
 
-def test_what_cannot_be_computed_is_told_with_the_resource_and_the_reason(
+def test_an_undefined_value_is_reported_with_the_resource_and_the_reason(
     checked: Checked, dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend
 ) -> None:
     program = checked("visualinspect")

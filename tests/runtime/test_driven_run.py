@@ -187,7 +187,7 @@ def every(run: ProgramRun) -> Iterator[ProgramRun]:
         yield from every(child)
 
 
-def test_whoever_stops_stops_all_that_it_uses(drive: Drive, checked: Checked) -> None:
+def test_a_stopped_program_stops_all_programs_that_it_uses(drive: Drive, checked: Checked) -> None:
     driven = drive(checked("visualinspect"))
     for run in every(driven.run):
         run.activate()
@@ -230,7 +230,7 @@ def test_guards_of_the_law_grow_with_the_ticks(
 
 
 @pytest.mark.parametrize("is_foreign", [False, True])
-def test_a_fault_of_another_package_s_potential_is_told_as_its(
+def test_a_fault_of_another_package_s_potential_is_reported_as_its(
     drive: Drive, dexter: RobotDocument, monkeypatch: pytest.MonkeyPatch, is_foreign: bool
 ) -> None:
     driven = drive(TWO + 'policy: {"**": left}\n')

@@ -100,7 +100,7 @@ def test_a_sentence_has_verdict_time_state_and_reasons() -> None:
     assert told(action=None) == "Not rewarded after 3.2 s in state X1: the time was up."
 
 
-def test_limits_are_told_of_what_failed_and_guards_always() -> None:
+def test_limits_are_reported_of_what_failed_and_guards_always() -> None:
     for facts, said in (({}, True), ({"rewarded": True}, False), ({"outcome": "success"}, False)):
         text = describe(ended(lead(0.01), **facts), 1.0, ("elbow",), ("the guard held",))
         assert ("at their limits were elbow" in text) is said
@@ -108,7 +108,7 @@ def test_limits_are_told_of_what_failed_and_guards_always() -> None:
 
 
 @pytest.mark.parametrize("felt", [False, True])
-def test_who_lacks_what_it_requires_is_told_with_it(felt: bool) -> None:
+def test_a_missing_requirement_is_reported_with_its_controller(felt: bool) -> None:
     touch = lead(math.nan, name="touch", feedback=BALL, task=Made(name="force"), exhausted=felt)
     two = [lead(math.nan, name=name, requires="touch") for name in ("left", "right")]
     run = ended(*two)
@@ -121,7 +121,7 @@ def test_who_lacks_what_it_requires_is_told_with_it(felt: bool) -> None:
     assert "left had no ball.position" in describe(run, 1.0, ())
 
 
-def test_what_was_lost_and_is_sought_again_is_told_with_who_requires_it() -> None:
+def test_a_lost_and_sought_resource_is_reported_with_its_requirer() -> None:
     touch = lead(math.nan, name="touch", feedback=BALL, task=Made(name="force"), engaged=True)
     left = lead(math.nan, name="left", requires="touch")
     run = ended(left)
@@ -129,7 +129,7 @@ def test_what_was_lost_and_is_sought_again_is_told_with_who_requires_it() -> Non
     assert "touch had no ball.position, and left requires it" in describe(run, 1.0, ())
 
 
-def test_a_program_that_was_used_tells_of_itself() -> None:
+def test_a_program_that_was_used_reports_itself() -> None:
     child = ended(lead(0.01), ending="it had no more to do")
     parent = ended(action=Made(program="child", name="find"), children={"find": child})
     assert "reach came to rest 1.0 cm from ball.position; it had no more to do" in describe(
@@ -146,7 +146,7 @@ def test_far_is_what_a_tolerance_says_or_people() -> None:
     assert not is_far(lead(99.0, quiescence=Made(tolerance=1.0)))
 
 
-def test_stops_are_told_with_their_cause() -> None:
+def test_stops_are_reported_with_their_cause() -> None:
     run = ended()
     assert describe_stop(run, 1.26, KeyboardInterrupt()) == "Interrupted after 1.3 s in state X1."
     fault = RuntimeError("outer")

@@ -98,7 +98,7 @@ def test_listeners_hear_every_tick_and_transition_of_every_depth(
     assert {each.program for each in played.at(1)} == {"searchtrack"}
 
 
-def test_success_is_told_by_what_came_to_rest(checked: Checked, play: Play) -> None:
+def test_success_is_reported_by_what_came_to_rest(checked: Checked, play: Play) -> None:
     ending = play(checked("reachtouch")).result.ending
     assert ending.startswith("Rewarded after")
     assert "in state X11" in ending
@@ -119,7 +119,7 @@ def test_success_is_told_by_what_came_to_rest(checked: Checked, play: Play) -> N
     ],
     ids=["closed on nothing", "out of reach"],
 )
-def test_failure_is_told_by_what_was_missing(
+def test_failure_is_reported_by_what_was_missing(
     checked: Checked,
     play: Play,
     begin: Callable[[np.random.Generator], World],
@@ -136,7 +136,7 @@ def test_failure_is_told_by_what_was_missing(
     assert "reachtouch has no action for state X1-" in result.ending
 
 
-def test_absence_is_told_by_the_signal_that_never_came(
+def test_absence_is_reported_by_the_signal_that_never_came(
     written: Callable[..., CheckedProgram], play: Play
 ) -> None:
     program = written(

@@ -8,7 +8,7 @@ from cbdsl.api.simulation_fixture import simulation_fixture
 
 
 @pytest.mark.slow
-def test_a_thing_is_touched_that_nobody_sees() -> None:
+def test_an_unseen_object_is_touched() -> None:
     succeeded, touched = [], []
     with simulation_fixture("find_by_touch", None, None, "mujoco", "ideal") as lab:
         runner, truth = lab.runner(), lab.backend.truth

@@ -89,7 +89,7 @@ def test_lines_are_read_up_to_the_last_end_of_one() -> None:
     ("data", "problem"),
     [(b"[1]\n", "not a JSON object"), (b"{\n", r"not JSON \("), (b"\n", "not JSON")],
 )
-def test_a_line_that_is_none_is_told_with_what_to_do(data: bytes, problem: str) -> None:
+def test_a_line_that_is_none_is_reported_with_what_to_do(data: bytes, problem: str) -> None:
     path = Path("my trial.jsonl")
     with pytest.raises(
         DamagedJournalError, match=f"not a journal of a trial: of line 1, it is {problem}"

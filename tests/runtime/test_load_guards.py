@@ -94,7 +94,7 @@ def test_the_net_force_of_a_hand_is_bounded(
     assert clause.startswith("the guard of right_hand (9 N) held for")
 
 
-def test_a_guard_keeps_nobody_from_leaving(
+def test_a_guard_does_not_prevent_leaving_contact(
     dexter: RobotDocument, kinematics: Kinematics, tmp_path: Path
 ) -> None:
     guarded = Floor(dexter, kinematics, tmp_path, "4 cm", Guards(finger_force=5.0))
@@ -139,7 +139,7 @@ def test_what_an_arm_felt_fades_from_its_bound(
     assert size() == 0.0
 
 
-def test_how_long_and_how_hard_a_guard_held_is_told(
+def test_how_long_and_how_hard_a_guard_held_is_reported(
     dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
     bounds = Guards(finger_force=5.0, hand_force=9.0, joint_torque=20.0)

@@ -578,7 +578,7 @@ def test_rewards_on_the_way_are_no_success(written: Written, play: Play) -> None
     assert result.ending.startswith("Neither succeeded nor failed after 6.0 s")
 
 
-def test_whoever_learns_ends_with_the_reward(written: Written, play: Play) -> None:
+def test_a_learning_episode_ends_with_the_reward(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{close: {CLOSE}}}\nactions: [close]\npolicy: {{'*': close}}\n"
         "limits: {reward_ends: false, episode_time: 6 s, transition_time: 60 s}\n"

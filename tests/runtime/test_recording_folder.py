@@ -11,7 +11,7 @@ from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
 from tests.full_disk import no_file_beyond
 
 
-def test_a_folder_that_cannot_be_written_is_told_beforehand(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_reported_beforehand(tmp_path: Path) -> None:
     RecordingFolder(tmp_path / "new").require_ready([0])
     assert not list((tmp_path / "new").iterdir())
     (tmp_path / "file").touch()

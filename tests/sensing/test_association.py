@@ -80,7 +80,7 @@ def test_what_is_certain_is_a_thing(places: list[tuple[float, ...]], noise: floa
 
 
 @pytest.mark.parametrize("apart", [0.1, 0.15, 0.2])
-def test_equal_things_on_one_plane_are_told_apart_by_their_order(apart: float) -> None:
+def test_equal_things_on_one_plane_are_distinguished_by_their_order(apart: float) -> None:
     """Let each line of sight meet both of the other camera's, at as plausible sizes."""
     balls = [(aside(y), 0.04) for y in (-apart / 2, apart / 2)]
     left, right = seen(balls)

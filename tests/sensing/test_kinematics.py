@@ -79,7 +79,7 @@ def test_a_sliding_joint_slides(dexter: RobotDocument, urdf: Path, tmp_path: Pat
     assert not point.jacobian[3:, column].any()
 
 
-def test_limbs_that_rest_or_that_nobody_asks_about_are_where_they_would_be_anyway(
+def test_resting_and_unused_limbs_have_their_usual_poses(
     dexter: RobotDocument, urdf: Path, kinematics: Kinematics, posture: np.ndarray
 ) -> None:
     rng = np.random.default_rng(0)

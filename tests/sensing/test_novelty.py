@@ -76,9 +76,7 @@ def test_turns_bring_a_line_of_sight_to_the_middle(signals: Signals) -> None:
         assert heading(rotation.T @ seen) == pytest.approx([0.0, 0.0], abs=1e-6)
 
 
-def test_what_is_expected_is_not_novel_from_wherever_it_is_seen(
-    signals: Signals, novel: Resource
-) -> None:
+def test_the_background_is_not_novel_from_any_view(signals: Signals, novel: Resource) -> None:
     """Observe the same direction, in the middle of the image and at its left."""
     observe(signals, HERE, [region()], 0.0)
     assert signals.read(novel) is None

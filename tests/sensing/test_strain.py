@@ -52,7 +52,7 @@ def test_without_a_filter_it_is_what_is_measured_now() -> None:
 
 
 @pytest.mark.parametrize("why", ["unneeded", "no such drives", "nothing measured"])
-def test_where_nobody_asks_or_nothing_is_measured_there_is_none(why: str) -> None:
+def test_there_is_none_without_a_request_or_a_measurement(why: str) -> None:
     felt = strain(None if why == "no such drives" else 0.0)
     felt.needed = why != "unneeded"
     for time in (0.0, 0.1):
@@ -60,5 +60,5 @@ def test_where_nobody_asks_or_nothing_is_measured_there_is_none(why: str) -> Non
     assert not felt.torques.any()
 
 
-def test_nobody_needs_it_at_first() -> None:
+def test_no_other_package_requires_it_initially() -> None:
     assert not Strain(None, Made(joints=("a",))).needed  # type: ignore[arg-type]

@@ -70,7 +70,7 @@ def test_an_edge_gives_its_height_or_none(
 
 
 @pytest.mark.parametrize("pan", [-0.4, 0.0, 0.4])
-def test_an_edge_across_the_baseline_tells_and_one_along_it_does_not(pan: float) -> None:
+def test_an_edge_across_the_baseline_reports_and_one_along_it_does_not(pan: float) -> None:
     middle = 0.75, 0.75 * np.tan(pan)
     across, along = (views(pan, 1.0, edge(*middle, pan + turn)) for turn in (0.0, np.pi / 2))
     assert find_height(*across) == pytest.approx(HEIGHT, abs=0.003)

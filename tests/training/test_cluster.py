@@ -43,7 +43,7 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_goes_away_is_told_and_what_was_run_is_kept(
+def test_a_scheduler_that_goes_away_is_reported_and_what_was_run_is_kept(
     tmp_path: Path, expected: dict[str, bytes]
 ) -> None:
     tasks = made_tasks(tmp_path, TRIALS, EPISODES)
@@ -105,7 +105,7 @@ def cluster(threads: int) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("threads", [0])
-def test_a_cluster_without_workers_is_waited_for_and_then_told(
+def test_a_cluster_without_workers_is_waited_for_and_then_reported(
     tmp_path: Path, cluster: Any
 ) -> None:
     notes = Notes()
@@ -157,9 +157,7 @@ def test_a_worker_that_would_learn_something_else_is_refused(tmp_path: Path, clu
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_trial_that_nobody_waits_for_is_given_up_after_its_episode(
-    tmp_path: Path, cluster: Any
-) -> None:
+def test_an_abandoned_trial_ends_after_its_episode(tmp_path: Path, cluster: Any) -> None:
     task = replace(made_tasks(tmp_path, 1, 1)[0], episodes=ENDLESS)
     with distributed.Client(cluster) as client:
         future = client.submit(work, task, tmp_path, versions(), pure=False)
@@ -170,7 +168,7 @@ def test_a_trial_that_nobody_waits_for_is_given_up_after_its_episode(
 
 
 @pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1:nine"])
-def test_no_address_of_a_scheduler_is_told(tmp_path: Path, address: str) -> None:
+def test_no_address_of_a_scheduler_is_reported(tmp_path: Path, address: str) -> None:
     with pytest.raises(UsageError, match=rf"--scheduler {address}: nothing answers"):
         run_on_cluster(made_tasks(tmp_path, 1, 1), address, Notes())
     assert list(tmp_path.iterdir()) == []
@@ -187,7 +185,7 @@ def _answer(listening: socket.socket) -> None:
             there.sendall(b"HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n")
 
 
-def test_a_server_that_is_no_scheduler_is_told(tmp_path: Path) -> None:
+def test_a_server_that_is_no_scheduler_is_reported(tmp_path: Path) -> None:
     with socket.create_server(("127.0.0.1", 0)) as listening:
         threading.Thread(target=_answer, args=(listening,), daemon=True).start()
         address = f"tcp://127.0.0.1:{listening.getsockname()[1]}"
@@ -238,7 +236,7 @@ def of_page(word: str) -> list[str]:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("openssl"), reason="makes the certificates")
-def test_the_page_leads_to_trials_over_tls_and_each_mistake_is_told(tmp_path: Path) -> None:
+def test_the_page_leads_to_trials_over_tls_and_each_mistake_is_reported(tmp_path: Path) -> None:
     """Run its lines unchanged, except for the port and fewer episodes without physics."""
     for line in of_page("openssl x509"):
         subprocess.run(["bash", "-ec", line], cwd=tmp_path, check=True, capture_output=True)
@@ -290,7 +288,7 @@ def test_the_page_leads_to_trials_over_tls_and_each_mistake_is_told(tmp_path: Pa
 
 @pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("openssl"), reason="makes the certificates")
-def test_daskes_own_settings_let_in_who_has_a_certificate_and_nobody_else(tmp_path: Path) -> None:
+def test_dask_settings_admit_clients_with_a_certificate_only(tmp_path: Path) -> None:
     settings = certificates(tmp_path)
     inside = {**os.environ, **settings, "PYTHONPATH": str(ROOT)}
     outside = {**os.environ, "PYTHONPATH": str(ROOT)}

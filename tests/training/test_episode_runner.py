@@ -29,7 +29,7 @@ def runner(
     return BackendEpisodeRunner(dexter, kinematics, backend, made_stage({}))
 
 
-def test_an_episode_tells_where_the_effector_was_rewarded(
+def test_an_episode_reports_where_the_effector_was_rewarded(
     runner: BackendEpisodeRunner,
     backend: SyntheticBackend,
     kinematics: Kinematics,

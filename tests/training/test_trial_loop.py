@@ -140,7 +140,7 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, text: str) -> N
         ),
     ],
 )
-def test_a_damaged_line_is_told_by_its_number_and_how_to_go_on(
+def test_a_damaged_line_is_reported_by_its_number_and_how_to_go_on(
     damage: Callable[[str], str], problem: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "policy.episodes.jsonl"

@@ -58,7 +58,7 @@ def test_a_list_in_a_text_is_read(parts: list[str], brackets: str) -> None:
 
 
 @given(QUANTITIES, QUANTITIES, st.sampled_from([" - ", " to ", "..", "…"]))
-def test_a_span_in_a_text_is_told(first: str, second: str, between: str) -> None:
+def test_a_span_in_a_text_is_reported(first: str, second: str, between: str) -> None:
     said = slip_in(f"{first}{between}{second}")
     assert said is not None and re.search(r"write \[.*, .*\]$", said)
 

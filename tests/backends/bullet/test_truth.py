@@ -54,7 +54,7 @@ def body(form: dict[str, object]) -> StageDocument:
         ({"shape": "box", "size": ["1 cm", "2 cm", "3 cm"]}, "box", (0.01, 0.02, 0.03)),
     ],
 )
-def test_every_form_is_told_with_its_size(
+def test_every_form_is_reported_with_its_size(
     bullet: BulletBackend, form: dict[str, object], shape: str, size: tuple[float, ...]
 ) -> None:
     bullet.reset(body(form), None, np.random.default_rng(0))

@@ -94,7 +94,7 @@ def test_a_backend_without_a_choice_says_so(
         embody("own", dexter, URDF, cameras="ideal")
 
 
-def test_what_is_learned_tells_of_its_cameras(
+def test_learned_documents_name_their_cameras(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     out = tmp_path / "seen.yaml"

@@ -51,7 +51,7 @@ def test_backend_is_attended(urdf: Path) -> None:
     assert isinstance(backend(Peer(), urdf), AttendedBackend)
 
 
-def test_backend_follows_references_and_tells_states(urdf: Path, stage: StageDocument) -> None:
+def test_backend_follows_references_and_reports_states(urdf: Path, stage: StageDocument) -> None:
     peer = Peer()
     driven = backend(peer, urdf)
     assert driven.supervisor.state is State.OFF

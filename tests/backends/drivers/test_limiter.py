@@ -31,7 +31,7 @@ def limits(
     st.floats(0.5, 500.0),
     st.floats(-1.0, 1.0),
 )
-def test_limiter_keeps_all_limits_whatever_is_requested(
+def test_limiter_keeps_all_limits_for_any_request(
     asked: list[tuple[float, bool]], velocity: float, acceleration: float, start: float
 ) -> None:
     limiter = Limiter(limits(velocity, acceleration), PERIOD)

@@ -170,7 +170,7 @@ def test_object_without_the_interface_is_refused() -> None:
         (lambda p: p.update({"waist.pos": 9.0}), "joint 'waist' is at 9, outside of its limits"),
     ],
 )
-def test_wrong_first_observation_is_told_and_disconnects(
+def test_wrong_first_observation_is_reported_and_disconnects(
     change: Callable[[dict[str, Any]], object], message: str
 ) -> None:
     device = Device(SIXAXIS)
@@ -279,7 +279,7 @@ def test_images_come_at_the_rate_of_the_document(dexter: RobotDocument, urdf: Pa
         (np.zeros((240, 320), dtype=np.uint8), r"uint8 of shape \(240, 320\) as camera 'left'"),
     ],
 )
-def test_wrong_image_is_told(
+def test_wrong_image_is_reported(
     image: np.ndarray | None, message: str, dexter: RobotDocument, urdf: Path
 ) -> None:
     device = Device(dexter)

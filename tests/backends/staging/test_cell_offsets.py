@@ -46,7 +46,7 @@ def test_a_bias_turns_with_its_cell() -> None:
 
 
 @pytest.mark.parametrize("rate", [60.0, 20.0])
-def test_drift_has_its_deviation_whatever_the_rate(rate: float) -> None:
+def test_drift_has_its_deviation_at_any_rate(rate: float) -> None:
     """Compare walks: one of 4 s goes twice as far as one of 1 s."""
     wandered = []
     for seed in range(300):

@@ -47,7 +47,7 @@ def test_where_joints_start_otherwise_is_not_changed(dexter: RobotDocument) -> N
     assert (elsewhere == 0.25).all()
 
 
-def test_unknown_names_are_told_with_the_known_ones(simulated: Simulated) -> None:
+def test_unknown_names_are_reported_with_the_known_ones(simulated: Simulated) -> None:
     rng = np.random.default_rng(0)
     with pytest.raises(BackendError, match=r"'nowhere'.*only"):
         simulated.reset(made_stage({}), "nowhere", rng)

@@ -120,7 +120,7 @@ def test_what_is_on_a_fixture_goes_where_that_is_drawn(dexter: RobotDocument) ->
     assert len(places) == 10
 
 
-def test_no_room_is_told_with_who_is_in_the_way(dexter: RobotDocument) -> None:
+def test_no_room_is_reported_with_who_is_in_the_way(dexter: RobotDocument) -> None:
     there = {"things": ["ball"], "place": {"on": "table", "x": [1.2, 1.25]}}
     with pytest.raises(BackendError, match=r"most often .* 'one' and 'two' are less than 20 cm"):
         drawn(scene(one={**there, "apart": 0.2}, two=there), dexter, 0)

@@ -208,7 +208,7 @@ def test_what_is_out_of_reach_is_beyond_both_arms(unseeing: Simulated) -> None:
             assert distance - 0.1 > fully_stretched
 
 
-def test_unknown_names_are_told_with_the_known_ones(unseeing: Simulated) -> None:
+def test_unknown_names_are_reported_with_the_known_ones(unseeing: Simulated) -> None:
     rng = np.random.default_rng(0)
     with pytest.raises(BackendError, match="thing 'cup'; there is: none"):
         unseeing.reset(made_stage({"things": ["cup"], "place": {"z": 0}}), None, rng)

@@ -42,7 +42,7 @@ def stage_fault(library: Library, stage: str) -> Diagnostic:
 
 
 @pytest.mark.parametrize(("stage", "code"), [("absent", "CB603"), ("nowhere", "CB602")])
-def test_a_robot_without_stages_is_told_how_to_come_by_one(
+def test_a_robot_without_stages_reports_how_to_add_one(
     library: Library, stage: str, code: str
 ) -> None:
     found = stage_fault(library, stage)

@@ -123,7 +123,7 @@ def test_other_formats_have_notes(
     assert told in capsys.readouterr().out
 
 
-def test_a_run_tells_the_notes_of_its_robot_once_and_scripts_nothing(
+def test_a_run_reports_the_notes_of_its_robot_once_and_scripts_nothing(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write(folder, base=SOLID, upper=SEEN + HEAVY, lower=SOLID, effort=0)

@@ -86,7 +86,7 @@ def test_a_thing_in_a_wall_is_found_however_it_is_placed(tmp_path: Path) -> None
     assert codes(tmp_path, placed(**stacked)) == []
 
 
-def test_unknown_neighbours_are_told_with_those_that_there_are(tmp_path: Path) -> None:
+def test_unknown_neighbours_are_reported_with_those_that_there_are(tmp_path: Path) -> None:
     text = placed(
         one="{things: [ball], place: {on: tabel, x: 45 cm}}",
         two="{things: [ball], place: {beside: {name: tow, by: 25 cm}}}",

@@ -149,7 +149,7 @@ def test_reward_end_state_and_action_are_those_of_the_program(
     assert not any(row["next.success"] for row in rows_of(folder, 1)), "it was not rewarded"
 
 
-def test_episodes_tell_seed_context_and_ending(folder: Path, recorded: Recorded) -> None:
+def test_episodes_report_seed_context_and_ending(folder: Path, recorded: Recorded) -> None:
     first, second = episodes_of(folder)
     assert first["recording/seed"] == recorded.summary["result"]["seed"]
     assert first["recording/ending"] == recorded.summary["result"]["ending"]

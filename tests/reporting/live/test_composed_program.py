@@ -62,7 +62,7 @@ def test_what_one_controller_needs_of_another_is_kept(file: Path) -> None:
     assert "  orient:\n" not in composed.text and "searchtrack" not in composed.text
 
 
-def test_findings_are_told_and_changes_of_other_programs_left_out(file: Path) -> None:
+def test_findings_are_reported_and_changes_of_other_programs_left_out(file: Path) -> None:
     composed = made(file, Changes({"searchtrack.track": 3.0}, {}, ("posture", "home")))
     assert composed.left_out == ("searchtrack.track",)
     assert [each.code for each in composed.findings] == ["CB709"]

@@ -34,7 +34,7 @@ def view(feed: Feed) -> LiveView:
     return LiveView(feed, Transport(math.inf), Shown)
 
 
-def test_whoever_looks_learns_all_of_an_episode(
+def test_an_observer_receives_all_of_an_episode(
     feed: Feed, view: LiveView, watched: Watched, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_PAUSE", 0.0)
@@ -68,7 +68,7 @@ def test_whoever_looks_learns_all_of_an_episode(
     assert set(of["body"][0]["parts"][0]) >= {"shape", "size", "color"}
 
 
-def test_nothing_is_made_while_nobody_looks(
+def test_nothing_is_made_without_a_viewer(
     feed: Feed, view: LiveView, watched: Watched, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[float] = []

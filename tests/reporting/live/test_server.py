@@ -73,7 +73,7 @@ def events(answer: HTTPResponse) -> Iterator[tuple[str, Any]]:
             answer.readline()
 
 
-def test_the_page_has_a_token_that_nobody_guesses(served: Served) -> None:
+def test_the_page_has_an_unguessable_token(served: Served) -> None:
     answer = served.ask("GET", "/")
     assert (answer.status, answer.headers["Cache-Control"]) == (200, "no-store")
     assert answer.headers["X-Frame-Options"] == "DENY"
@@ -180,7 +180,7 @@ def test_a_page_too_many_is_refused(served: Served) -> None:
     assert all(each.status == 200 for each in open_)
 
 
-def test_a_client_that_takes_nothing_holds_nobody_up(served: Served) -> None:
+def test_a_client_that_reads_nothing_does_not_delay_others(served: Served) -> None:
     served.feed.begin(message("episode", {}))
     idle = socket.create_connection(("127.0.0.1", served.port))
     idle.sendall(f"GET /events HTTP/1.0\r\nHost: {served.host}\r\n\r\n".encode())
@@ -204,7 +204,7 @@ def test_a_client_that_takes_nothing_holds_nobody_up(served: Served) -> None:
     idle.close()
 
 
-def test_closing_tells_pages_and_gives_the_port_back() -> None:
+def test_closing_reports_pages_and_gives_the_port_back() -> None:
     served = Served()
     served.feed.begin(message("episode", {}))
     stream = events(served.ask("GET", "/events"))

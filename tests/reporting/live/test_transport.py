@@ -135,7 +135,7 @@ def test_a_request_that_no_tick_answers_is_never_done(monkeypatch: pytest.Monkey
     assert not done.is_set()
 
 
-def test_whoever_was_released_cannot_be_paused() -> None:
+def test_a_released_run_cannot_be_paused() -> None:
     transport = Transport(math.inf)
     transport.release()
     transport.pause()

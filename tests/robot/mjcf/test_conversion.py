@@ -175,7 +175,7 @@ def test_parts_without_a_counterpart_are_named(odd: Path) -> None:
     assert "cube" not in urdf_of(convert_mjcf(odd, "odd")).links
 
 
-def test_another_gravity_is_told() -> None:
+def test_another_gravity_is_reported() -> None:
     assert any(
         "gravity is 0" in each for each in convert_mjcf(ASSETS / "pusher_v5.xml", "r").remarks
     )

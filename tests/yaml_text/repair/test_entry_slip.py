@@ -13,7 +13,7 @@ from cbdsl.yaml_text.repair.entry_slip import named_instead, slip_in_text
 @pytest.mark.parametrize(
     "text", ["cup.yaml", "things/cup.yml", "cup#red", "cup//red", "a cup", "cup-1", "cup,"]
 )
-def test_what_is_no_name_is_told_with_one(text: str) -> None:
+def test_an_invalid_name_is_reported_with_a_valid_one(text: str) -> None:
     proposed = re.search(r"write (\S+)", named_instead(text))
     assert proposed is not None
     assert re.match(NAME_PATTERN, proposed[1]) and proposed[1].startswith(("cup", "a_cup"))

@@ -51,7 +51,7 @@ def found(path: Path, number: int, line: str) -> list[Diagnostic]:
 
 
 @given(st.sampled_from(KEYS))
-def test_a_missing_colon_is_told_on_its_line(key: tuple[Path, int, int]) -> None:
+def test_a_missing_colon_is_reported_on_its_line(key: tuple[Path, int, int]) -> None:
     path, number, end = key
     line = LINES[path][number]
     (diagnostic,) = found(path, number, line[:end] + line[end + 1 :])
@@ -60,7 +60,7 @@ def test_a_missing_colon_is_told_on_its_line(key: tuple[Path, int, int]) -> None
 
 
 @given(st.sampled_from(WITH_VALUES))
-def test_a_missing_space_is_told_on_its_line(key: tuple[Path, int, int]) -> None:
+def test_a_missing_space_is_reported_on_its_line(key: tuple[Path, int, int]) -> None:
     path, number, end = key
     line = LINES[path][number]
     (diagnostic,) = found(path, number, line[: end + 1] + line[end + 2 :])
