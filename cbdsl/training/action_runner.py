@@ -110,8 +110,8 @@ class ActionRunner:
     ) -> ActionOutcome:
         """Run an action that searches for a mark of one of several channels.
 
-        The outcome counts for the visible mark's own action, or else for the chosen one. Visible
-        marks become actions.
+        The outcome counts once, for the chosen action and with the features of that action, whether
+        rewarded or not. Visible marks become actions, which count from when they are chosen.
         """
         open_marks = [m for m, each in action.marks.items() if each.name not in known]
         if not open_marks:
@@ -119,12 +119,11 @@ class ActionRunner:
         mark = open_marks[self._turns % len(open_marks)]
         self._turns += 1
         own = action.marks[mark]
-        reader = FeatureReader(own.features, {m: e.presence for m, e in action.marks.items()})
+        reader = FeatureReader(action.features, {m: e.presence for m, e in action.marks.items()})
         result = self._episode(own, reader, seed, undisturbed, [*own.observed, *action.observed])
         seen = {m for m, seconds in reader.seconds.items() if seconds >= _BELIEVED}
         new = tuple(each.name for m, each in action.marks.items() if m in seen)
-        # The features of marks have lengths of their own, and models of their own.
-        outcome = _outcome(own.name if mark in seen else action.name, result, reader)
+        outcome = _outcome(action.name, result, reader)
         return outcome._replace(opened=new, rewarded=outcome.rewarded and mark in seen)
 
     def _episode(

@@ -12,6 +12,7 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.learning.model_exploration import ModelConstants, ModelExploration
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import EpisodeResult
 from cbdsl.runtime.feature_reader import FeatureReader
@@ -66,7 +67,7 @@ def inspect(
     def act(*, rewarded: bool, seconds: float) -> ActionOutcome:
         def episode(_: Any, reader: FeatureReader, *rest: Any, **options: Any) -> EpisodeResult:
             reader.seconds["blue"] = seconds
-            reader.values["place"] = (0.6, 0.1, -0.3)
+            reader.values = {n: (0.1,) * r.type.size for n, r in reader._features.items()}
             return EpisodeResult(
                 "visualinspect", "", "", 0, rewarded, (), (), 0, 1.0, 1.0, "", "an ending"
             )
@@ -88,3 +89,22 @@ def test_inspect_is_rewarded_only_where_its_hue_was_seen(
     outcome = inspect(rewarded=rewarded, seconds=seconds)
     assert outcome.rewarded == counts
     assert outcome.opened == ((HUE,) if seconds else ())
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_inspect_counts_each_execution_under_the_open_action(
+    inspect: Inspect, inspection: Explorable, share: float
+) -> None:
+    """Predict for an open inspection the probability of its own executions."""
+    exploration = ModelExploration({"visualinspect": inspection.forms}, ModelConstants())
+    for number in range(20):
+        rewarded = number < 20 * share
+        outcome = inspect(rewarded=rewarded, seconds=1.0 if rewarded else 0.0)
+        sizes = {form.name: form.size for form in inspection.forms}
+        assert {name: len(values) for name, values in outcome.features.items()} == sizes
+        exploration.add(dict.fromkeys(outcome.opened, inspection.marks["blue"].forms))
+        exploration.note(outcome)
+    affordance = exploration.affordances["visualinspect"]
+    assert (affordance.tried, affordance.successes) == (20, round(20 * share))
+    others = [each for name, each in exploration.affordances.items() if name != "visualinspect"]
+    assert sum(each.tried for each in others) == 0
