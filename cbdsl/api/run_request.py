@@ -183,7 +183,7 @@ def _as_schema(
 ) -> CheckedProgram:
     """Return a program that is allocated by a schema."""
     from cbdsl.api.clean import require_clean
-    from cbdsl.checking.causes import causes_first
+    from cbdsl.checking.cause_order import causes_first
     from cbdsl.checking.findings import Findings
     from cbdsl.checking.program import examine_program
     from cbdsl.checking.schema import checked_schema

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from cbdsl.calibration.ball import centre, hidden, image, plane_of
 from cbdsl.calibration.hand_view import FINGERS, HandView
-from cbdsl.calibration.lacking import lacking
+from cbdsl.calibration.missing_motion import lacking
 from cbdsl.documents.robot import Camera, Correction
 from cbdsl.errors.errors import UsageError
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from cbdsl.checking.allocations import allocations
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import with_policy
-from cbdsl.checking.looks import derived_looks
+from cbdsl.checking.prior_looks import derived_looks
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cbdsl.checking.actions import Actions
 from cbdsl.checking.allotments import check_allotments
-from cbdsl.checking.causes import causes_first
+from cbdsl.checking.cause_order import causes_first
 from cbdsl.checking.compositions import Compositions
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.axes import check_contradictions

@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 from cbdsl.checking.allotments import exchangeable
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
-from cbdsl.checking.looks import look_of
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.member_exchange import MemberExchange
+from cbdsl.checking.prior_looks import look_of
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine, stand_in
 from cbdsl.documents.catalog import CatalogDocument

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.knowledge.impossible import check_possible, reads_what_is_known
 from cbdsl.checking.robot.pace import check_gain, check_window
-from cbdsl.checking.waiting import check_waiting
+from cbdsl.checking.wait_cycles import check_waiting
 from cbdsl.documents import program as written
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from difflib import unified_diff
 
 from cbdsl.errors.entry import Entry
-from cbdsl.errors.legible import legible
+from cbdsl.errors.legible_text import legible
 
 _HEAD = """\
 # Diagnostics

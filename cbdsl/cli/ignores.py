@@ -22,7 +22,7 @@ def apply_suppressions(
         files: Files checked by themselves; only their suppressions are reported as unused.
         library: Library with the texts of all files.
     """
-    from cbdsl.checking.causes import causes_first
+    from cbdsl.checking.cause_order import causes_first
 
     findings = list(diagnostics)
     # The same file may have been read by a shorter path before.

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from cbdsl.cli.start_contacts import Postures, StartContacts, start_contacts
 from cbdsl.errors.counting import count, some
 from cbdsl.errors.errors import UsageError
-from cbdsl.errors.legible import legible, seen
+from cbdsl.errors.legible_text import legible, seen
 from cbdsl.robot.chains import chains, root
 from cbdsl.robot.ready_posture import ReadyPosture, at_first
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups

@@ -12,7 +12,7 @@ from cbdsl.cli.legible_output import raw
 from cbdsl.cli.text_format import text
 from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.legible import legible
+from cbdsl.errors.legible_text import legible
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from cbdsl.errors.diagnostic import Diagnostic, Place, Severity
-from cbdsl.errors.legible import seen
+from cbdsl.errors.legible_text import seen
 from cbdsl.errors.lines import lines_of
 
 # No section of a document has more keys.

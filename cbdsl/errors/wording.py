@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from cbdsl.errors.diagnostic import Diagnostic, Place, Related
-from cbdsl.errors.legible import legible
+from cbdsl.errors.legible_text import legible
 
 if TYPE_CHECKING:
     from cbdsl.errors.entry import Entry

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from pathlib import Path
 
-from cbdsl.checking.causes import causes_first
+from cbdsl.checking.cause_order import causes_first
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.errors.diagnostic import Diagnostic, Place
