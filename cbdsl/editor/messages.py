@@ -12,7 +12,7 @@ _FIELD = re.compile(rb"[!#$%&'*+.^_`|~0-9A-Za-z-]+[ \t]*:")
 _LONGEST_LINE = 1 << 20
 #: Bytes of the largest message that is read; a document is far smaller.
 MOST_BYTES = 1 << 28
-_PARSE_ERROR = -32700
+_PARSE_ERROR, _INVALID_REQUEST, _INVALID_PARAMETERS = -32700, -32600, -32602
 
 
 class MessageStream:
@@ -29,6 +29,7 @@ class MessageStream:
         self._source, self._answers = source, answers
         self._rest: list[bytes] = []
         self._is_skipping = False
+        self._body = b""
 
     def readline(self) -> bytes:
         """Return the next line of a header; empty at the end of the input."""
@@ -41,7 +42,24 @@ class MessageStream:
 
     def read(self, size: int) -> bytes:
         """Return the body of a message."""
-        return self._source.read(size)
+        self._body = self._source.read(size)
+        return self._body
+
+    def refuse_body(self) -> None:
+        """Answer that the last message is not JSON, or that its parameters are invalid.
+
+        A notification has no answer.
+        """
+        try:
+            message = json.loads(self._body)
+        except (ValueError, RecursionError):
+            self._answer(None, _PARSE_ERROR, "a message cannot be read: it is not JSON")
+            return
+        if not isinstance(message, dict) or "method" not in message:
+            self._answer(None, _INVALID_REQUEST, "a message is no request: it has no 'method'")
+        elif "id" in message:
+            reason = f"the parameters of {message['method']} are not those of the protocol"
+            self._answer(message["id"], _INVALID_PARAMETERS, reason)
 
     def _next_length(self) -> int | None:
         """Return the length of the next message; ``None`` at the end of the input."""
@@ -68,7 +86,11 @@ class MessageStream:
         if self._is_skipping:
             return
         self._is_skipping = True
-        error = {"code": _PARSE_ERROR, "message": f"a message cannot be read: {reason}"}
-        body = json.dumps({"jsonrpc": "2.0", "id": None, "error": error}).encode()
+        self._answer(None, _PARSE_ERROR, f"a message cannot be read: {reason}")
+
+    def _answer(self, number: object, code: int, reason: str) -> None:
+        """Answer a request, or a message without a number, with an error."""
+        error = {"code": code, "message": reason}
+        body = json.dumps({"jsonrpc": "2.0", "id": number, "error": error}).encode()
         self._answers.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
         self._answers.flush()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
@@ -64,7 +64,15 @@ class Server(LanguageServer):
     def serve(self, source: BinaryIO, answers: BinaryIO) -> None:
         """Serve an editor until it ends the connection."""
         # pygls reads lines and bodies, and nothing else, of its input.
-        self.start_io(MessageStream(source, answers), answers)  # type: ignore[arg-type]
+        self._messages = MessageStream(source, answers)
+        self.start_io(self._messages, answers)  # type: ignore[arg-type]
+
+    def report_server_error(self, error: Exception, source: Any) -> None:
+        """Answer a message that cannot be read; pygls itself leaves the editor waiting."""
+        if source is JsonRpcException:
+            self._messages.refuse_body()
+        else:
+            super().report_server_error(error, source)
 
     def path(self, uri: str) -> Path:
         """Return the file that stands for a document."""

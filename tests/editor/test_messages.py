@@ -93,3 +93,35 @@ def test_the_server_goes_on_after_bytes_without_a_length(tmp_path: Path) -> None
     assert answer["error"]["code"] == -32700 and "Content-Length" in answer["error"]["message"]
     assert client.findings(path)
     assert client.close() == 0
+
+
+@pytest.mark.parametrize(
+    ("body", "code", "number"),
+    [
+        (b"not json", -32700, None),
+        (b"[" * 100_000, -32700, None),
+        (b"\xff\xfe", -32700, None),
+        (b"[1, 2]", -32600, None),
+        (b'{"jsonrpc": "2.0", "id": 7}', -32600, None),
+        (b'{"jsonrpc": "2.0", "id": 7, "method": "textDocument/hover"}', -32602, 7),
+        (
+            b'{"jsonrpc": "2.0", "id": "a", "method": "textDocument/hover", "params": {"position":'
+            b' {"line": 0, "character": 4294967295}, "textDocument": {"uri": "file:///a.yaml"}}}',
+            -32602,
+            "a",
+        ),
+        (b'{"jsonrpc": "2.0", "id": 8, "method": "textDocument/hover", "params": [1]}', -32602, 8),
+    ],
+)
+def test_the_server_answers_a_body_that_it_cannot_read(
+    body: bytes, code: int, number: object, tmp_path: Path
+) -> None:
+    pytest.importorskip("pygls")
+    client = Client(tmp_path)
+    client.send_bytes(b"Content-Length: %d\r\n\r\n" % len(body) + body)
+    answer = client.receive()
+    assert (answer["error"]["code"], answer["id"]) == (code, number)
+    path = tmp_path / "a.yaml"
+    client.open(path, "kind: program\n")
+    assert client.findings(path)
+    assert client.close() == 0
