@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
@@ -80,4 +81,5 @@ def _location(place: Place) -> dict[str, Any]:
 def _uri(file: str) -> str:
     """Return a path as a URI, which is relative if the path is."""
     path = Path(file)
-    return path.as_uri() if path.is_absolute() else quote(path.as_posix())
+    # Names on a disk are bytes, of any encoding.
+    return path.as_uri() if path.is_absolute() else quote(os.fsencode(path.as_posix()))

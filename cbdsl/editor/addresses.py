@@ -12,8 +12,8 @@ from pygls.uris import from_fs_path, to_fs_path, urlparse
 class Addresses:
     """Files that stand for the documents of an editor.
 
-    Documents that were never saved have no file, and neither do old versions of saved documents. A
-    path in the folder of the editor stands for such a document, and its references are resolved
+    Documents that were never saved have no file, and neither do old versions of saved documents, or
+    addresses that no file can have. A path in the folder of the editor stands for such a document, and its references are resolved
     from there.
 
     Args:
@@ -29,7 +29,8 @@ class Addresses:
         """Return the file of a document; equal addresses have equal files."""
         if uri not in self._paths:
             file = to_fs_path(uri)
-            path = Path(file) if file else self._stand_in(uri)
+            is_possible = file is not None and "\0" not in file
+            path = Path(file) if file and is_possible else self._stand_in(uri)
             self._paths[uri] = path
             self._uris.setdefault(path, uri)
         return self._paths[uri]

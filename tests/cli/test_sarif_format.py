@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import copy
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote_to_bytes
 
 import jsonschema
 import pytest
@@ -66,3 +68,24 @@ def test_the_schema_reports_good_from_bad(
     spoiled = copy.deepcopy(log)
     spoil(spoiled)
     assert faults(log) == [] and faults(spoiled) != []
+
+
+@pytest.mark.parametrize(
+    "name", [b"a b", b"a%41", b"a#b", b"a?b", b"a\nb", b"[x]", b"bad\xff", b"-x"]
+)
+@pytest.mark.parametrize("is_absolute", [True, False])
+def test_file_of_any_name_has_an_address_that_leads_back(
+    name: bytes,
+    is_absolute: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = Path(os.fsdecode(name) + ".yaml")
+    file.write_text("cbdsl: 1\nkind: program\nname: x\nrobot: nope\ncontrollers: {}\nactions: []\n")
+    log = log_of(capsys, file.absolute() if is_absolute else file)
+    assert faults(log) == []
+    address = result(log)["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+    path = unquote_to_bytes(address.removeprefix("file://"))
+    assert os.path.samefile(path, file)

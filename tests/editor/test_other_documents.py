@@ -71,6 +71,7 @@ def test_a_file_in_a_folder_of_documents_has_findings(client: Client, folder: Pa
         "git:/programs/searchtrack.yaml?%7B%22ref%22%3A%22HEAD%22%7D",
         "inmemory://model/1",
         "Untitled-2",
+        "file:///%00a.yaml",
     ],
 )
 def test_a_document_in_no_file_has_findings_and_answers(client: Client, uri: str) -> None:
