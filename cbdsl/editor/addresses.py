@@ -13,8 +13,8 @@ class Addresses:
     """Files that stand for the documents of an editor.
 
     Documents that were never saved have no file, and neither do old versions of saved documents, or
-    addresses that no file can have. A path in the folder of the editor stands for such a document, and its references are resolved
-    from there.
+    addresses that no file can have. A path in the folder of the editor stands for such a document,
+    and its references are resolved from there.
 
     Args:
         here: Folder of the editor.
