@@ -120,7 +120,7 @@ def compose(
             if not _lock(change, total, locked, bounds):
                 add(total, change, 1.0)
                 delicate |= singular
-                taken = _resist(resisted, basis, below, sides, pins, math.sqrt(least))
+                taken = _resist(resisted, basis, below, sides, pins, least, levels, level)
                 break
             taken = _lock_joints(locked, basis, taken, sides, pins)
         start = end
@@ -223,17 +223,32 @@ def _curve(
 
 @compiled
 def _resist(
-    resisted: Floats, basis: Floats, taken: int, sides: Floats, pins: Integers, least: float
+    resisted: Floats,
+    basis: Floats,
+    taken: int,
+    sides: Floats,
+    pins: Integers,
+    least: float,
+    levels: LevelArrays,
+    level: int,
 ) -> int:
-    """Add resisted directions to the basis; return its number of rows."""
+    """Add resisted directions to the basis; return its number of rows.
+
+    A direction begins to count at twice the ``least`` stiffness and ceases at half of it, so that
+    the noise of sensors does not open and close it to lower levels.
+    """
+    before = levels.withheld[level] if levels.ages[level] > 1 else 0
     for i in range(len(resisted)):
         _project(resisted, i, basis, taken)
     more = taken
-    if len(resisted) > 0:
-        more += len(_gram_schmidt(resisted, basis, taken, least))
+    for stiffness, most in ((0.5 * least, before), (2.0 * least, len(resisted))):
+        count = min(most - (more - taken), len(resisted))
+        if count > 0:
+            more += len(_gram_schmidt(resisted, basis, more, math.sqrt(stiffness), count))
     for i in range(taken, more):
         fill(sides[i], 0.0)
     _unpin(pins, taken, more)
+    levels.withheld[level] = more - taken
     return more
 
 
@@ -368,7 +383,7 @@ def _invert(
         copy(rest[i], rows[i], 1.0)
         squares += dot(rows[i], rows[i])
         _project(rest, i, basis, taken)
-    parts = _gram_schmidt(rest, basis, taken, _ROUNDING * math.sqrt(squares))
+    parts = _gram_schmidt(rest, basis, taken, _ROUNDING * math.sqrt(squares), len(rest))
     directions = basis[taken : taken + len(parts)]
     jacobi_svd(parts, directions)
     change = np.empty(rows.shape[1])
@@ -383,15 +398,16 @@ def _invert(
 
 
 @compiled
-def _gram_schmidt(rest: Floats, basis: Floats, taken: int, least: float) -> Floats:
+def _gram_schmidt(rest: Floats, basis: Floats, taken: int, least: float, most: int) -> Floats:
     """Add orthonormal directions that span the rows to a basis, and subtract them from the rows.
 
-    Gram-Schmidt orthogonalisation, longest row first, down to rows no longer than ``least``.
+    Gram-Schmidt orthogonalisation, longest row first, down to rows no longer than ``least``, for at
+    most ``most`` directions.
 
     Returns:
         The rows' parts in these directions, shape (rank, k).
     """
-    parts = np.empty((min(len(rest), len(basis) - taken), len(rest)))
+    parts = np.empty((min(most, len(basis) - taken), len(rest)))
     for rank in range(len(parts)):
         longest, size = 0, 0.0
         for i in range(len(rest)):

@@ -23,6 +23,8 @@ class LevelArrays(NamedTuple):
             at most 1, shape (levels,).
         curved: True for levels whose coordinates have Hessians, shape (levels,).
         hessians: Second derivatives of the task coordinates by the joints, shape (k, n, n).
+        withheld: Number of directions that each level withheld from those below in the preceding
+            tick, because it resists them, shape (levels,).
     """
 
     rows: Floats
@@ -32,6 +34,7 @@ class LevelArrays(NamedTuple):
     fractions: Floats
     curved: NDArray[np.bool_]
     hessians: Floats
+    withheld: NDArray[np.int64]
 
 
 class Level(NamedTuple):

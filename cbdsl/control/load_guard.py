@@ -115,7 +115,7 @@ def give_way(
     size, first = len(levels.requested), held + last
     below = _below_guards(levels, newest, normals[:held], allowed, tips[:last], ways)
     own_values = np.zeros(first + size)
-    compose(here, newest, below, True, limits, steps, guards, total, locked, own_values)
+    compose(here, newest, below, False, limits, steps, guards, total, locked, own_values)
     copy(values, own_values[first:], 1.0)
 
 
@@ -147,7 +147,7 @@ def _below_guards(
         ends[2 + level] += levels.ends[level]
     return LevelArrays(
         rows, ages, requested, ends, np.ones(2 + count),
-        np.zeros(2 + count, np.bool_), np.zeros((0, joints, joints)),
+        np.zeros(2 + count, np.bool_), np.zeros((0, joints, joints)), np.zeros(2 + count, np.int64),
     )  # fmt: skip
 
 

@@ -33,12 +33,13 @@ from cbdsl.numeric.vector import add, copy, dot, fill, norm
 
 Integers = NDArray[np.int64]
 
-# A level resists a direction whose radius of curvature, relative to its remaining displacement, is
-# above this, m or rad: far below a link's length.
-_RESISTED = 1e-2
+# A level resists a direction if its curvature, relative to the remaining displacement, is above
+# this, m or rad: far below a link's length, and far above the effect of an encoder's resolution.
+_RESISTED = 1e-3
 
-# Squared singular values below this do not pass on multipliers: they would explode.
-_SOFT = 1e-6
+# Added to squared singular values that multipliers are divided by. They grow at a singularity, and
+# with them the stiffness of the levels below: bounded multipliers would let these swing.
+_SOFT = 1e-10
 
 # Least divisor of a step, in the square of the Jacobians' unit.
 _FLOOR = 1e-24
@@ -197,7 +198,7 @@ def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, F
         for j in range(size):
             for k in range(size):
                 positive[j, k] += stiffness * vectors[i, j] * vectors[i, k]
-        if stiffness > least:
+        if stiffness > 0.5 * least:
             for j in range(size):
                 add(resisted[count], free[j], math.sqrt(stiffness) * vectors[i, j])
             count += 1

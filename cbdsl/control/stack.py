@@ -45,6 +45,7 @@ class Stack:
         self.arrays = LevelArrays(
             self.rows, self.ages, self.wanted, self.ends, np.ones(len(levels)),
             np.zeros(len(levels), dtype=np.bool_), np.zeros((size, joints, joints)),
+            np.zeros(len(levels), dtype=np.int64),
         )  # fmt: skip
         self.clock = np.zeros(1, dtype=np.int64)
 
@@ -87,7 +88,7 @@ class Stack:
 
     def forget(self) -> None:
         """Forget the preceding ticks, because other controllers have acted since."""
-        self.ages[:] = 0
+        self.ages[:], self.arrays.withheld[:] = 0, 0
 
     def extrapolated(self) -> tuple[Level, ...]:
         """Return the levels that act, with their Jacobians half a tick ahead."""

@@ -23,6 +23,7 @@ def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats
     levels = LevelArrays(
         rows, np.ones(count, dtype=int), np.concatenate(wanted), ends, np.ones(count),
         np.zeros(count, dtype=bool), np.zeros((ends[-1], joints, joints)),
+        np.zeros(count, dtype=int),
     )  # fmt: skip
     steps, guards = np.full(joints, FREE), np.array([0.0, 1e-300, FREE])
     compose(np.zeros(joints), 0, levels, False, limits, steps, guards, step, locked, values)

@@ -11,6 +11,7 @@ from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
 from cbdsl.control.rotation import exp, log
 from cbdsl.control.signal import Floats
+from cbdsl.control.stack import TICKS, Stack
 from tests.control.chain import Chain
 
 PERIOD = 1 / 60  # s
@@ -177,3 +178,26 @@ def test_stretched_arm_that_cannot_press_harder_rests_at_the_largest_force(share
     assert force == pytest.approx(min(share, 1.0) * largest, rel=1e-3)
     if share > 1.0:
         assert motion(bent=False)[0] > 10 * STILL
+
+
+def follow(case: Stretched, quantum: float, ticks: int = 1200) -> float:
+    """Return the motion at rest if encoders round positions and servos lag, rad a tick."""
+    bound, count = np.full(case.chain.joints, case.limit), case.chain.joints
+    law, sizes = Law(-bound, bound, LawSettings(joint_step=STEP)), {"p": 3, "r": 3, "z": 1}
+    q, reference, motions = case.start, case.start.copy(), []
+    stack = Stack([(letter, sizes.get(letter, count)) for letter in case.stack], count)
+    for _ in range(ticks):
+        read = np.round(q / quantum) * quantum
+        stack.clock[0] = (stack.clock[0] + 1) % TICKS
+        for place, level in enumerate(levels(case, read)):
+            stack.put(place, level)
+        motions.append(law.compose(stack, read).displacement.copy())
+        reference = reference + motions[-1]
+        q = q + 0.4 * (reference - q)
+    return float(np.abs(motions[-300:]).max())
+
+
+@pytest.mark.parametrize("seed", [3, 29, 33])
+def test_stack_rests_though_encoders_round_and_servos_lag(seed: int) -> None:
+    case = stretched(seed)._replace(stack="prq")
+    assert follow(case, quantum=1e-4) <= STILL
