@@ -20,6 +20,10 @@ interpreter named by ``--python``. It takes part in blocks only. placo needs an 
 "cmeel-tinyxml2<11"``. A library that cannot be imported is reported with the reason. The benchmark
 takes one or two minutes.
 
+With ``--rest``, all solve the same target out of reach of a planar arm instead
+(``resting_peers.py``). A row gives the distance beyond the least possible one, and the largest
+motion of a joint in the last of 15 s.
+
     python benchmarks/control_peers.py --python placo=placo/bin/python
 """
 
@@ -38,9 +42,10 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numpy as np
-from ours import PATH_STAGES, ROOT, DexterCycle, TwoArms
+from ours import PATH_STAGES, ROOT, DexterCycle, TwoArms, law_with_hessians
 from peer_process import RemotePeer, remote_peers
 from peers import PEERS, PERIOD, Floats, Peer, Scene, load
+from resting_peers import GAIN, LINKS, TARGET, TURN, remote_rest_of, rest_of, settle
 from stopwatch import Stopwatch
 
 DOCUMENTS = Path(__file__).parent / "two_arms"
@@ -124,6 +129,46 @@ def split(tick: Callable[[Floats], object], postures: list[Floats]) -> dict[str,
     return {stage: round(statistics.median(values), 1) for stage, values in times.items()}
 
 
+def at_rest() -> Callable[[Floats], Floats]:
+    """Return the law at the target of ``resting_peers``."""
+    fraction = 0.5 * GAIN * PERIOD
+    solve, flat = law_with_hessians((2, 1, 3), fraction, curved=True), np.zeros((3, 3, 3))
+
+    def tick(q: Floats) -> Floats:
+        angles = np.cumsum(q)
+        levers = np.cumsum((LINKS * np.exp(1j * angles))[::-1])[::-1]
+        outer = levers[np.maximum.outer(np.arange(3), np.arange(3))]
+        rows, hessian = np.array([-levers.imag, levers.real]), np.array([-outer.real, -outer.imag])
+        away = fraction * (TARGET[:2] - (levers[0].real, levers[0].imag))
+        away *= min(1.0, 0.35 * PERIOD / float(np.linalg.norm(away)))
+        turn = np.clip(np.array([fraction * (TURN - angles[-1])]), -1.5 * PERIOD, 1.5 * PERIOD)
+        bend = np.clip(-fraction * q, -0.8 * PERIOD, 0.8 * PERIOD)
+        levels = [(rows, away, hessian), (np.ones((1, 3)), turn, flat[:1]), (np.eye(3), bend, flat)]
+        return solve(levels, q).copy()
+
+    return tick
+
+
+def rest(pythons: Mapping[str, str]) -> dict[str, dict[str, float]]:
+    """Return the results of all at a target out of reach, by name; report missing libraries."""
+    results = {"cbdsl": settle(at_rest())}
+    for module in PEERS:
+        try:
+            known = module in pythons
+            results |= remote_rest_of(module, pythons[module]) if known else rest_of(module)
+        except ImportError as error:
+            sys.stderr.write(f"{module} is missing: {error}\n")
+    return results
+
+
+def write_rest(pythons: Mapping[str, str], *, as_json: bool) -> None:
+    """Print a row for each library at a target out of reach."""
+    for name, row in rest(pythons).items():
+        values = f"{row['beyond']:8.2f} mm beyond {row['motion']:8.4f} deg a tick"
+        line = json.dumps({"name": name, **row}) if as_json else f"{name:24}{values}"
+        sys.stdout.write(line + "\n")
+
+
 def main() -> None:
     """Time all peers and print medians and ratios."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -134,6 +179,7 @@ def main() -> None:
         "--python", action="append", default=[], metavar="LIBRARY=PYTHON",
         help="run a library in a process of its own, with this interpreter",
     )  # fmt: skip
+    parser.add_argument("--rest", action="store_true", help="solve a target out of reach")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     options = parser.parse_args()
     pythons = dict(each.partition("=")[::2] for each in options.python)
@@ -141,6 +187,9 @@ def main() -> None:
         parser.error(
             f"--python: no library {', '.join(sorted(unknown))} (known: {', '.join(PEERS)})"
         )
+    if options.rest:
+        write_rest(pythons, as_json=options.json)
+        return
     if pythons and hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, [min(os.sched_getaffinity(0))])  # for the processes as well
     rng = np.random.default_rng(0)
