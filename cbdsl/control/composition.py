@@ -234,8 +234,8 @@ def _resist(
 ) -> int:
     """Add resisted directions to the basis; return its number of rows.
 
-    A direction begins to count at twice the ``least`` stiffness and ceases at half of it, so that
-    the noise of sensors does not open and close it to lower levels.
+    A direction begins to count at twice the ``least`` stiffness and ceases at half of it. The noise
+    of sensors therefore does not open and close it to lower levels.
     """
     before = levels.withheld[level] if levels.ages[level] > 1 else 0
     for i in range(len(resisted)):
