@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from cbdsl.backends.ros2.server import Moment
     from cbdsl.documents.robot import RobotDocument
 
+# Window of the real-time factor, s, and the factor below which it is reported.
+_WINDOW, _SLOW = 5.0, 0.97
+
 
 def serve_robot(
     robot: str | Path,
@@ -57,11 +60,14 @@ def serve_robot(
     embodied = simulated_robot(backend, document, urdf, cameras)
     server = RobotServer(document, urdf, embodied, interface, injected)
     moments = _Moments(seconds, stopped, keeps=trace is not None)
+    pace = Pace(embodied.control_period, report)
     try:
         drawn = server.reset(set_up, context, seed)
         report(_introduction(document, backend, set_up.name, drawn, interface))
         injected.restart()
-        server.serve(moments.note)
+        pace.begin()
+        server.serve(lambda moment: pace.note() and moments.note(moment))
+        report(pace.summary)
     finally:
         server.close()
         if trace is not None:
@@ -77,6 +83,54 @@ def _introduction(
         f"serving {robot.name} ({backend}) on stage {stage}, context {context}; {where}, topics "
         f"{', '.join(topics)}"
     )
+
+
+class Pace:
+    """Real-time factor of a simulation: simulated time per wall time.
+
+    Args:
+        period: Simulated time of a tick, s.
+        report: Function called once with a sentence, if a window is slower than real time.
+        clock: Wall time, s.
+    """
+
+    def __init__(
+        self,
+        period: float,
+        report: Callable[[str], None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._period, self._report, self._clock = period, report, clock
+        self._has_reported = False
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin the simulation now."""
+        self._ticks, self._began = 0, self._clock()
+        # Ticks and time at the start of the present window.
+        self._window = 0, self._began
+
+    def note(self) -> bool:
+        """Count a tick; return True."""
+        self._ticks += 1
+        ticks, began = self._window
+        now = self._clock()
+        if now - began >= _WINDOW:
+            self._window = self._ticks, now
+            factor = (self._ticks - ticks) * self._period / (now - began)
+            if factor < _SLOW and not self._has_reported:
+                self._has_reported = True
+                self._report(
+                    f"slower than real time: real-time factor {factor:.2f} for {_WINDOW:.0f} s; "
+                    "a program may be held. End other processes, or use --cameras ideal"
+                )
+        return True
+
+    @property
+    def summary(self) -> str:
+        """Simulated time and real-time factor since the start, as a sentence."""
+        simulated, elapsed = self._ticks * self._period, self._clock() - self._began
+        return f"served {simulated:.1f} s; real-time factor {simulated / max(elapsed, 1e-9):.3f}"
 
 
 class _Moments:

@@ -84,6 +84,7 @@ class RobotServer:
             if driver.commands is not None
         }
         self._followers: dict[str, tuple[Follower, NDArray[np.intp]]] = {}
+        self._real_time = RealTime()
         self.refused = ""
 
     def reset(self, stage: StageDocument, context: str | None, seed: int) -> str:
@@ -98,7 +99,9 @@ class RobotServer:
             self.tick()
         load_kept()
         self._faults = faults
-        return self._set_up(stage, context, seed)
+        name = self._set_up(stage, context, seed)
+        self._real_time.begin()
+        return name
 
     def _set_up(self, stage: StageDocument, context: str | None, seed: int) -> str:
         """Begin an episode; return the context."""
@@ -122,14 +125,6 @@ class RobotServer:
 
     def serve(self, watch: Callable[[Moment], bool]) -> None:
         """Run the robot in real time, until ``watch`` returns false after a control period."""
-        real_time = RealTime()
-        real_time.begin()
-        try:
-            self._serve(watch)
-        finally:
-            real_time.end()
-
-    def _serve(self, watch: Callable[[Moment], bool]) -> None:
         period, due = self._backend.control_period, time.monotonic()
         while True:
             moment = self.tick()
@@ -256,6 +251,7 @@ class RobotServer:
         self._readers.clear()
         self._node.close()
         self._backend.close()
+        self._real_time.end()
 
 
 def simulated_robot(

@@ -45,7 +45,7 @@ class LateWork(event.Listener):
 
     def record(self) -> None:
         """Record both sides of driven robots from now on."""
-        recorder, begin, serve = self, DrivenBackend.__init__, RobotServer._serve
+        recorder, begin, serve = self, DrivenBackend.__init__, RobotServer.serve
 
         @functools.wraps(begin)
         def begin_driving(self: DrivenBackend, *words: Any, **options: Any) -> None:
@@ -60,7 +60,7 @@ class LateWork(event.Listener):
                 recorder._moves = lambda: False
 
         DrivenBackend.__init__ = begin_driving  # type: ignore[method-assign]
-        RobotServer._serve = begin_serving  # type: ignore[method-assign]
+        RobotServer.serve = begin_serving  # type: ignore[method-assign]
         sys.meta_path.insert(0, self)  # type: ignore[arg-type]
         event.register("numba:compiler_lock", self)
 

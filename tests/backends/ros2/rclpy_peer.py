@@ -8,7 +8,10 @@ It runs under an interpreter with ``ros-jazzy-rclpy[fastrtps]``, ``ros-sensor-ms
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import json
+import os
 import sys
 import time
 from typing import Any
@@ -70,6 +73,11 @@ class Peer:
         self._states.publish(state)
 
     def spin(self) -> None:
+        """Run as a controller manager does: before other processes, where that is permitted."""
+        gc.collect()
+        gc.freeze()
+        with contextlib.suppress(PermissionError):
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
         rclpy.spin(self._node)
 
 
