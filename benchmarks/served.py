@@ -35,7 +35,7 @@ class Episode(NamedTuple):
     """Outcome of an episode; times and shares of 0 if it could not begin.
 
     Attributes:
-        program, cameras, where, seed: Its conditions.
+        program, cameras, where, seed: Names of the conditions, and the seed.
         rewarded: True if the program earned its reward.
         ending: Last sentence.
         seconds: Time of the robot, s.

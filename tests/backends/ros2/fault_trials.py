@@ -171,7 +171,6 @@ class Trial:
         from cbdsl.backends.ros2.faults import Faults, InjectedFault
         from cbdsl.backends.ros2.server import RobotServer, simulated_robot
 
-        _prefer()
         document = self._standing() if restarted else self._robot
         served = simulated_robot("kinematic", document, self._urdf)
         kind = _SERVED.get(self._kind)
@@ -195,7 +194,6 @@ class Trial:
     def _guard(self) -> None:
         from cbdsl.backends.ros2.guard import Guard
 
-        _prefer()
         Guard(self._robot, self._urdf).watch(lambda line: None, lambda: False)
 
     def _standing(self) -> RobotDocument:
@@ -213,7 +211,6 @@ class Trial:
         from cbdsl.sensing.kinematics import Kinematics
         from cbdsl.yaml_text.library import Library
 
-        _prefer()
         program = check_program("sixaxis_reach", {}, Library(ROOT))
         driven = DrivenBackend(self._robot, self._urdf, opener=self._open)
         driven.attend(Consent())
@@ -324,12 +321,6 @@ def _stage(document: RobotDocument) -> Any:
     from cbdsl.api.robots import read_stage
 
     return read_stage(None, document)
-
-
-def _prefer() -> None:
-    """Let a process of the trial run before others, where that is allowed."""
-    with contextlib.suppress(PermissionError):
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
 
 
 def _ended(child: int) -> bool:
