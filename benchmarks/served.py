@@ -148,7 +148,12 @@ def _fields(
 
 def episode(request: RunRequest, cameras: str, where: str, seed: int) -> Episode:
     """Run one episode."""
-    conditions = {"program": request.program.name, "cameras": cameras, "where": where, "seed": seed}
+    conditions: dict[str, Any] = {
+        "program": request.program.name,
+        "cameras": cameras,
+        "where": where,
+        "seed": seed,
+    }
 
     def work(report: Callable[[str], None]) -> None:
         report(json.dumps(run(request, cameras, where, seed)))
