@@ -105,13 +105,13 @@ def served(request: RunRequest, cameras: str, seed: int) -> Iterator[Iterator[st
 
 def run(request: RunRequest, cameras: str, where: str, seed: int) -> dict[str, Any]:
     """Run a program on an own or a served robot; return the fields that it measures."""
-    from cbdsl.backends.backend import Backend, embody
+    from cbdsl.backends.backend import embody
     from cbdsl.backends.drivers.backend import DrivenBackend
     from cbdsl.backends.drivers.person import Consent
     from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
     from cbdsl.sensing.kinematics import Kinematics
 
-    backend: Backend
+    backend: Any
     if where == "served":
         driven = backend = DrivenBackend(request.robot, request.urdf, cameras=cameras)
         driven.attend(Consent())
