@@ -278,6 +278,16 @@ def test_share_text_of_any_share_fits_its_column(shown: Page, share: str, text: 
     assert shown.value(f"shareText({share})") == text
 
 
+def test_bar_of_a_level_that_requests_nothing_is_empty(shown: Page) -> None:
+    shown.press("Home")
+    rows = shown.value(
+        "Array.from(byId('levels').tBodies[0].rows, (row) => ["
+        " row.cells[4].textContent, row.cells[4].querySelector('i').style.width])"
+    )
+    widths = {text == "\u2013": {w for t, w in rows if t == text} for text, _ in rows}
+    assert widths[True] == {"0%"} and widths[False] != {"0%"}
+
+
 @pytest.mark.parametrize("width", [900, 1024, 1280, 1600])
 def test_every_column_of_the_stack_is_in_view_with_long_names(shown: Page, width: int) -> None:
     shown.size(width, 800)

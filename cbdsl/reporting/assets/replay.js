@@ -45,7 +45,7 @@ function makeLevels(data) {
   function levelRow(tick, index) {
     const at = tick * count + index, share = arrays.level_share[at], triple = data.triples[controllers[index]];
     const bar = Object.assign(document.createElement("span"), { className: "bar" }), part = document.createElement("i");
-    part.style.width = `${100 * Math.max(0, Math.min(1, share))}%`;
+    part.style.width = `${100 * Math.max(0, Math.min(1, share || 0))}%`;
     bar.append(part);
     const told = document.createDocumentFragment();
     told.append(bar, shareText(share));
