@@ -100,7 +100,9 @@ def test_it_goes_on_from_what_was_kept(tmp_path: Path) -> None:
     before = [journal.read_text().splitlines() for journal in journals]
     for journal, lines in zip(journals, before, strict=True):
         journal.write_text("".join(f"{line}\n" for line in lines[:4]))
-    assert three_learners.run(settings, "fig-5.8").quantities == whole.quantities
+    resumed = three_learners.run(settings, "fig-5.8")
+    # Some are NaN, which is unequal to itself.
+    assert repr(resumed.quantities) == repr(whole.quantities)
     after = [journal.read_text().splitlines() for journal in journals]
     assert [_timeless(lines) for lines in after] == [_timeless(lines) for lines in before]
     (diagram,) = three_learners.run(settings, "fig-5.9").charts

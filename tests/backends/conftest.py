@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import moderngl
 import pytest
 
 from cbdsl.backends import backend as backends
@@ -101,6 +102,15 @@ def unseeing(make: type[Simulated], dexter: RobotDocument) -> Iterator[Simulated
     backend = make(sightless(dexter), URDF)
     yield backend
     backend.close()
+
+
+@pytest.fixture(scope="session")
+def opengl() -> None:
+    """Skip where OpenGL is missing, because the slower renderer shows small regions coarsely."""
+    try:
+        moderngl.create_context(standalone=True, backend="egl").release()
+    except Exception as error:
+        pytest.skip(f"OpenGL is missing: {error}")
 
 
 @pytest.fixture(scope="module", params=["opengl", "tiny", "mujoco"])

@@ -103,6 +103,7 @@ def test_a_composed_thing_stands_and_keeps_what_falls_into_it(unseeing: Simulate
     assert z == pytest.approx(-0.045 + 0.02 + 0.03, abs=3e-3)
 
 
+@pytest.mark.usefixtures("opengl")
 def test_both_kinds_of_cameras_see_as_much_of_something_composed(dexter: RobotDocument) -> None:
     hue = "hue_7"
     channels = ChannelFilter(dexter.vision.channels, [hue], least_area=4)
@@ -119,6 +120,7 @@ def test_both_kinds_of_cameras_see_as_much_of_something_composed(dexter: RobotDo
     ideal.close()
 
 
+@pytest.mark.usefixtures("opengl")
 def test_both_kinds_of_cameras_see_as_much_of_a_tube(dexter: RobotDocument) -> None:
     """Walls of a tube are one region without the bore."""
     stage, hue = stage_named("hollow"), "hue_7"

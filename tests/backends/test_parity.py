@@ -68,6 +68,7 @@ def test_the_same_seed_shows_the_same_things_at_the_same_places(
 
 
 @pytest.mark.parametrize("name", ["table_right", "table_left"])
+@pytest.mark.usefixtures("opengl")
 def test_ideal_cameras_see_what_is_in_rendered_images(
     bullet: BulletBackend,
     kinematic: KinematicBackend,
@@ -102,6 +103,7 @@ def test_ideal_cameras_see_what_is_in_rendered_images(
     assert compared > 12
 
 
+@pytest.mark.usefixtures("opengl")
 def test_spots_are_seen_alike(
     bullet: BulletBackend, kinematic: KinematicBackend, dexter: RobotDocument, stage: StageNamed
 ) -> None:
