@@ -1,7 +1,8 @@
 """Robot behaviour that is declared, type-checked, run and learned: verbs for Python.
 
-``cbdsl.check``, ``load``, ``run``, ``open_robot`` and ``learn`` are imported when they are first
-used, so that ``import cbdsl`` costs nothing.
+The verbs ``check``, ``load``, ``run``, ``open_robot``, ``learn``, ``explore``, ``calibrate``,
+``evaluate`` and ``simulate`` are imported when they are first used, so that ``import cbdsl`` costs
+nothing.
 """
 
 from __future__ import annotations
@@ -10,12 +11,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cbdsl.api.calibrate import CalibrationOutcome, calibrate
+    from cbdsl.api.calibrate_request import CalibrateRequest
     from cbdsl.api.check import check
-    from cbdsl.api.learn import LearningOutcome, learn
+    from cbdsl.api.evaluate import Evaluation, evaluate
+    from cbdsl.api.explore import ExplorationOutcome, explore
+    from cbdsl.api.explore_request import ExploreRequest
+    from cbdsl.api.learn import LearningOutcome, learn, learn_trials
+    from cbdsl.api.learn_request import LearnRequest
     from cbdsl.api.load import load
     from cbdsl.api.open_robot import OpenRobot, open_robot
     from cbdsl.api.run import run
     from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.simulate import SimulatedRobot, simulate
+    from cbdsl.api.truth import Truth
     from cbdsl.errors.diagnostic import Diagnostic
     from cbdsl.errors.errors import DiagnosticsError, UsageError
     from cbdsl.program.transition import Transition
@@ -28,19 +37,35 @@ _HOMES = {
     "run": "cbdsl.api.run",
     "open_robot": "cbdsl.api.open_robot",
     "learn": "cbdsl.api.learn",
-    "OpenRobot": "cbdsl.api.open_robot",
+    "learn_trials": "cbdsl.api.learn",
+    "explore": "cbdsl.api.explore",
+    "calibrate": "cbdsl.api.calibrate",
+    "evaluate": "cbdsl.api.evaluate",
+    "simulate": "cbdsl.api.simulate",
+    "CalibrateRequest": "cbdsl.api.calibrate_request",
+    "CalibrationOutcome": "cbdsl.api.calibrate",
     "Diagnostic": "cbdsl.errors.diagnostic",
     "DiagnosticsError": "cbdsl.errors.errors",
     "EpisodeResult": "cbdsl.runtime.episode",
+    "Evaluation": "cbdsl.api.evaluate",
+    "ExplorationOutcome": "cbdsl.api.explore",
+    "ExploreRequest": "cbdsl.api.explore_request",
+    "LearnRequest": "cbdsl.api.learn_request",
     "LearningOutcome": "cbdsl.api.learn",
+    "OpenRobot": "cbdsl.api.open_robot",
     "RunRequest": "cbdsl.api.run_request",
+    "SimulatedRobot": "cbdsl.api.simulate",
     "Transition": "cbdsl.program.transition",
+    "Truth": "cbdsl.api.truth",
     "UsageError": "cbdsl.errors.errors",
 }
 
 __all__ = [  # noqa: RUF022 (verbs before nouns)
-    "check", "load", "run", "open_robot", "learn", "OpenRobot", "Diagnostic", "DiagnosticsError",
-    "EpisodeResult", "LearningOutcome", "RunRequest", "Transition", "UsageError",
+    "check", "load", "run", "open_robot", "learn", "learn_trials", "explore", "calibrate",
+    "evaluate", "simulate", "CalibrateRequest", "CalibrationOutcome", "Diagnostic",
+    "DiagnosticsError", "EpisodeResult", "Evaluation", "ExplorationOutcome", "ExploreRequest",
+    "LearnRequest", "LearningOutcome", "OpenRobot", "RunRequest", "SimulatedRobot", "Transition",
+    "Truth", "UsageError",
 ]  # fmt: skip
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cbdsl.api.learn_request import LearnRequest
     from cbdsl.api.run_request import RunRequest
     from cbdsl.learning.experience import Experience
     from cbdsl.training.learning_task import LearningTask
@@ -43,13 +44,15 @@ def learn(
     cameras: str | None = None,
     learner: str = "accommodate",
     constants: Mapping[str, str | float] | None = None,
+    policy: str | Path | None = None,
     resume: bool = False,
     on_episode: Callable[[Experience], None] | None = None,
 ) -> LearningOutcome:
     """Learn a policy for a program from scratch, in this process.
 
     A file beside the policy's holds each episode as soon as it is over. With ``resume`` an
-    interrupted trial continues, with the same result as without an interruption.
+    interrupted trial continues, with the same result as without an interruption. With the learner
+    ``assimilate`` the resources of a learned policy are learned, and ``out`` holds a schema.
 
     Args:
         program: Result of ``load``, or a file or name for it.
@@ -60,6 +63,7 @@ def learn(
         cameras: Kind of cameras, as for ``open_robot``.
         learner: Name of the algorithm.
         constants: Constants of the algorithm, by name, in SI or as text with units.
+        policy: File or name of the policy whose resources ``assimilate`` learns.
         resume: True to continue a trial that was begun there.
         on_episode: Function called with each new episode, not with those of a resumed trial.
 
@@ -68,19 +72,77 @@ def learn(
         UsageError: An item is missing, not installed or unsuitable, or a file is in the way.
         OSError: A document cannot be written.
     """
+    from cbdsl.api.learn_request import LearnRequest
     from cbdsl.api.load import load
-    from cbdsl.api.open_robot import open_robot
     from cbdsl.api.run_request import RunRequest
+
+    request = LearnRequest(
+        run=program if isinstance(program, RunRequest) else load(program),
+        out=Path(out),
+        episodes=episodes,
+        seed=seed,
+        backend=backend,
+        cameras=cameras,
+        learner=learner,
+        constants={name: str(value) for name, value in (constants or {}).items()},
+        policy=None if policy is None else str(policy),
+    )
+    (outcome,) = learn_trials(request, resume=resume, on_episode=on_episode)
+    return outcome
+
+
+def learn_trials(
+    request: LearnRequest,
+    *,
+    workers: int = 1,
+    scheduler: str | None = None,
+    resume: bool = False,
+    on_episode: Callable[[Experience], None] | None = None,
+) -> list[LearningOutcome]:
+    """Run all trials of a request; the outcome does not depend on the workers.
+
+    Args:
+        request: Trials with all their inputs.
+        workers: Number of parallel processes of one thread each; 1 for this process.
+        scheduler: Address of a Dask cluster to use instead, whose workers see the same files.
+        resume: True to continue trials that were begun there.
+        on_episode: Function called with each new episode that runs in this process.
+
+    Raises:
+        DiagnosticsError, UsageError, OSError: As ``learn``.
+    """
     from cbdsl.backends.engines import default_engine
 
-    backend = default_engine() if backend is None else backend
-    request = program if isinstance(program, RunRequest) else load(program)
-    task = _task(request, Path(out), episodes, seed, backend, cameras, learner, constants or {})
-    task.require_ready(resume=resume)
-    watcher = _Watcher(on_episode)
-    with open_robot(request, backend=backend, cameras=cameras) as robot:
-        files = task.run(robot.backend, robot.kinematics, watcher)
-    return LearningOutcome(task.path, tuple(files), tuple(watcher.episodes))
+    if request.backend is None:
+        request = replace(request, backend=default_engine())
+    tasks = request.tasks()
+    for task in tasks:
+        task.require_ready(resume=resume)
+    if scheduler is None and (workers == 1 or len(tasks) == 1):
+        return _in_this_process(request, tasks, on_episode)
+    from cbdsl.training.side_by_side import run_all
+
+    supervisor = _Supervisor()
+    run_all(tasks, min(workers, len(tasks)), scheduler, supervisor)
+    if supervisor.errors:
+        raise supervisor.errors[0]
+    return [supervisor.outcome(task) for task in tasks]
+
+
+def _in_this_process(
+    request: LearnRequest,
+    tasks: Sequence[LearningTask],
+    on_episode: Callable[[Experience], None] | None,
+) -> list[LearningOutcome]:
+    from cbdsl.api.open_robot import open_robot
+
+    outcomes = []
+    with open_robot(request.run, backend=request.backend, cameras=request.cameras) as robot:
+        for task in tasks:
+            watcher = _Watcher(on_episode)
+            files = task.run(robot.backend, robot.kinematics, watcher)
+            outcomes.append(LearningOutcome(task.path, tuple(files), tuple(watcher.episodes)))
+    return outcomes
 
 
 class _Watcher:
@@ -101,43 +163,28 @@ class _Watcher:
             self._tell(experience)
 
 
-def _task(
-    request: RunRequest,
-    out: Path,
-    episodes: int,
-    seed: int,
-    backend: str,
-    cameras: str | None,
-    learner: str,
-    constants: Mapping[str, str | float],
-) -> LearningTask:
-    """Return the trial, as ``cb learn`` would describe it."""
-    from cbdsl.checking.knowledge.digest import program_digest
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.learning.constants import read_constants
-    from cbdsl.learning.learner import ASSIMILATE, LEARNERS
-    from cbdsl.training.learning_task import LearningTask
+class _Supervisor:
+    """Supervisor that keeps the files of finished trials, and the errors of failed ones."""
 
-    if learner == ASSIMILATE:
-        raise UsageError("assimilate learns the resources of a policy: cb learn --from does that")
-    given = {name: str(value) for name, value in constants.items()}
-    options = [("episodes", episodes), ("seed", seed), ("backend", backend), ("learner", learner)]
-    words = [f"{name}={value!r}" for name, value in [*options, ("constants", given)]]
-    chosen = (request.program.name, request.stage.name, dict(request.program.parameters))
-    loaded = "cbdsl.load({!r}, stage={!r}, values={!r})".format(*chosen)
-    return LearningTask(
-        program=request.program,
-        digest=program_digest(request.program_file, request.library),
-        robot=request.robot,
-        urdf=request.urdf.absolute(),
-        stage=request.stage,
-        backend=backend,
-        learner=learner,
-        constants=read_constants(LEARNERS.get(learner).Constants, given, learner),
-        seed=seed,
-        number=0,
-        episodes=episodes,
-        command=f"cbdsl.learn({loaded}, {out.name!r}, {', '.join(words)})",
-        path=out.absolute(),
-        cameras=cameras,
-    )
+    def __init__(self) -> None:
+        self.errors: list[Exception] = []
+        self._files: dict[Path, tuple[Path, ...]] = {}
+
+    def done(self, job: LearningTask, files: Sequence[Path], /) -> None:
+        """Keep the files of a trial; see ``Supervisor.done``."""
+        self._files[job.path] = tuple(files)
+
+    def failed(self, job: LearningTask, error: Exception, /) -> None:
+        """Keep the error of a trial; see ``Supervisor.failed``."""
+        self.errors.append(error)
+
+    def look(self, workers: int) -> None:
+        """Ignore the number of workers; see ``Supervisor.look``."""
+
+    def outcome(self, task: LearningTask) -> LearningOutcome:
+        """Return the outcome of a trial, with its episodes from the journal."""
+        from cbdsl.training.journal_follower import JournalFollower
+
+        entries = JournalFollower(task.journal).poll()[: task.episodes]
+        episodes = tuple(entry.experience for entry in entries)
+        return LearningOutcome(task.path, self._files[task.path], episodes)

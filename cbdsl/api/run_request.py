@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,6 +28,7 @@ class RunRequest:
         urdf: URDF file of the robot.
         stage: Stage to run on.
         library: Library that found all documents.
+        values: Given values of the program's parameters, by name.
     """
 
     program: CheckedProgram
@@ -36,6 +37,7 @@ class RunRequest:
     urdf: Path
     stage: StageDocument
     library: Library
+    values: Mapping[str, str] = field(default_factory=dict)
 
 
 def read_request(
@@ -96,6 +98,7 @@ def read_request(
         urdf=robot_file.parent / robot.model,
         stage=shown,
         library=library,
+        values=values,
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,9 +15,9 @@ from cbdsl.cli.simulation import BackendName
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.calibrate_request import CameraCalibration
     from cbdsl.calibration.estimate import Estimate
-    from cbdsl.documents.calibration import CalibrationDocument, CalibrationOrigin
+    from cbdsl.documents.calibration import CalibrationDocument
 
 Robot = Annotated[str, typer.Argument(help="Robot: file or name.")]
 Out = Annotated[
@@ -64,186 +63,59 @@ def calibrate(
 
     Exit 0 if the calibration was written, 1 if a document has errors, 2 if it cannot be made.
     """
+    from cbdsl.api.calibrate_request import CalibrateRequest
+    from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.native_output import shown_on_failure
+    from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.yaml_text.writer import make_room
 
-    request = _request(robot, program, stage, body, with_)
-    target = out or Path("knowledge/calibrations", f"{request.robot.name}.yaml")
-    _require_name(target)
-    try:
-        make_room(target)
-    except OSError as error:
-        raise UsageError(f"--out {target}: {error.strerror}") from error
-    origin = _origin(context, request, target)
-    journal = target.with_suffix(".jsonl")
+    request = CalibrateRequest(
+        robot=robot,
+        program=program,
+        stage=stage,
+        out=out,
+        seed=seed,
+        backend=backend,
+        cameras=cameras,
+        body=body,
+        values=read_assignments(with_),
+        command=lambda name, file: _command(context, name, file),
+    )
+    with needing_simulation():
+        calibration = request.calibration()
     with shown_on_failure(), termination_interrupts():
-        estimates = _estimates(request, seed, backend, cameras, journal, origin)
-    document = _document(request, estimates, target.stem, origin)
-    _write(document, request, estimates, target)
-    journal.unlink()
+        estimates = _estimates(calibration, cameras)
+    document, target = calibration.write(estimates), calibration.target
     print(json.dumps(_as_json(document, target)) if as_json else _summary(document, target))
 
 
-def _request(
-    robot: str, program: str, stage: str | None, body: int | None, with_: list[str]
-) -> RunRequest:
-    """Return the request of the program that shows the ball, for an uncalibrated robot."""
-    from cbdsl.api.run_request import read_request
-    from cbdsl.calibration.watching import require_sight_and_touch
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.documents.robot import RobotDocument
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.yaml_text.library import Library
-
-    library = Library()
-    named = library.read(library.locate(RobotDocument, robot), RobotDocument).document
-    with needing_simulation():
-        require_sight_and_touch(named)
-    values = read_assignments(with_)
-    request = read_request(program, stage, None, values, body=body, uncalibrated=True)
-    if request.robot.name != named.name:
-        raise UsageError(
-            f"program '{program}' is for robot '{request.robot.name}', not for '{named.name}'; "
-            "name one that shows a ball in its hand with --program"
-        )
-    disturbance = request.stage.disturbance
-    if disturbance.body is None and (disturbance.camera_position or disturbance.camera_rotation):
-        raise UsageError(
-            f"stage '{request.stage.name}' has other cameras in each episode; --body N keeps them"
-        )
-    return request
-
-
-def _require_name(out: Path) -> None:
-    from cbdsl.documents.document import NAME_PATTERN
-    from cbdsl.errors.errors import UsageError
-
-    if out.suffix != ".yaml" or not re.match(NAME_PATTERN, out.stem):
-        raise UsageError(f"--out {out}: a calibration is <name>.yaml, of letters, digits and _")
-
-
-def _estimates(
-    request: RunRequest,
-    seed: int,
-    backend: str,
-    cameras: str | None,
-    journal: Path,
-    origin: CalibrationOrigin,
-) -> Mapping[str, Estimate]:
+def _estimates(calibration: CameraCalibration, cameras: str | None) -> Mapping[str, Estimate]:
     from cbdsl.cli.progress import Progress
-    from cbdsl.cli.simulation import needing_simulation, simulation
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.cli.simulation import simulation
 
-    with needing_simulation():
-        from cbdsl.calibration.estimate import estimate
-        from cbdsl.calibration.watch_journal import WatchJournal
-        from cbdsl.calibration.watching import watch
     with (
-        simulation(request, backend, cameras=cameras) as (embodied, kinematics),
-        WatchJournal(journal, _identity(request, origin)) as watched,
+        simulation(calibration.run, calibration.origin.backend, cameras=cameras) as (
+            embodied,
+            kinematics,
+        ),
+        calibration.open_journal() as journal,
         Progress("postures shown") as progress,
     ):
-        if watched.transitions:
-            print(f"goes on after {watched.transitions} postures that {journal} holds")
-        views = watch(
-            request.robot,
-            kinematics,
-            request.program,
-            embodied,
-            request.stage,
-            seed,
-            progress.note,
-            watched,
-        )
-    try:
-        return estimate(request.robot.cameras, views)
-    except UsageError:
-        journal.unlink()  # more of the same would not help
-        raise
+        if journal.transitions:
+            print(f"goes on after {journal.transitions} postures that {calibration.journal} holds")
+        return calibration.estimate(embodied, kinematics, journal, progress.note)
 
 
-def _identity(request: RunRequest, origin: CalibrationOrigin) -> dict[str, Any]:
-    """Return all data on which the views depend."""
-    from cbdsl.checking.knowledge.digest import program_digest
-    from cbdsl.documents.digest import digest
-
-    program = program_digest(request.program_file, request.library).sha256
-    return {
-        "command": origin.command,
-        "robot": {"name": request.robot.name, "sha256": digest(request.robot)},
-        "program": {"name": request.program.name, "sha256": program},
-        "stage": {"name": request.stage.name, "sha256": digest(request.stage)},
-    }
-
-
-def _origin(context: typer.Context, request: RunRequest, target: Path) -> CalibrationOrigin:
-    from cbdsl.documents.calibration import CalibrationOrigin
-
+def _command(context: typer.Context, robot: str, out: str) -> str:
+    """Return the command that repeats the calibration."""
     given = context.params
-    words = ["cb", "calibrate", request.robot.name, "--out", target.name]
+    words = ["cb", "calibrate", robot, "--out", out]
     for name in ("program", "stage", "seed", "backend", "cameras", "body"):
         if given[name] is not None:
             words += [f"--{name}", str(given[name])]
     for assignment in given["with_"]:
         words += ["--with", assignment]
-    return CalibrationOrigin(
-        command=shlex.join(words),
-        program=request.program.name,
-        stage=request.stage.name,
-        seed=given["seed"],
-        body=request.stage.disturbance.body,
-        backend=given["backend"],
-    )
-
-
-def _document(
-    request: RunRequest, estimates: Mapping[str, Estimate], name: str, origin: CalibrationOrigin
-) -> CalibrationDocument:
-    from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument
-
-    cameras = {}
-    for camera, each in estimates.items():
-        position, rotation = each.deviations
-        cameras[camera] = CalibratedCamera(
-            position=each.correction.position,
-            rotation=each.correction.rotation,
-            position_deviation=round(position, 6),
-            rotation_deviation=round(rotation, 6),
-            views=len(each.points),
-            error_before=round(each.error(each.before), 3),
-            error_after=round(each.error(each.after), 3),
-        )
-    return CalibrationDocument(
-        cbdsl=1,
-        name=name,
-        description=f"Where the cameras of {request.robot.name} are, by what its hand showed them.",
-        kind="calibration",
-        robot=request.robot.name,
-        cameras=cameras,
-        origin=origin,
-    )
-
-
-def _write(
-    document: CalibrationDocument,
-    request: RunRequest,
-    estimates: Mapping[str, Estimate],
-    target: Path,
-) -> None:
-    from cbdsl.reporting.calibration_svg import CalibrationPanel, calibration_svg
-    from cbdsl.yaml_text.writer import write, write_text
-
-    panels = []
-    for name, each in estimates.items():
-        camera = request.robot.cameras[name]
-        size = camera.width, camera.height
-        panels.append(CalibrationPanel(name, size, each.points, each.before, each.after))
-    title = f"Cameras of {request.robot.name}, before and after calibration"
-    write_text(calibration_svg(title, panels), target.with_suffix(".svg"))
-    write(document, target)
+    return shlex.join(words)
 
 
 def _as_json(document: CalibrationDocument, target: Path) -> dict[str, Any]:

@@ -14,7 +14,6 @@ from cbdsl.cli.simulation import BackendName
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.cli.live import LiveOptions
-    from cbdsl.documents.stage import StageDocument
     from cbdsl.training.exploration_task import ExplorationTask
 
 # Parameters that are not options of the recorded command. The programs are arguments, the number
@@ -114,9 +113,8 @@ def explore(
     Exit 0 if all actions were taken, 1 if a document has errors, 2 if an action cannot run, and 130
     after Ctrl-C or SIGTERM.
     """
-    from cbdsl.api.run_request import read_request
+    from cbdsl.api.explore_request import ExploreRequest
     from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.explored_actions import read_actions
     from cbdsl.cli.live import live_options
     from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
@@ -131,56 +129,27 @@ def explore(
 
         explore_pairs(context, _command(context))
         return
+    request = ExploreRequest(
+        programs=programs,
+        stage=stage,
+        out=out,
+        feature=feature,
+        actions=actions,
+        until_habituated=until_habituated,
+        seed=seed,
+        backend=backend,
+        cameras=cameras,
+        between=between,
+        algorithm=algorithm,
+        constants=read_assignments(set_, "--set"),
+        join=join,
+        command=_command(context),
+    )
     with needing_simulation():
-        from cbdsl.learning.constants import read_constants
-        from cbdsl.learning.explorations import EXPLORATIONS
-        from cbdsl.training.exploration_task import ExplorationTask
-
-        if algorithm not in EXPLORATIONS:
-            raise UsageError.unknown("exploration", algorithm, EXPLORATIONS)
-        requests, explorable = read_actions(programs, feature, stage)
-        request = requests[0]
-        require_persistent(request.stage)
-        between_request = read_request(between, stage, None, {})
-        task = ExplorationTask(
-            actions=explorable,
-            between=between_request.program,
-            feature=feature,
-            robot=request.robot,
-            urdf=request.urdf.absolute(),
-            stage=request.stage,
-            backend=backend,
-            algorithm=algorithm,
-            constants=read_constants(
-                EXPLORATIONS[algorithm].Constants, read_assignments(set_, "--set"), algorithm
-            ),
-            seed=seed,
-            number=0,
-            count=actions,
-            until_habituated=until_habituated,
-            command=_command(context),
-            path=out.absolute(),
-            cameras=cameras,
-            joins=join,
-        )
+        run, task = request.task()
         task.require_ready(resume=resume or join)
     with shown_on_failure(), termination_interrupts():
-        _run(task, request, shown, as_json=as_json)
-
-
-def require_persistent(stage: StageDocument) -> None:
-    """Check that actions can follow each other in one world.
-
-    Raises:
-        UsageError: The actions differ in their robot or stage.
-    """
-    from cbdsl.errors.errors import UsageError
-
-    if not stage.world.persistent:
-        raise UsageError(
-            f"stage '{stage.name}' has no persistent world, in which one action follows another: "
-            "give it world: {persistent: true}"
-        )
+        _run(task, run, shown, as_json=as_json)
 
 
 def _run(

@@ -56,7 +56,7 @@ def read_pairs(
         DiagnosticsError: A document has errors.
         UsageError: The program does not bring one object to another, or the stage has no pair.
     """
-    from cbdsl.cli.explored_actions import read_action
+    from cbdsl.api.explored_actions import read_action
     from cbdsl.errors.errors import UsageError
 
     text = read_action(program)

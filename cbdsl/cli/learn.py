@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import inspect
-import re
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,13 +16,11 @@ from cbdsl.cli.options import Cameras, Program, Resume, Seed, Set, With
 from cbdsl.cli.simulation import BackendName
 from cbdsl.cli.workers import require_workers, warn_of_open_scheduler
 from cbdsl.documents.json_schema import docstrings
-from cbdsl.learning.constants import AccommodateConstants, read_constants
+from cbdsl.learning.constants import AccommodateConstants
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
-    from cbdsl.documents.digest import ProgramDigest
     from cbdsl.documents.document import Section
-    from cbdsl.program.checked import CheckedProgram
     from cbdsl.training.learning_task import LearningTask
 
 # Options that the recorded command includes even with default values.
@@ -181,8 +178,8 @@ def learn(
     Exit 0 if all episodes were run, 1 if a document has errors, 2 if the program cannot run, and
     130 after Ctrl-C or SIGTERM.
     """
+    from cbdsl.api.learn_request import LearnRequest
     from cbdsl.api.run_request import read_request
-    from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.learning_tasks import one_by_one, side_by_side
     from cbdsl.cli.live import live_options
@@ -190,7 +187,6 @@ def learn(
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
 
-    _require_name(out)
     _require_one_place(workers, scheduler)
     shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
     if shown is not None:
@@ -198,71 +194,37 @@ def learn(
     require_workers(workers)
     if scheduler is not None:
         warn_of_open_scheduler(scheduler)
-    values = read_assignments(with_)
-    request = read_request(program, stage, None, values)
-    _require_declarative(learner, from_)
-    learned, digest = request.program, program_digest(request.program_file, request.library)
-    if from_ is not None:
-        learned, digest = _to_assimilate(request, from_, values, digest)
-    _tell_of_no_reward(request)
+    run = read_request(program, stage, None, read_assignments(with_))
     given = read_assignments(set_, "--set") | {n: v for n, v in constants.items() if v is not None}
+    request = LearnRequest(
+        run=run,
+        out=out,
+        episodes=episodes,
+        seed=seed,
+        trials=trials,
+        backend=backend,
+        cameras=cameras,
+        learner=learner,
+        constants=given,
+        policy=from_,
+        sequential=sequential,
+        transitions=transitions,
+        transition_time=transition_time,
+        idle_time=idle_time,
+        episode_time=episode_time,
+    )
+    request.require_sound()
+    _tell_of_no_reward(run)
     with needing_simulation():
-        from cbdsl.learning.learner import LEARNERS
-        from cbdsl.training.learning_task import LearningTask
-
-        times = transition_time, idle_time, episode_time
-        chosen = read_constants(LEARNERS.get(learner).Constants, given, learner)
-        first = LearningTask(
-            program=_limited(learned, sequential, transitions, times),
-            digest=digest,
-            robot=request.robot,
-            urdf=request.urdf.absolute(),
-            stage=request.stage,
-            backend=backend,
-            learner=learner,
-            constants=chosen,
-            seed=seed,
-            number=0,
-            episodes=episodes,
-            command=_command(context, chosen),
-            path=out.absolute(),
-            cameras=cameras,
-        )
-        tasks = _numbered(first, trials)
+        command = _command(context, request.checked_constants())
+        tasks = replace(request, command=command).tasks()
         _require_ready(tasks, resume)
     at_once = min(workers, trials)  # each episode needs the results of the previous one
     with shown_on_failure(), termination_interrupts():
         if at_once == 1 and scheduler is None:
-            one_by_one(tasks, request, shown)
+            one_by_one(tasks, run, shown)
         else:
             side_by_side(tasks, at_once, scheduler)
-
-
-def _require_declarative(learner: str, policy: str | None) -> None:
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.learning.learner import ASSIMILATE
-
-    if learner == ASSIMILATE and policy is None:
-        raise UsageError("assimilate learns the resources of a policy: name that with --from")
-    if learner != ASSIMILATE and policy is not None:
-        raise UsageError(f"--from is for --learner {ASSIMILATE}, which learns no policy of its own")
-
-
-def _to_assimilate(
-    request: RunRequest, policy: str, values: Mapping[str, str], digest: ProgramDigest
-) -> tuple[CheckedProgram, ProgramDigest]:
-    """Return the program with all its allocations under a policy, and the digest of both."""
-    from cbdsl.api.run_request import read_policy
-    from cbdsl.checking.assimilation import program_to_assimilate
-    from cbdsl.checking.knowledge.digest import policy_digest
-    from cbdsl.checking.session import Session
-
-    loaded = read_policy(request.program, policy, request.program_file, request.library)
-    session = Session(request.library)
-    program = program_to_assimilate(request.program_file, loaded, session, values)
-    own = policy_digest(loaded.document.name, request.program_file, request.library)
-    policies = {loaded.document.name: own, **digest.policies}
-    return program, digest._replace(policies=policies)
 
 
 def _tell_of_no_reward(request: RunRequest) -> None:
@@ -273,17 +235,6 @@ def _tell_of_no_reward(request: RunRequest) -> None:
     diagnostics = check_rewarded(request.program, request.program_file, request.library)
     if diagnostics:
         print_diagnostics(diagnostics)
-
-
-def _require_name(out: Path) -> None:
-    """Check before the episodes, not after, that --out can hold a policy."""
-    from cbdsl.documents.document import NAME_PATTERN
-    from cbdsl.errors.errors import UsageError
-
-    if out.suffix != ".yaml" or not re.match(NAME_PATTERN, out.stem):
-        raise UsageError(f"--out {out}: a policy is <name>.yaml, of letters, digits and _")
-    if out.is_dir():
-        raise UsageError(f"--out {out}: is a folder")
 
 
 def _require_one_place(workers: int, scheduler: str | None) -> None:
@@ -300,26 +251,6 @@ def _require_here(workers: int, scheduler: str | None) -> None:
     if workers > 1 or scheduler is not None:
         option = "--scheduler" if scheduler is not None else f"--workers {workers}"
         raise UsageError(f"--live shows episodes of this process, {option} runs them in others")
-
-
-def _limited(
-    program: CheckedProgram,
-    sequential: bool,
-    transitions: int | None,
-    times: tuple[float | None, float | None, float | None],
-) -> CheckedProgram:
-    """Return the program with the given actions and limits of the trial.
-
-    The times are the transition, idle and episode time of the checked program, s.
-    """
-    transition_time, idle_time, episode_time = times
-    return program._replace(
-        actions=program.sequential_actions if sequential else program.actions,
-        transitions=transitions or program.transitions,
-        transition_time=transition_time or program.transition_time,
-        idle_time=idle_time or program.idle_time,
-        episode_time=episode_time or program.episode_time,
-    )
 
 
 def _command(context: typer.Context, constants: Section) -> str:
@@ -348,16 +279,6 @@ def _set(constants: Section) -> Iterator[str]:
             has_option = name in AccommodateConstants.model_fields
             flag = f"--{name.replace('_', '-')}"
             yield from (flag, str(value)) if has_option else ("--set", f"{name}={value}")
-
-
-def _numbered(first: LearningTask, trials: int) -> list[LearningTask]:
-    """Return one task per trial; the files of several trials are numbered."""
-    if trials == 1:
-        return [first]
-    return [
-        replace(first, number=n, path=first.path.with_stem(f"{first.path.stem}_{n}"))
-        for n in range(trials)
-    ]
 
 
 def _require_ready(tasks: Sequence[LearningTask], resume: bool) -> None:

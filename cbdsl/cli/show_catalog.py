@@ -109,9 +109,9 @@ def _predict(
     cameras: str | None,
     as_json: bool,
 ) -> None:
+    from cbdsl.api.explore_request import require_persistent
+    from cbdsl.api.explored_actions import ActionText, bound_action
     from cbdsl.api.run_request import read_request
-    from cbdsl.cli.explore import require_persistent
-    from cbdsl.cli.explored_actions import ActionText, bound_action
     from cbdsl.cli.simulation import needing_simulation, simulation
 
     with needing_simulation():

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.api.explored_actions import read_action
 from cbdsl.checking.document import check_document
-from cbdsl.cli.explored_actions import read_action
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.training.action_runner import ActionRunner

@@ -1,0 +1,162 @@
+"""Verbs that learn, explore, calibrate and judge, through the public names alone."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cbdsl
+
+SEED = 3_610_000
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_learn_trials_on_workers_equals_trials_in_this_process(here: Path) -> None:
+    run = cbdsl.load("searchtrack")
+    texts = []
+    for folder, workers in (("one", 1), ("two", 2)):
+        request = cbdsl.LearnRequest(
+            run=run, out=Path(folder, "p.yaml"), episodes=3, seed=SEED, trials=2,
+            backend="kinematic", command="the same",
+        )  # fmt: skip
+        outcomes = cbdsl.learn_trials(request, workers=workers)
+        assert [each.policy.name for each in outcomes] == ["p_0.yaml", "p_1.yaml"]
+        assert [len(each.episodes) for each in outcomes] == [3, 3]
+        assert [len(each.rewarded) for each in outcomes] == [3, 3]
+        texts.append([each.policy.read_text("utf-8") for each in outcomes])
+    assert texts[0] == texts[1]
+
+
+def test_learn_limits_and_sequential_actions_reach_the_trial(here: Path) -> None:
+    request = cbdsl.LearnRequest(
+        run=cbdsl.load("searchtrack"), out=Path("p.yaml"), episodes=2, seed=SEED,
+        backend="kinematic", sequential=True, transitions=1,
+    )  # fmt: skip
+    (outcome,) = cbdsl.learn_trials(request)
+    for episode in outcome.episodes:
+        assert len(episode.transitions) <= 1
+        assert all("◁" not in each.action for each in episode.transitions)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"learner": "assimilate"}, "name that with --from"),
+        ({"policy": "reachtouch"}, "learns no policy of its own"),
+        ({"learner": "accomodate"}, "did you mean 'accommodate'"),
+        ({"constants": {"epsilom": 1}}, "epsilon"),
+    ],
+)
+def test_learn_rejects_unsuitable_arguments_before_any_episode(
+    changes: dict[str, object], message: str, here: Path
+) -> None:
+    with pytest.raises(cbdsl.UsageError, match=message):
+        cbdsl.learn("reachtouch", "p.yaml", backend="kinematic", **changes)  # type: ignore[arg-type]
+    assert not list(here.iterdir())
+
+
+def test_explore_writes_a_catalog_and_resumes_to_the_same_one(here: Path) -> None:
+    seen = []
+
+    def explore(out: str, actions: int, *, resume: bool = False) -> cbdsl.ExplorationOutcome:
+        return cbdsl.explore(
+            ["searchtrack"], "exploring_basketball", out, actions=actions, seed=4, resume=resume,
+            backend="kinematic", on_action=lambda outcome, step: seen.append(outcome),
+        )  # fmt: skip
+
+    whole = explore("whole/ball.yaml", 4)
+    assert len(seen) == 4 and whole.catalog.exists() and whole.journal.exists()
+    (tried,) = whole.rewarded.values()
+    assert 0 <= tried[0] <= tried[1] <= 4
+    explore("parts/ball.yaml", 2)
+    parts = explore("parts/ball.yaml", 4, resume=True)
+    assert len(seen) == 8
+    assert parts.document.affordances.keys() == whole.document.affordances.keys()
+    with pytest.raises(cbdsl.UsageError, match="--resume"):
+        explore("parts/ball.yaml", 4)
+    assert cbdsl.check(whole.catalog) == []
+
+
+def test_explore_rejects_a_stage_that_begins_each_action_anew(here: Path) -> None:
+    with pytest.raises(cbdsl.UsageError, match="no persistent world"):
+        cbdsl.explore(["searchtrack"], "table_right", "ball.yaml", backend="kinematic")
+
+
+def test_evaluate_counts_rewarded_episodes_with_an_exact_interval() -> None:
+    told = []
+    evaluation = cbdsl.evaluate(
+        "searchtrack", seed=SEED, episodes=4, backend="kinematic", cameras="ideal",
+        on_episode=lambda result, succeeded: told.append((result.seed, succeeded)),
+    )  # fmt: skip
+    assert [seed for seed, _ in told] == list(range(SEED, SEED + 4))
+    assert evaluation.successes == tuple(each.rewarded for each in evaluation.results)
+    low, high = evaluation.interval
+    assert low < evaluation.share <= high
+    if evaluation.share == 1.0:
+        assert low == pytest.approx(0.025 ** (1 / 4))
+    assert f"of 4 ({100 * low:.1f}" in str(evaluation)
+    with pytest.raises(cbdsl.UsageError, match="at least one"):
+        cbdsl.evaluate("searchtrack", seed=SEED, episodes=0)
+
+
+def test_evaluate_with_a_judge_decides_by_the_truth() -> None:
+    heights = []
+
+    def is_high(result: cbdsl.EpisodeResult, truth: cbdsl.Truth) -> bool:
+        heights.append(float(truth.position(truth.objects[0])[2]))
+        return heights[-1] > math.inf
+
+    evaluation = cbdsl.evaluate(
+        "searchtrack", seed=SEED, episodes=2, backend="kinematic", cameras="ideal", judge=is_high
+    )
+    assert evaluation.successes == (False, False) and len(heights) == 2
+    assert evaluation.interval == pytest.approx((0.0, 1 - 0.025**0.5))
+
+
+def test_simulate_keeps_the_truth_apart_from_the_robot() -> None:
+    with cbdsl.simulate("searchtrack", backend="kinematic", cameras="ideal") as simulation:
+        truth, robot = simulation.truth, simulation.robot
+        observed = next(iter(robot.ticks(SEED))).observation
+        assert truth.objects
+        for name in truth.objects:
+            assert truth.position(name).shape == truth.velocity(name).shape == (3,)
+            assert np.allclose(truth.rotation(name) @ truth.rotation(name).T, np.eye(3))
+            assert truth.is_touched(name) is False and not truth.touching(name)
+            assert not hasattr(observed, name)
+        assert truth.joint_positions().shape == observed.positions.shape
+        assert truth.joint_velocities().shape == observed.velocities.shape
+        assert truth.link_position("right_palm").shape == (3,)
+        assert truth.link_rotation("right_palm").shape == (3, 3)
+        truth.position(truth.objects[0])[:] = math.nan
+        assert np.isfinite(truth.position(truth.objects[0])).all()
+        with pytest.raises(cbdsl.UsageError, match="object in the world"):
+            truth.position("unicorn")
+        with pytest.raises(cbdsl.UsageError, match="did you mean 'right_palm'"):
+            truth.link_position("right_plam")
+
+
+@pytest.mark.slow
+def test_calibrate_writes_a_calibration_that_load_takes(here: Path) -> None:
+    counts = []
+    outcome = cbdsl.calibrate(
+        "dexter", out="eyes.yaml", body=3, seed=1,
+        backend="kinematic", cameras="ideal", on_progress=lambda *count: counts.append(count),
+    )  # fmt: skip
+    assert outcome.calibration.exists() and outcome.picture.exists() and counts
+    assert outcome.document.origin is not None
+    assert outcome.document.origin.command.startswith("cbdsl.calibrate('dexter', out='eyes.yaml'")
+    assert all(each.error_after <= each.error_before for each in outcome.document.cameras.values())
+
+
+def test_calibrate_rejects_a_file_that_is_no_document(here: Path) -> None:
+    with pytest.raises(cbdsl.UsageError, match="a calibration is <name>"):
+        cbdsl.calibrate("dexter", out="eyes.txt", backend="kinematic")
+    assert not list(here.iterdir())
