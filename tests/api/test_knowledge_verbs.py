@@ -51,7 +51,7 @@ def test_learn_limits_and_sequential_actions_reach_the_trial(here: Path) -> None
     [
         ({"learner": "assimilate"}, "name that with --from"),
         ({"policy": "reachtouch"}, "learns no policy of its own"),
-        ({"learner": "accomodate"}, "did you mean 'accommodate'"),
+        ({"learner": "accommodat"}, "did you mean 'accommodate'"),
         ({"constants": {"epsilom": 1}}, "epsilon"),
     ],
 )
