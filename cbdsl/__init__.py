@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from cbdsl.api.calibrate import CalibrationOutcome, calibrate
     from cbdsl.api.calibrate_request import CalibrateRequest
     from cbdsl.api.check import check
-    from cbdsl.api.evaluate import Evaluation, evaluate
+    from cbdsl.api.evaluate import SuccessRate, evaluate
     from cbdsl.api.explore import ExplorationOutcome, explore
     from cbdsl.api.explore_request import ExploreRequest
     from cbdsl.api.learn import LearningOutcome, learn, learn_trials
@@ -47,7 +47,7 @@ _HOMES = {
     "Diagnostic": "cbdsl.errors.diagnostic",
     "DiagnosticsError": "cbdsl.errors.errors",
     "EpisodeResult": "cbdsl.runtime.episode",
-    "Evaluation": "cbdsl.api.evaluate",
+    "SuccessRate": "cbdsl.api.evaluate",
     "ExplorationOutcome": "cbdsl.api.explore",
     "ExploreRequest": "cbdsl.api.explore_request",
     "LearnRequest": "cbdsl.api.learn_request",
@@ -63,7 +63,7 @@ _HOMES = {
 __all__ = [  # noqa: RUF022 (verbs before nouns)
     "check", "load", "run", "open_robot", "learn", "learn_trials", "explore", "calibrate",
     "evaluate", "simulate", "CalibrateRequest", "CalibrationOutcome", "Diagnostic",
-    "DiagnosticsError", "EpisodeResult", "Evaluation", "ExplorationOutcome", "ExploreRequest",
+    "DiagnosticsError", "EpisodeResult", "SuccessRate", "ExplorationOutcome", "ExploreRequest",
     "LearnRequest", "LearningOutcome", "OpenRobot", "RunRequest", "SimulatedRobot", "Transition",
     "Truth", "UsageError",
 ]  # fmt: skip

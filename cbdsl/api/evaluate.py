@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Evaluation:
+class SuccessRate:
     """Episodes and their verdicts.
 
     Attributes:
@@ -52,7 +52,7 @@ def evaluate(
     cameras: str | None = None,
     judge: Callable[[EpisodeResult, Truth], bool] | None = None,
     on_episode: Callable[[EpisodeResult, bool], None] | None = None,
-) -> Evaluation:
+) -> SuccessRate:
     """Run held-out episodes of a program, without learning, and count the successes.
 
     An episode succeeds if it is rewarded or reaches a state of success. With a ``judge``, the truth
@@ -100,4 +100,4 @@ def evaluate(
             for each in seeds:
                 result = simulation.robot.run(each, context=context)
                 note(result, judge(result, simulation.truth))
-    return Evaluation(tuple(results), tuple(successes))
+    return SuccessRate(tuple(results), tuple(successes))
