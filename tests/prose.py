@@ -43,7 +43,7 @@ _FRAGMENT = re.compile(
 _SECTION = re.compile(r"(Args|Attributes|Returns|Raises|Yields):")
 _ENTRY = re.compile(r" {4}\*{0,2}[A-Za-z_][\w., ]*: +(\S.*)")
 _CODE = re.compile(r"``[^`]*``|`[^`]*`|<!--.*?-->|\]\([^)]*\)")
-_GENERATED = ("docs/reference.md", "docs/diagnostics.md", "docs/reproduction.md")
+_GENERATED = re.compile(r"docs/(reference|diagnostics|reproduction/\w+)\.md")
 
 
 class Place(NamedTuple):
@@ -64,7 +64,7 @@ def files() -> list[str]:
         for path in found
         if path.suffix in (".py", ".md") and not {"vendor", "schemas"} & {*path.parts}
     )
-    return sorted(name for name in names if name not in _GENERATED)
+    return sorted(name for name in names if not _GENERATED.fullmatch(name))
 
 
 def places(name: str, text: str) -> list[Place]:

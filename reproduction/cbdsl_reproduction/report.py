@@ -1,46 +1,12 @@
-"""Outcomes as rows, as data, and as a page whose sections can be renewed separately."""
+"""Outcomes as rows, as data, and as sections of a page."""
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable, Mapping
 
 from cbdsl_reproduction.experiment import Experiment, Picture, Result, RunSettings
 from cbdsl_reproduction.quantity import Quantity, Verdict
-from cbdsl_reproduction.summary import paragraph, summary
-
-_HEADER = """\
-# Reproduction
-
-This page holds the results that the dissertation reports, beside ours.
-`cb reproduce all --out docs/reproduction.md` writes it.
-`cb reproduce NAME --out docs/reproduction.md` renews one section.
-
-The column *expected* is the region in which the source's words put a value.
-The verdict follows from the 95 % interval of our value:
-
-| verdict | meaning |
-| --- | --- |
-| reproduced | all of the interval is in the region |
-| missed | none of it is in the region |
-| undecided | a part of it is in the region |
-| ordering only | at least the reported order is clear |
-| not judged | there is no spread to judge by (one trial), or nothing is claimed |
-
-The column *chance* is the probability that a claim that is just false would be called reproduced.
-A coin, or a uniform model, passes at most as often if the claim is false for it.
-For curves, ratios and newly drawn trials it is the 2.5 % of the intervals.
-Above 5 % nothing is called reproduced.
-Regions that were set with known numbers say so.
-
-Intervals are exact (Clopper-Pearson) for proportions.
-If several outcomes come from one trial, they use the effective number of outcomes (Korn-Graubard).
-All other intervals are bootstrapped.
-Robots learn on the kinematic backend, many times from zero; other backends have separate sections.
-"""
-
-_SECTION = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
+from cbdsl_reproduction.summary import paragraph
 
 
 def row(quantity: Quantity) -> dict[str, str]:
@@ -76,8 +42,8 @@ def data(experiment: Experiment, settings: RunSettings, outcome: Result) -> dict
     }
 
 
-def section(experiment: Experiment, settings: RunSettings, outcome: Result, pictures: str) -> str:
-    """Return the section of one experiment; ``pictures`` is the folder of the charts."""
+def section(experiment: Experiment, settings: RunSettings, outcome: Result) -> str:
+    """Return the section of one experiment; its charts are beside the page."""
     rows = [row(quantity) for quantity in outcome.quantities]
     headings = list(rows[0]) if rows else []
     table = [headings, ["---"] * len(headings), *(list(cells.values()) for cells in rows)]
@@ -92,7 +58,7 @@ def section(experiment: Experiment, settings: RunSettings, outcome: Result, pict
     for note in outcome.notes:
         lines += [paragraph(note), ""]
     for chart in outcome.charts:
-        file = f"{pictures}/{picture_file(chart, experiment, settings)}"
+        file = picture_file(chart, experiment, settings)
         lines += [f"[![{chart.title}]({file})]({file})", ""]
     return "\n".join(lines)
 
@@ -127,27 +93,6 @@ def _command(experiment: Experiment, settings: RunSettings) -> str:
     if settings.trials is not None and (experiment.learns or experiment.keeps):
         words += ["--trials", str(settings.trials)]
     return " ".join([*words, "--quick"] if settings.quick else words)
-
-
-def page(before: str, sections: Mapping[str, str], order: Iterable[str]) -> str:
-    """Return the whole page.
-
-    Args:
-        before: Existing page, or an empty text.
-        sections: New text by its heading.
-        order: Names of all experiments; sections of any others are removed.
-    """
-    marks = list(_SECTION.finditer(before))
-    ends = [mark.start() for mark in marks[1:]] + [len(before)] * bool(marks)
-    kept = {
-        mark[1]: before[mark.start() : end].rstrip() + "\n"
-        for mark, end in zip(marks, ends, strict=True)
-    }
-    kept.update(sections)
-    # Sections of other backends follow the section of the default one.
-    ordered = (kept[each] for name in order for each in sorted(kept) if each.split()[0] == name)
-    texts = list(ordered)
-    return "\n".join([_HEADER, summary(texts), *texts])
 
 
 def _quantity(quantity: Quantity) -> dict[str, object]:

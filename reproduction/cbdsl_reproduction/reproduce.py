@@ -61,7 +61,8 @@ Keep = Annotated[
 Out = Annotated[
     Path | None,
     typer.Option(
-        "--out", help="Additional output file: .md for a page with pictures beside it, or .json."
+        "--out",
+        help="Additional output: folder for a page of each chapter with pictures, or .json.",
     ),
 ]
 
@@ -293,10 +294,10 @@ def _require_writable(out: Path) -> None:
     from cbdsl.errors.reason import reason
     from cbdsl.yaml_text.writer import make_room
 
-    if out.suffix not in (".md", ".json"):
-        raise UsageError(f"--out {out}: expected a file that ends in .md or .json")
+    if out.suffix not in ("", ".json"):
+        raise UsageError(f"--out {out}: expected a folder, or a file that ends in .json")
     try:
-        make_room(out)
+        make_room(out if out.suffix else out / "index.md")
     except OSError as error:
         raise UsageError(f"--out {out}: cannot be written ({reason(error)})") from error
 
@@ -311,17 +312,23 @@ def _write(
     import json
 
     from cbdsl.yaml_text.writer import write_text
+    from cbdsl_reproduction.pages import (
+        SUMMARY,
+        chapter_page,
+        existing_pages,
+        page_of,
+        summary_page,
+    )
     from cbdsl_reproduction.registry import EXPERIMENTS
-    from cbdsl_reproduction.report import heading, page, picture_file, section
+    from cbdsl_reproduction.report import heading, picture_file, section
 
     if out.suffix == ".json":
         write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", out)
         return
-    pictures = out.with_suffix("")
-    if outcome.charts:
-        pictures.mkdir(exist_ok=True)
     for chart in outcome.charts:
-        write_text(chart.svg(), pictures / picture_file(chart, experiment, settings))
-    before = out.read_text(encoding="utf-8") if out.exists() else ""
-    new = {heading(experiment, settings): section(experiment, settings, outcome, pictures.name)}
-    write_text(page(before, new, EXPERIMENTS), out)
+        write_text(chart.svg(), out / picture_file(chart, experiment, settings))
+    order, name = EXPERIMENTS.values(), page_of(experiment)
+    new = {heading(experiment, settings): section(experiment, settings, outcome)}
+    before = existing_pages(out, order).get(name, "")
+    write_text(chapter_page(name, before, new, order), out / f"{name}.md")
+    write_text(summary_page(existing_pages(out, order)), out / SUMMARY)

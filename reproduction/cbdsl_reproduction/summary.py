@@ -1,4 +1,4 @@
-"""Summary of the page: verdicts counted by section, and each miss with its cause."""
+"""Rows of the pages: counted by verdict, and grouped by the causes of their misses."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 import textwrap
 import tomllib
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 
@@ -58,30 +58,6 @@ class Cause:
         return row.section.split()[0] == self.experiment and self.quantity in row.quantity
 
 
-def summary(sections: Sequence[str]) -> str:
-    """Return the counts by section, and each row that is not reproduced with its cause.
-
-    Args:
-        sections: Texts of the sections of the page, in order.
-    """
-    rows = [row for section in sections for row in rows_of(section)]
-    judged = [row for row in rows if row.verdict != Verdict.NOT_JUDGED]
-    count = Counter(row.verdict for row in rows)
-    share = 100 * count[Verdict.REPRODUCED] / len(judged) if judged else 0.0
-    lines = [
-        "## Summary",
-        "",
-        f"{count[Verdict.REPRODUCED]} of {len(judged)} judged rows are reproduced ({share:.0f} %); "
-        f"{count[Verdict.NOT_JUDGED]} are not judged.",
-        "",
-        *_counts(rows),
-        "",
-        *(_miss(row) for row in rows if row.verdict in _DEFAULTS),
-        "",
-    ]
-    return "\n".join(lines)
-
-
 def rows_of(section: str) -> Iterator[PageRow]:
     """Yield the rows of the table of a section."""
     heading = _HEADING.search(section)
@@ -98,14 +74,49 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in _CELLS.split(line)[1:-1]]
 
 
-def _counts(rows: Sequence[PageRow]) -> Iterator[str]:
-    """Yield the lines of a table with a row for each section."""
+def counts(heading: str, places: Mapping[str, str], rows: Sequence[PageRow]) -> Iterator[str]:
+    """Yield a sentence and the lines of a table that count the verdicts.
+
+    Args:
+        heading: Heading of the first column.
+        places: Cell of the first column by section; equal cells share a line.
+        rows: Counted rows.
+    """
+    total = Counter(row.verdict for row in rows)
+    judged = len(rows) - total[Verdict.NOT_JUDGED]
+    share = 100 * total[Verdict.REPRODUCED] / judged if judged else 0.0
+    yield (
+        f"{total[Verdict.REPRODUCED]} of {judged} judged rows are reproduced ({share:.0f} %); "
+        f"{total[Verdict.NOT_JUDGED]} are not judged."
+    )
+    yield ""
     verdicts = [verdict.value for verdict in Verdict]
-    yield f"| section | {' | '.join(verdicts)} |"
+    yield f"| {heading} | {' | '.join(verdicts)} |"
     yield f"|{' --- |' * (1 + len(verdicts))}"
-    for section in dict.fromkeys(row.section for row in rows):
-        count = Counter(row.verdict for row in rows if row.section == section)
-        yield f"| {section} | {' | '.join(str(count[verdict]) for verdict in verdicts)} |"
+    for place in dict.fromkeys(places.values()):
+        count = Counter(row.verdict for row in rows if places[row.section] == place)
+        yield f"| {place} | {' | '.join(str(count[verdict]) for verdict in verdicts)} |"
+
+
+def causes_of(rows: Sequence[PageRow]) -> list[str]:
+    """Return a list of causes, each with the number of its rows in each section."""
+    groups: dict[str, Counter[tuple[str, str]]] = {}
+    for row in rows:
+        if row.verdict in _DEFAULTS:
+            groups.setdefault(_cause(row), Counter())[row.section, row.verdict] += 1
+    return [_group(cause, count) for cause, count in groups.items()]
+
+
+def _cause(row: PageRow) -> str:
+    default = _DEFAULTS[Verdict(row.verdict)]
+    return next((each.text for each in causes() if each.explains(row)), default)
+
+
+def _group(cause: str, count: Mapping[tuple[str, str], int]) -> str:
+    places = ", ".join(
+        f"{section} ({number} {verdict})" for (section, verdict), number in count.items()
+    )
+    return paragraph(f"* {places}: {cause}.", indent="  ")
 
 
 def paragraph(text: str, indent: str = "") -> str:
@@ -118,13 +129,6 @@ def paragraph(text: str, indent: str = "") -> str:
     return textwrap.fill(
         text, 115, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
     )
-
-
-def _miss(row: PageRow) -> str:
-    default = _DEFAULTS[Verdict(row.verdict)]
-    cause = next((each.text for each in causes() if each.explains(row)), default)
-    text = f"* {row.section}, {row.quantity}: {row.ours}, {row.verdict}; {cause}."
-    return paragraph(text, indent="  ")
 
 
 def causes() -> tuple[Cause, ...]:

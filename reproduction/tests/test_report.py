@@ -15,11 +15,11 @@ def test_each_section_has_pictures_of_its_own() -> None:
     assert picture_file(chart, learns, kinematic) == "fig-4.4.svg"
     assert picture_file(chart, learns, bullet) == "fig-4.4-bullet.svg"
     assert picture_file(chart, other, bullet) == "fig-4.4.svg"
-    assert "(page/fig-4.4-bullet.svg)" in section(learns, bullet, Result((), (chart,)), "page")
+    assert "(fig-4.4-bullet.svg)" in section(learns, bullet, Result((), (chart,)))
 
 
 def test_links_have_no_spaces() -> None:
     chart = Chart("fig-6.2", "Some", "x", "y", ())
     settings = RunSettings(backend="mujoco", cameras="ideal")
-    text = section(EXPERIMENTS["fig-6.2"], settings, Result((), (chart,)), "page")
-    assert "(page/fig-6.2-mujoco-with-ideal-cameras.svg)" in text
+    text = section(EXPERIMENTS["fig-6.2"], settings, Result((), (chart,)))
+    assert "(fig-6.2-mujoco-with-ideal-cameras.svg)" in text

@@ -88,9 +88,9 @@ def test_the_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
     [
         (("toy-11",), "did you mean 'toy-1'? (known: toy-1, toy-2, all)"),
         ((), "--list"),
-        (("toy-1", "--out", "x.txt"), ".md or .json"),
-        (("toy-1", "--out", "file/x.md"), "cannot be written"),
-        (("toy-1", "--out", "folder.md"), "cannot be written"),
+        (("toy-1", "--out", "x.txt"), "expected a folder"),
+        (("toy-1", "--out", "file/x"), "cannot be written"),
+        (("toy-1", "--out", "folder.json"), "cannot be written"),
     ],
 )
 def test_wrong_calls(
@@ -102,7 +102,7 @@ def test_wrong_calls(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "folder.md").mkdir()
+    (tmp_path / "folder.json").mkdir()
     (tmp_path / "file").touch()
     assert cb(monkeypatch, *arguments) == 2
     assert message in capsys.readouterr().err
@@ -138,16 +138,20 @@ def test_json_of_all(
 def test_a_page_is_renewed_section_by_section(
     toys: list[RunSettings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    page = tmp_path / "page.md"
-    assert cb(monkeypatch, "toy-2", "--out", str(page), "--seed", "2") == 0
-    assert cb(monkeypatch, "toy-1", "--out", str(page), "--seed", "1") == 0
+    folder = tmp_path / "pages"
+    page = folder / "chapter_0.md"
+    assert cb(monkeypatch, "toy-2", "--out", str(folder), "--seed", "2") == 0
+    assert cb(monkeypatch, "toy-1", "--out", str(folder), "--seed", "1") == 0
     both = page.read_text("utf-8")
+    summary = (folder / "index.md").read_text("utf-8")
+    assert "2 of 4 judged rows are reproduced" in summary
+    assert "| [Chapter 0](chapter_0.md) | 2 | 0 | 0 | 2 | 0 |" in summary
     assert both.index("## toy-1: A toy") < both.index("## toy-2: Another toy")
     assert "Seed 2." in both and "| a \\| b |" in both
-    ET.parse(tmp_path / "page" / "curve.svg")
-    assert cb(monkeypatch, "toy-1", "--out", str(page), "--seed", "1") == 0
+    ET.parse(folder / "curve.svg")
+    assert cb(monkeypatch, "toy-1", "--out", str(folder), "--seed", "1") == 0
     assert page.read_text("utf-8") == both
-    assert cb(monkeypatch, "toy-1", "--out", str(page), "--seed", "3") == 0
+    assert cb(monkeypatch, "toy-1", "--out", str(folder), "--seed", "3") == 0
     assert page.read_text("utf-8") == both.replace("Seed 1.", "Seed 3.").replace(
         "--seed 1", "--seed 3"
     )
@@ -156,13 +160,15 @@ def test_a_page_is_renewed_section_by_section(
 def test_what_was_learned_has_a_section_for_each_backend(
     learning: list[RunSettings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    page, keep = tmp_path / "page.md", tmp_path / "a" / "trials"
+    folder, keep = tmp_path / "pages", tmp_path / "a" / "trials"
     chosen = ("--backend", "bullet", "--trials", "3", "--keep", str(keep))
-    assert cb(monkeypatch, "all", "--out", str(page), *chosen) == 0
-    assert cb(monkeypatch, "toy-3", "--out", str(page)) == 0
-    text = page.read_text("utf-8")
+    assert cb(monkeypatch, "all", "--out", str(folder), *chosen) == 0
+    assert cb(monkeypatch, "toy-3", "--out", str(folder)) == 0
+    text = (folder / "chapter_0.md").read_text("utf-8")
     headings = [line.split(": ")[0] for line in text.splitlines() if line.startswith("## ")]
-    assert headings == ["## Summary", "## toy-1", "## toy-3", "## toy-3 on bullet", "## toy-2"]
+    assert headings == [
+        "## Not reproduced", "## toy-1", "## toy-3", "## toy-3 on bullet", "## toy-2",
+    ]  # fmt: skip
     assert "`cb reproduce toy-3 --seed 0 --backend bullet --trials 3`" in text
     assert "`cb reproduce toy-3 --seed 0 --backend kinematic`" in text
     assert "`cb reproduce toy-1 --seed 0`" in text
@@ -197,11 +203,13 @@ def test_what_keeps_its_episodes_takes_a_folder_and_a_number_of_them(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(registry, "EXPERIMENTS", {KEPT.name: KEPT})
-    page, keep = tmp_path / "page.md", tmp_path / "kept"
-    chosen = ("--trials", "3", "--keep", str(keep), "--out", str(page))
+    folder, keep = tmp_path / "pages", tmp_path / "kept"
+    chosen = ("--trials", "3", "--keep", str(keep), "--out", str(folder))
     assert cb(monkeypatch, "toy-4", *chosen) == 0
     assert [(each.trials, each.folder) for each in toys] == [(3, keep)]
-    assert "`cb reproduce toy-4 --seed 0 --trials 3`" in page.read_text("utf-8")
+    assert "`cb reproduce toy-4 --seed 0 --trials 3`" in (folder / "chapter_0.md").read_text(
+        "utf-8"
+    )
     assert cb(monkeypatch, "toy-4", "--workers", "2") == 2
     assert "--workers is for experiments that learn" in capsys.readouterr().err
 
