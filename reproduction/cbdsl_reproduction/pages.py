@@ -94,9 +94,9 @@ def summary_page(pages: Mapping[str, str]) -> str:
     for name, text in pages.items():
         link = f"[{title_of(name)}]({name}.md)"
         for section in _sections(text).values():
-            found = list(rows_of(section))
-            rows += found
-            places.update({row.section: link for row in found})
+            added = list(rows_of(section))
+            rows += added
+            places.update({row.section: link for row in added})
     misses = [row for row in rows if row.verdict == "missed"]
     lines = [_HEADER, "## Summary", "", *counts("page", places, rows), ""]
     return "\n".join([*lines, "Misses by cause; the pages list the undecided rows, too:", "",
