@@ -11,6 +11,8 @@ from cbdsl.robot.urdf_reader import parse_urdf
 
 # Relative tolerance for limits that were rounded when written.
 _ROUNDING = 1e-3
+# Most joints that a sentence names.
+_LISTED = 4
 
 
 def description_problems(
@@ -28,14 +30,18 @@ def description_problems(
         described = parse_urdf(urdf, Path("robot_description"))
     except UrdfError as error:
         return [f"the robot's description cannot be read: {error}"]
-    problems = []
-    for name in joints:
-        own, other = model.joints[name], described.joints.get(names.get(name, name))
-        if other is None:
-            problems.append(f"the robot's description has no joint '{names.get(name, name)}'")
-            continue
-        problems.extend(_differences(own, other))
-    return problems
+    named = {name: names.get(name, name) for name in joints}
+    missing = [f"'{theirs}'" for theirs in named.values() if theirs not in described.joints]
+    if missing:
+        listed = ", ".join(missing[:_LISTED])
+        more = f" and {len(missing) - _LISTED} more" if len(missing) > _LISTED else ""
+        kind = "joint" if len(missing) == 1 else "joints"
+        return [f"the robot's description has no {kind} {listed}{more}: another robot?"]
+    return [
+        difference
+        for name, theirs in named.items()
+        for difference in _differences(model.joints[name], described.joints[theirs])
+    ]
 
 
 def _differences(own: UrdfJoint, other: UrdfJoint) -> list[str]:

@@ -49,10 +49,9 @@ class SensorWatch:
             self._cells.update(dict.fromkeys(cells, (name, driver)))
             views = driver.regions if ideal else driver.images
             self._cameras.update(dict.fromkeys(views, name))
-        self._informed: dict[str, str] = {
-            camera: f"no camera info of camera '{camera}' from driver '{name}'"
-            for name, driver in robot.drivers.items()
-            for camera in driver.camera_info
+        # Cameras without a camera info so far, with their drivers.
+        self._uninformed = {
+            camera: name for name, driver in robot.drivers.items() for camera in driver.camera_info
         }
 
     def note_wrench(self, sample: WrenchSample, now: float) -> str:
@@ -90,7 +89,7 @@ class SensorWatch:
     def note_camera(self, sample: CameraSample) -> str:
         """Take in a camera's intrinsic parameters; return the difference to its document."""
         camera, name = self._robot.cameras[sample.camera], sample.camera
-        self._informed.pop(name, None)
+        self._uninformed.pop(name, None)
         if (sample.width, sample.height) != (camera.width, camera.height):
             return (
                 f"camera '{name}' has {sample.width} x {sample.height} px by its camera info, and "
@@ -115,16 +114,22 @@ class SensorWatch:
         """Count the ages of all samples from now on."""
         self._arrivals = dict.fromkeys(self._arrivals, now)
 
-    def unheard(self) -> Iterator[str]:
-        """Yield a sentence for each sensor without a message."""
-        for cell, (driver, _) in self._cells.items():
+    def unheard(self) -> Iterator[tuple[str, str]]:
+        """Yield the address of each sensor without a message, and a sentence."""
+        for cell, (name, driver) in self._cells.items():
             if cell not in self.wrenches:
-                yield f"no wrench of load cell '{'.'.join(cell)}' from driver '{driver}'"
-        for camera, driver in self._cameras.items():
+                address = driver.wrenches[cell[0]][cell[1]]
+                yield address, f"no wrench of load cell '{'.'.join(cell)}' from driver '{name}'"
+        for camera, name in self._cameras.items():
             if camera not in self._arrivals:
-                what = "regions" if self._ideal else "image"
-                yield f"no {what} of camera '{camera}' from driver '{driver}'"
-        yield from self._informed.values()
+                driver = self._robot.drivers[name]
+                what, views = (
+                    ("regions", driver.regions) if self._ideal else ("image", driver.images)
+                )
+                yield views[camera], f"no {what} of camera '{camera}' from driver '{name}'"
+        for camera, name in self._uninformed.items():
+            address = self._robot.drivers[name].camera_info[camera]
+            yield address, f"no camera info of camera '{camera}' from driver '{name}'"
 
     def overdue(self, now: float) -> str:
         """Return the sensor whose newest sample is too old."""

@@ -32,6 +32,7 @@ from cbdsl.backends.drivers.sample import (
     WrenchSample,
 )
 from cbdsl.backends.drivers.sensor_watch import SensorWatch
+from cbdsl.backends.drivers.survey import StreamProblem
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.description import description_problems
 from cbdsl.robot.urdf import UrdfModel
@@ -80,8 +81,9 @@ class SafetySupervisor:
         self.limiter = Limiter(limits, period)
         self.state, self.cause = State.OFF, ""
         self._limits = limits
-        # Findings of the current approach to ``ready``, in order of discovery.
-        self._mismatches: dict[str, None] = {}
+        # Findings of the current approach to ``ready``, in order of discovery; and the addresses of
+        # joint states that cannot be read.
+        self._mismatches: dict[str, str] = {}
         # Differences between each driver's description of the robot and its document.
         self._differences: dict[str, list[str]] = {}
         self._pressed: set[str] = set()
@@ -133,7 +135,9 @@ class SafetySupervisor:
         self._require_prompt(now)
         if problem := self._problem(sample, now, wall):
             if self.state is State.OFF:
-                self._mismatches[problem] = None
+                malformed = isinstance(sample, JointSample)
+                states = self._robot.drivers[sample.driver].states
+                self._mismatches[problem] = (states or "") if malformed else ""
             self._hold_if_active(problem, blind=isinstance(sample, JointSample))
 
     def _problem(self, sample: Sample, now: float, wall: float) -> str:
@@ -167,29 +171,39 @@ class SafetySupervisor:
         self._pressed.add(sample.driver)
         return f"the emergency stop of driver '{sample.driver}' is pressed" if self.passes else ""
 
-    def obstacles(self, surveyed: Iterable[str] = ()) -> list[str]:
+    def obstacles(self, surveyed: Iterable[StreamProblem] = ()) -> list[str]:
         """Return every reason against ``ready``, one sentence each.
 
         Args:
-            surveyed: Reasons that the transport found.
+            surveyed: Problems of streams that the transport found.
         """
-        return list(dict.fromkeys(self._obstacles(surveyed)))
+        return list(dict.fromkeys(self._obstacles(list(surveyed))))
 
-    def _obstacles(self, surveyed: Iterable[str]) -> Iterator[str]:
+    def _obstacles(self, surveyed: list[StreamProblem]) -> Iterator[str]:
         if self.state is State.HELD:
             yield f"the robot is held: {self.cause}"
-        yield from surveyed
+        yield from (problem.text for problem in surveyed)
         yield from self._mismatches
         yield from chain.from_iterable(self._differences.values())
-        for driver, names in self.joints.unheard():
-            topic = self._robot.drivers[driver].states
-            yield f"no state of {_joints(names)} from driver '{driver}' at {topic}"
-        yield from self.sensors.unheard()
-        for driver in sorted(self._described):
-            topic = self._robot.drivers[driver].description
-            yield f"no description of the robot from driver '{driver}' at {topic}"
+        # These explain why nothing is received; a second finding would not help.
+        explained = {_absolute(problem.address) for problem in surveyed}
+        explained.update(_absolute(address) for address in self._mismatches.values() if address)
+        for address, text in self._unheard():
+            if _absolute(address) not in explained:
+                yield text
         for driver in sorted(self._pressed):
             yield f"the emergency stop of driver '{driver}' is pressed"
+
+    def _unheard(self) -> Iterator[tuple[str, str]]:
+        """Yield the address of each stream without a message, and a sentence."""
+        drivers = self._robot.drivers
+        for driver, names in self.joints.unheard():
+            topic = drivers[driver].states or ""
+            yield topic, f"no state of {_joints(names)} from driver '{driver}' at {topic}"
+        yield from self.sensors.unheard()
+        for driver in sorted(self._described):
+            topic = drivers[driver].description or ""
+            yield topic, f"no description of the robot from driver '{driver}' at {topic}"
 
     def forget_mismatches(self) -> None:
         """Forget the findings so far, so that only persistent ones are found again."""
@@ -316,3 +330,7 @@ def _joints(names: list[str]) -> str:
     quoted = ", ".join(f"'{name}'" for name in names[:4])
     more = f" and {len(names) - 4} more" if len(names) > 4 else ""
     return f"joint{'s' if len(names) > 1 else ''} {quoted}{more}"
+
+
+def _absolute(address: str) -> str:
+    return address if address.startswith("/") else f"/{address}"

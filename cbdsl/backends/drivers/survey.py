@@ -3,23 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 from cbdsl.backends.drivers.link import Endpoint
 from cbdsl.errors.nearest import suggestion
 
 
-def survey_problems(endpoints: Iterable[Endpoint]) -> Iterator[str]:
-    """Yield a sentence for each stream that cannot carry a driver's messages."""
+class StreamProblem(NamedTuple):
+    """Reason against the stream at an address, as a sentence without a full stop."""
+
+    address: str
+    text: str
+
+
+def survey_problems(endpoints: Iterable[Endpoint]) -> Iterator[StreamProblem]:
+    """Yield the problem of each stream that cannot carry a driver's messages."""
     for endpoint in endpoints:
-        where = f"{endpoint.address} (driver '{endpoint.driver}', {endpoint.role})"
-        if endpoint.foreign_types:
-            types = ", ".join(endpoint.foreign_types)
-            yield f"{where} has the type {types}, and {endpoint.type} is needed"
-        elif not endpoint.peers:
-            verb = "listens to" if endpoint.outgoing else "writes to"
-            yield f"nothing {verb} {where}{_alternatives(endpoint)}"
-        if endpoint.rivals:
-            yield f"another commander writes to {where}: {endpoint.rivals} of them"
+        yield from (StreamProblem(endpoint.address, text) for text in _problems(endpoint))
+
+
+def _problems(endpoint: Endpoint) -> Iterator[str]:
+    where = f"{endpoint.address} (driver '{endpoint.driver}', {endpoint.role})"
+    if endpoint.foreign_types:
+        types = ", ".join(endpoint.foreign_types)
+        yield f"{where} has the type {types}, and {endpoint.type} is needed"
+    elif not endpoint.peers:
+        verb = "listens to" if endpoint.outgoing else "writes to"
+        yield f"nothing {verb} {where}{_alternatives(endpoint)}"
+    if endpoint.rivals:
+        yield f"another commander writes to {where}: {endpoint.rivals} of them"
 
 
 def _alternatives(endpoint: Endpoint) -> str:

@@ -49,6 +49,9 @@ class Guard:
             )
         self.period = 1.0 / robot.control.rate
         self._node = RosNode(interface)
+        # A program that finds the topics of the watchdogs relies on them immediately.
+        self._real_time = RealTime()
+        self._real_time.begin()
         limits, joints = joint_limits(robot, read_fitting(robot, urdf)), Joints(robot)
         self._posts = [
             _Post(name, driver, robot, joints, limits, self._node)
@@ -70,14 +73,6 @@ class Guard:
         Returns:
             True if a watchdog held.
         """
-        real_time = RealTime()
-        real_time.begin()
-        try:
-            return self._watch(report, stopped)
-        finally:
-            real_time.end()
-
-    def _watch(self, report: Callable[[str], None], stopped: Callable[[], bool]) -> bool:
         due = time.monotonic()
         while not stopped() and any(
             post.phase is not WatchdogPhase.STOPPED for post in self._posts
@@ -94,6 +89,7 @@ class Guard:
         """Leave the domain."""
         self._posts.clear()
         self._node.close()
+        self._real_time.end()
 
 
 class _Post:

@@ -240,6 +240,65 @@ def test_nothing_moves_without_a_persons_consent(
     assert not peer.commands
 
 
+def _states(peers: int, *types: str) -> Endpoint:
+    name = "sensor_msgs/msg/JointState"
+    return Endpoint(
+        "arm", "states", "/joint_states", name, outgoing=False, peers=peers, foreign_types=types
+    )
+
+
+UNREADY: dict[str, tuple[Peer, str]] = {
+    "topic that does not exist": (
+        Peer(silent=True, endpoints=[_states(0)]),
+        "nothing writes to /joint_states (driver 'arm', states)",
+    ),
+    "other type": (
+        Peer(silent=True, endpoints=[_states(1, "std_msgs/msg/String")]),
+        "/joint_states (driver 'arm', states) has the type std_msgs/msg/String, and "
+        "sensor_msgs/msg/JointState is needed",
+    ),
+    "silent topic": (
+        Peer(silent=True, endpoints=[_states(1)]),
+        "no state of joints 'first', 'second' from driver 'arm' at /joint_states",
+    ),
+    "missing joint": (
+        Peer(alter=lambda s: [_only(s, [0])]),
+        "no state of joint 'second' from driver 'arm' at /joint_states",
+    ),
+    "doubled joint": (
+        Peer(alter=lambda s: [_only(s, [0, 1, 0])]),
+        "driver 'arm' names joint 'first' twice in one joint state",
+    ),
+    "robot without the joints": (
+        Peer(
+            alter=lambda s: [
+                s, DescriptionSample("arm", '<robot name="other"><link name="a"/></robot>')
+            ]
+        ),
+        "the robot's description has no joints 'first', 'second': another robot?",
+    ),
+    "robot with other limits": (
+        Peer(
+            alter=lambda s: [
+                s, DescriptionSample("arm", URDF.replace('upper="1"', 'upper="1.5"'))
+            ]
+        ),
+        "joint 'first' has the upper limit 1.5 by the robot, and 1 by its document",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNREADY)
+def test_unready_robot_has_one_finding_before_anything_moves(
+    name: str, urdf: Path, stage: StageDocument
+) -> None:
+    peer, finding = UNREADY[name]
+    with pytest.raises(BackendError) as raised:
+        begin(backend(peer, urdf), stage)
+    assert str(raised.value).splitlines()[1:] == [f"- {finding}"]
+    assert not peer.commands
+
+
 def test_not_ready_names_every_obstacle(urdf: Path, stage: StageDocument) -> None:
     described = URDF.replace('upper="1"', 'upper="1.5"')
     peer = Peer(

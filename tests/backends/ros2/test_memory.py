@@ -1,0 +1,81 @@
+"""Memory of a served robot, of its drivers and of a program: it does not grow with the ticks."""
+
+from __future__ import annotations
+
+import gc
+import tracemalloc
+from collections.abc import Callable
+
+import pytest
+
+pytest.importorskip("cyclonedds")
+
+from cbdsl.api.robots import read_robot, read_stage
+from cbdsl.api.run_request import read_request
+from cbdsl.backends.backend import embody
+from cbdsl.backends.drivers.sample import Command
+from cbdsl.backends.drivers.views import with_views
+from cbdsl.backends.ros2.link import Ros2Link
+from cbdsl.backends.ros2.server import RobotServer, simulated_robot
+from cbdsl.runtime.episode import Runner
+from cbdsl.sensing.kinematics import Kinematics
+
+pytestmark = pytest.mark.slow
+# Growth that is no leak, bytes: caches of interpreters, and the history of an open search.
+_NOISE = 20_000
+
+
+def growth(work: Callable[[int], None], count: int) -> int:
+    """Return how much more memory Python holds after three times as much further work, bytes."""
+    tracemalloc.start()
+    try:
+        work(count)
+        gc.collect()
+        before = tracemalloc.get_traced_memory()[0]
+        work(3 * count)
+        gc.collect()
+        return tracemalloc.get_traced_memory()[0] - before
+    finally:
+        tracemalloc.stop()
+
+
+def test_ticks_of_a_served_robot_keep_no_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "98")
+    robot, urdf = read_robot("dexter")
+    served = RobotServer(robot, urdf, simulated_robot("kinematic", robot, urdf, "ideal"))
+    viewed = with_views(robot, ideal=True)
+    link = Ros2Link(viewed, viewed.drivers, None)
+    try:
+        served.reset(read_stage("table_right", robot), None, 0)
+        joints = tuple(j for e in robot.drivers["body"].moves for j in robot.joints(e))
+        command = Command(joints, (0.0,) * len(joints), 0.05)
+        received = 0
+
+        def work(ticks: int) -> None:
+            nonlocal received
+            for _ in range(ticks):
+                served.tick()
+                received += len(link.poll())
+                link.send("body", command)
+
+        assert growth(work, 300) < _NOISE
+        assert received > 1000
+    finally:
+        link.close()
+        served.close()
+
+
+def test_episodes_of_a_program_keep_no_memory() -> None:
+    request = read_request("reachtouch", None, None, {})
+    backend = embody("kinematic", request.robot, request.urdf, cameras="ideal")
+    try:
+        kinematics = Kinematics(request.robot, request.urdf)
+        runner = Runner(request.robot, kinematics, request.program, backend)
+
+        def work(episodes: int) -> None:
+            for seed in range(episodes):
+                runner.run(request.stage, seed)
+
+        assert growth(work, 3) < _NOISE
+    finally:
+        backend.close()
