@@ -200,7 +200,7 @@ def grasped(watch: Watch) -> str:
 
 def gripped(watch: Watch) -> str:
     """Judge that both pads of a gripper are on one object."""
-    most = max(watch.fingers(name, "gripper") for name in watch.things)
+    most = max(watch.fingers(name, "hand") for name in watch.things)
     return "" if most == 2 else f"{most} pads on the object"
 
 
@@ -280,6 +280,11 @@ def _pair(context: str) -> Mapping[str, str]:
     return {"feature": _CHANNELS[upper], "goal": _CHANNELS[lower]}
 
 
+def _three(_: str) -> Mapping[str, str]:
+    """Return channels of three objects of the stage ``stacks_of_three``."""
+    return {"feature": "red", "middle": "green", "goal": "blue"}
+
+
 _PAIRS = tuple(f"{a}_on_{b}" for a in _CHANNELS for b in _CHANNELS if a != b)
 _SET = ("can_on_slab", "box_on_drum", "ball_on_drum", "can_on_ball")
 _LARGE = ("parcel", "medicine_ball", "play_ball", "cereal_box", "paint_can", "tray")
@@ -312,7 +317,7 @@ CLAIMS: Sequence[Claim] = (
     Claim("stack", "stacking", stands, _PAIRS, _pair),
     Claim("stack_three", "stacks_of_three", stands),
     Claim("stand", "stacking", stands, _PAIRS, _pair),
-    Claim("stand_three", "stacks_of_three", stands),
+    Claim("stand_three", "stacks_of_three", stands, values=_three),
     Claim("tactileprobe", "held_right", grasped),
     Claim("take_and_put_down", "everyday_objects", put_down, values=_red),
     Claim("take_with_both", "everyday_objects", raised, _LARGE),

