@@ -78,6 +78,8 @@ class Peer:
         gc.freeze()
         with contextlib.suppress(PermissionError):
             os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
+        sys.stdout.write("ready\n")
+        sys.stdout.flush()
         rclpy.spin(self._node)
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -38,9 +37,13 @@ def peer(document: RobotDocument, seed: int) -> Iterator[None]:
     script = Path(__file__).with_name("rclpy_peer.py")
     local = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_DOMAIN_ID": "77"}
     process = subprocess.Popen(
-        [str(PYTHON), str(script), json.dumps(settings)], env={**os.environ, **local}
+        [str(PYTHON), str(script), json.dumps(settings)],
+        env={**os.environ, **local},
+        stdout=subprocess.PIPE,
     )
     try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"ready\n"
         yield
     finally:
         process.kill()
@@ -61,7 +64,6 @@ def reach(seed: int) -> str:
     document, urdf = robot()
     program = check_program("sixaxis_reach", {}, Library(ROOT))
     with peer(document, seed):
-        time.sleep(1.0)
         driven = DrivenBackend(document, urdf)
         driven.attend(Consent())
         try:
