@@ -39,7 +39,9 @@ def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFold
         with parts.installed(), redirect_stderr(StringIO()):
             document = xacro.process_file(str(path), mappings=known)
     except RecursionError:
-        raise UrdfError(f"{path}: xacro cannot expand it: one of its macros uses itself") from None
+        raise UrdfError(
+            f"{path}: xacro cannot expand it: a macro, or a file that it includes, uses itself"
+        ) from None
     except Exception as error:
         if parts.refusals:  # which xacro has wrapped and repeated
             raise UrdfError(f"{path}: {parts.refusals[0]}") from None

@@ -63,6 +63,11 @@ def test_expand_unbounded_model_is_refused(body: str, tmp_path: Path) -> None:
         expand(tmp_path, body)
 
 
+def test_expand_file_that_includes_itself_says_so(tmp_path: Path) -> None:
+    with pytest.raises(UrdfError, match="a macro, or a file that it includes, uses itself"):
+        expand(tmp_path, '<xacro:include filename="any.xacro"/>')
+
+
 @pytest.mark.parametrize("text", ["a: &a [x]\nb: [*a, *a]", "a: &a {}\nb: {<<: *a}"])
 def test_load_yaml_with_aliases_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "bomb.yaml").write_text(text)
