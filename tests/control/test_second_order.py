@@ -118,8 +118,8 @@ def test_stacks_on_random_arms_do_not_swing() -> None:
 def test_nearly_all_stacks_on_random_arms_come_to_rest() -> None:
     """Few leave a saddle of the error after 15 s, ever faster; none of the others moves."""
     outcomes = [settle(stretched(seed)) for seed in range(1000, 1150)]
-    assert np.mean([outcome.swing <= STILL / 4 for outcome in outcomes]) >= 0.97
-    assert np.mean([outcome.motion <= STILL for outcome in outcomes]) >= 0.92
+    assert np.mean([outcome.swing <= STILL / 4 for outcome in outcomes]) >= 0.99
+    assert np.mean([outcome.motion <= STILL for outcome in outcomes]) >= 0.97
 
 
 @pytest.mark.parametrize("share", [0.95, 0.999, 1.001, 1.02, 1.3])
