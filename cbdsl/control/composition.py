@@ -1,6 +1,18 @@
-"""Arithmetic of the control law, for all levels together.
+"""Arithmetic of the control law, for all levels together; compiled.
 
-It is compiled: in loops over a dozen numbers, calling numpy takes longer than computing.
+Model. A level has rows J (k, n) and a requested displacement v. B is an orthonormal basis of all
+rows above, and D the displacement composed so far. With P = I - B B', the level adds
+
+    d = (J P)^# (v - J D)
+
+by the singular values of J P, damped where one is small. Then B grows by its directions. A level
+that cannot achieve v takes Newton's step instead (``second_order``). A joint that d would push past
+a limit joins B at its limit, and the level is solved again. A step that exceeds a joint's speed is
+shortened as a whole.
+
+Assumption: rows change by little in a tick. Those of its middle are extrapolated from three ticks.
+Source: Eq 3.23 to 3.26 of the dissertation, with a basis in place of I - J^# J, which leaks where
+J^# is damped. Loops are compiled because calling numpy on a dozen numbers takes longer.
 """
 
 from __future__ import annotations
