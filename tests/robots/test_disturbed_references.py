@@ -1,4 +1,4 @@
-"""References keep speeds and limits on every engine, whatever sensors and targets do."""
+"""Speeds and limits of references on every engine, with faulty encoders and jumping targets."""
 
 from __future__ import annotations
 
