@@ -50,6 +50,21 @@ class Truth:
         """Return the fingertips that touch an object, each as hand and finger."""
         return frozenset(self._engine.touching(self._known(name)))
 
+    def pressing(self, name: str) -> frozenset[str]:
+        """Return the names of the other objects that press on an object.
+
+        Raises:
+            UsageError: The engine computes no contacts between objects.
+        """
+        from cbdsl.errors.errors import UsageError
+
+        neighbours = getattr(self._engine, "neighbours", None)
+        if neighbours is None:
+            raise UsageError(
+                "this engine computes no contacts between objects: use bullet or mujoco"
+            )
+        return frozenset(neighbours(self._known(name)))
+
     def link_position(self, link: str) -> NDArray[np.float64]:
         """Return the position of a link of the robot, m, shape (3,)."""
         self._require(link, "link of the robot", self._engine.rows)

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from cbdsl import Transition
 from cbdsl.api.shipped import shipped_file, shipped_robot
 from cbdsl.backends.backend import embody
 from cbdsl.checking.findings import Findings
@@ -23,7 +24,6 @@ from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Primitive
 from cbdsl.program.own_policy import own_policy
-from cbdsl.program.transition import Transition
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.journal import Journal

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl import Transition
 from cbdsl.api.shipped import shipped_file
 from cbdsl.checking.assimilation import program_to_assimilate
 from cbdsl.checking.session import Session
@@ -29,7 +30,6 @@ from cbdsl.numeric.proportion import TAIL
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema_policy import SchemaPolicy
 from cbdsl.program.state_values import state_values
-from cbdsl.program.transition import Transition
 from cbdsl.training.journal import Journal
 from cbdsl.training.trial import Trial
 from cbdsl.training.trial_loop import identity_of

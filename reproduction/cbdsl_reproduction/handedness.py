@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cbdsl import Transition
 from cbdsl.api.shipped import shipped_file
 from cbdsl.checking.assimilation import program_to_assimilate, variants_of
 from cbdsl.checking.knowledge.digest import program_digest
@@ -23,7 +24,6 @@ from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking
 from cbdsl.program.schema_policy import SchemaPolicy
-from cbdsl.program.transition import Transition
 from cbdsl.training.journal import Journal
 from cbdsl.training.provenance import versions
 from cbdsl.training.trial_loop import journal_file

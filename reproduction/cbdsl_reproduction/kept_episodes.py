@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cbdsl.runtime.episode import EpisodeResult
+from cbdsl import EpisodeResult
 from cbdsl_reproduction.kept_rows import KeptRows
 
 

@@ -90,8 +90,8 @@ def reproduce(
 
     Exit 0 after a run with any verdicts, 2 if it cannot run.
     """
+    from cbdsl import UsageError
     from cbdsl.cli.terminal import print_json
-    from cbdsl.errors.errors import UsageError
     from cbdsl_reproduction.experiment import RunSettings
     from cbdsl_reproduction.report import data
 
@@ -152,7 +152,7 @@ def _require_meaning(
 
 
 def _require_unused(options: Mapping[str, object], whose: str) -> None:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl import UsageError
 
     given = [option for option, value in options.items() if value is not None]
     if given:
@@ -168,8 +168,8 @@ def _kept(folder: Path | None) -> Iterator[Path]:
     """
     from tempfile import TemporaryDirectory
 
+    from cbdsl import UsageError
     from cbdsl.cli.terminal import print_problem
-    from cbdsl.errors.errors import UsageError
     from cbdsl.errors.reason import reason
     from cbdsl.runtime.line_journal import DamagedJournalError, JournalError
 
@@ -200,8 +200,8 @@ def _require_sound(folder: Path) -> None:
     Raises:
         UsageError: A damaged line cannot be skipped.
     """
+    from cbdsl import UsageError
     from cbdsl.cli.terminal import print_problem
-    from cbdsl.errors.errors import UsageError
     from cbdsl_reproduction.kept_files import damaged_lines
 
     for line in damaged_lines(folder):
@@ -225,7 +225,7 @@ def _list(as_json: bool) -> None:
 
 
 def _chosen(name: str) -> list[Experiment]:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl import UsageError
     from cbdsl_reproduction.registry import EXPERIMENTS
 
     if name == _ALL:
@@ -238,11 +238,11 @@ def _chosen(name: str) -> list[Experiment]:
 def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
     from dataclasses import replace
 
+    from cbdsl import UsageError
     from cbdsl.backends.quiet import quiet_stderr
     from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.progress import Progress
     from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.errors.errors import UsageError
     from cbdsl_reproduction.trial_jobs import run_jobs
 
     try:
@@ -290,7 +290,7 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
 
 def _require_writable(out: Path) -> None:
     """Check before the experiments that their outcomes can be written."""
-    from cbdsl.errors.errors import UsageError
+    from cbdsl import UsageError
     from cbdsl.errors.reason import reason
     from cbdsl.yaml_text.writer import make_room
 

@@ -7,9 +7,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from cbdsl import Transition
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.transition import Transition
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from cbdsl_reproduction.percentage import clustered_percentage, percentage

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cbdsl import UsageError
 from cbdsl.api.simulation_fixture import simulation_fixture
 from cbdsl.runtime.episode import Tick
 from cbdsl_reproduction.trial_digest import trial_digest
@@ -50,6 +51,11 @@ class StackJudge:
     """
 
     def __init__(self, truth: Any, order: tuple[str, ...]) -> None:
+        if not hasattr(truth, "neighbours"):
+            raise UsageError(
+                "stacks are judged by contacts between objects, which this engine lacks: "
+                "use --backend bullet or mujoco"
+            )
         self._truth = truth
         self._order = order
         self._left, self._ticks = -1, 0

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cbdsl import Transition
 from cbdsl.api.shipped import shipped_file, shipped_robot
 from cbdsl.backends.backend import Backend, embody
 from cbdsl.checking.knowledge.digest import program_digest
@@ -24,7 +25,6 @@ from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.exploration import ExplorationStep
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.transition import Transition
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.exploration_task import exploration_journal

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl import Transition
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.decisions import Decisions
 from cbdsl.numeric.proportion import TAIL
-from cbdsl.program.transition import Transition
 from cbdsl.training.trial import Trial, used_programs
 from cbdsl_reproduction.claim import Interval, at_least, in_hindsight
 from cbdsl_reproduction.quantity import Quantity

@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from cbdsl import UsageError
 from cbdsl.runtime.episode import Tick
 from cbdsl_reproduction.stack_trials import StackJudge, StackTrial
 
@@ -103,3 +104,8 @@ def test_of_three_the_middle_one_has_to_rest_too() -> None:
     assert built(Truth(beside=beside), order=order).stands
     fallen = {"base": {"table"}, "middle": {"table", "top"}, "top": {"middle"}}
     assert not built(Truth(beside=fallen), order=order).stands
+
+
+def test_judge_of_stacks_rejects_an_engine_without_contacts() -> None:
+    with pytest.raises(UsageError, match="use --backend bullet or mujoco"):
+        StackJudge(object(), ("ball", "box"))

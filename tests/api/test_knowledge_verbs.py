@@ -143,6 +143,24 @@ def test_simulate_keeps_the_truth_apart_from_the_robot() -> None:
             truth.link_position("right_plam")
 
 
+@pytest.mark.parametrize("backend", ["bullet", "mujoco"])
+def test_truth_of_physics_names_the_objects_that_press_on_each_other(backend: str) -> None:
+    pytest.importorskip({"bullet": "pybullet"}.get(backend, backend))
+    with cbdsl.simulate("reachtouch", backend=backend, cameras="ideal") as simulation:
+        truth, ticks = simulation.truth, simulation.robot.ticks(SEED)
+        for _ in range(5):
+            next(ticks)
+        pressed = {name: truth.pressing(name) for name in truth.objects}
+        assert all(names <= {*truth.objects} - {name} for name, names in pressed.items())
+
+
+def test_truth_of_the_kinematic_engine_reports_that_it_knows_no_contacts() -> None:
+    with cbdsl.simulate("searchtrack", backend="kinematic", cameras="ideal") as simulation:
+        next(simulation.robot.ticks(SEED))
+        with pytest.raises(cbdsl.UsageError, match="use bullet or mujoco"):
+            simulation.truth.pressing(simulation.truth.objects[0])
+
+
 @pytest.mark.slow
 def test_calibrate_writes_a_calibration_that_load_takes(here: Path) -> None:
     counts = []

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from cbdsl import Transition
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema_policy import SchemaPolicy
 from cbdsl.program.state_values import state_values
-from cbdsl.program.transition import Transition
 from cbdsl_reproduction.learners.decisive import Decisive
 from cbdsl_reproduction.learners.handedness_learner import EpisodePlan
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from cbdsl import Transition
 from cbdsl.learning.accommodate import Accommodate
-from cbdsl.program.transition import Transition
 
 
 class Decisive(Accommodate):

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from cbdsl import Transition
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.transition import Transition
 from cbdsl.types.policy import Policy
 from cbdsl_reproduction.learners.context_letters import context_letters
 from cbdsl_reproduction.learners.decisive import Decisive

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from cbdsl import Transition
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.transition import Transition
 from cbdsl.types.policy import Policy
 
 if TYPE_CHECKING:
