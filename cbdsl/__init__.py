@@ -1,8 +1,8 @@
 """Robot behaviour that is declared, type-checked, run and learned: verbs for Python.
 
 The verbs ``check``, ``load``, ``run``, ``open_robot``, ``learn``, ``explore``, ``calibrate``,
-``evaluate`` and ``simulate`` are imported when they are first used, so that ``import cbdsl`` costs
-nothing.
+``evaluate``, ``simulate`` and ``propose_robot`` are imported when they are first used, so that
+``import cbdsl`` costs nothing.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from cbdsl.api.learn_request import LearnRequest
     from cbdsl.api.load import load
     from cbdsl.api.open_robot import OpenRobot, open_robot
+    from cbdsl.api.propose_robot import RobotProposal, propose_robot
     from cbdsl.api.run import run
     from cbdsl.api.run_request import RunRequest
     from cbdsl.api.simulate import SimulatedRobot, simulate
@@ -42,6 +43,7 @@ _HOMES = {
     "calibrate": "cbdsl.api.calibrate",
     "evaluate": "cbdsl.api.evaluate",
     "simulate": "cbdsl.api.simulate",
+    "propose_robot": "cbdsl.api.propose_robot",
     "CalibrateRequest": "cbdsl.api.calibrate_request",
     "CalibrationOutcome": "cbdsl.api.calibrate",
     "Diagnostic": "cbdsl.errors.diagnostic",
@@ -53,6 +55,7 @@ _HOMES = {
     "LearnRequest": "cbdsl.api.learn_request",
     "LearningOutcome": "cbdsl.api.learn",
     "OpenRobot": "cbdsl.api.open_robot",
+    "RobotProposal": "cbdsl.api.propose_robot",
     "RunRequest": "cbdsl.api.run_request",
     "SimulatedRobot": "cbdsl.api.simulate",
     "Transition": "cbdsl.program.transition",
@@ -62,10 +65,10 @@ _HOMES = {
 
 __all__ = [  # noqa: RUF022 (verbs before nouns)
     "check", "load", "run", "open_robot", "learn", "learn_trials", "explore", "calibrate",
-    "evaluate", "simulate", "CalibrateRequest", "CalibrationOutcome", "Diagnostic",
-    "DiagnosticsError", "EpisodeResult", "SuccessRate", "ExplorationOutcome", "ExploreRequest",
-    "LearnRequest", "LearningOutcome", "OpenRobot", "RunRequest", "SimulatedRobot", "Transition",
-    "Truth", "UsageError",
+    "evaluate", "simulate", "propose_robot", "CalibrateRequest", "CalibrationOutcome",
+    "Diagnostic", "DiagnosticsError", "EpisodeResult", "ExplorationOutcome", "ExploreRequest",
+    "LearnRequest", "LearningOutcome", "OpenRobot", "RobotProposal", "RunRequest",
+    "SimulatedRobot", "SuccessRate", "Transition", "Truth", "UsageError",
 ]  # fmt: skip
 
 

@@ -26,7 +26,7 @@ from tests.conftest import ROOT
 from tests.test_reader_sizes import recording
 
 _BACKEND = "backends/test_backend_calls.py:"
-_SOURCE = "cli/test_model_source.py:"
+_SOURCE = "scaffold/test_model_source.py:"
 _SIZES = "test_reader_sizes.py:"
 _SERVER = "reporting/live/test_server.py:"
 _WORKERS = "training/test_local_workers.py:"

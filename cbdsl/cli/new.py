@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
 if TYPE_CHECKING:
-    from cbdsl.cli.model_source import ModelReader
-    from cbdsl.documents.document import Document
     from cbdsl.documents.robot import RobotDocument
-    from cbdsl.robot.semantic_groups import SemanticGroups
-    from cbdsl.robot.urdf import UrdfModel
+    from cbdsl.scaffold.document_template import DocumentTemplate
 
 new = typer.Typer(
     help="Write a robot, program or stage to start from.",
@@ -61,11 +57,12 @@ Package = Annotated[
 def new_program(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
     """Write a program that moves an effector to a posture."""
     from cbdsl.documents.program import ProgramDocument
+    from cbdsl.scaffold.document_template import DocumentTemplate
 
     body = _robot(robot)
     effector, posture = _posture(body)
     values = {"robot": body.name, "effector": effector, "posture": posture, "stage": _stage(body)}
-    _Template(ProgramDocument, "program", name, to).write(values, force)
+    _write(DocumentTemplate(ProgramDocument, "program", name, to), values, force)
 
 
 @new.command("robot")
@@ -85,37 +82,19 @@ def new_robot(
     limits as comments. For other formats than URDF, a URDF is written beside the robot (extra
     formats).
     """
-    from cbdsl.cli.model_source import ModelReader
-    from cbdsl.cli.proposal import propose
-    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.api.propose_robot import propose_robot
 
-    _require_name(name)
-    folder = _folder(RobotDocument, to)
-    reader = ModelReader(urdf, xacro_arg or (), package or (), xacro)
-    source = reader.read(name, folder)
-    semantics = None if srdf is None else _semantics(reader, srdf, source.model)
-    proposal = propose(source.model, folder, semantics)
-    remarks = [*source.remarks, *([] if semantics is None else semantics.remarks)]
-    if proposal.left_out:
-        counts = proposal.left_out
-        remarks.append(
-            f"left out joints that programs cannot move: {counts}; the document lists them"
-        )
-    remarks += proposal.remarks
-    template = _Template(RobotDocument, "robot", name, to)
-    template.write(proposal.values, force, source.files, remarks)
-
-
-def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGroups:
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.robot.semantic_groups import SemanticGroups
-    from cbdsl.robot.urdf import UrdfError
-
-    description = reader.semantics(srdf)
-    try:
-        return SemanticGroups(model, description)
-    except UrdfError as error:
-        raise UsageError(f"--srdf {error}") from None
+    proposal = propose_robot(
+        name,
+        urdf,
+        srdf=srdf,
+        xacro=xacro,
+        xacro_arguments=xacro_arg or (),
+        packages=package or (),
+        to=to,
+        force=force,
+    )
+    _conclude(proposal.robot, proposal.files, proposal.remarks)
 
 
 @new.command("stage")
@@ -123,10 +102,11 @@ def new_stage(name: Name, robot: Robot = "dexter", to: To = None, force: Force =
     """Write a stage with a ball on a table within the robot's reach, or an empty one."""
     from cbdsl.cli.bench import bench
     from cbdsl.documents.stage import StageDocument
+    from cbdsl.scaffold.document_template import DocumentTemplate
 
     body, file = _located(robot)
     values = {"robot": body.name, **bench(body, file).values()}
-    _Template(StageDocument, "stage", name, to).write(values, force)
+    _write(DocumentTemplate(StageDocument, "stage", name, to), values, force)
 
 
 def _robot(name: str) -> RobotDocument:
@@ -170,114 +150,24 @@ def _stage(robot: RobotDocument) -> str:
     return f"# stage: one of {robot.name}'s, such as cb new stage NAME --robot {robot.name} writes"
 
 
-def _folder(kind: type[Document], to: Path | None) -> Path:
-    from cbdsl.documents.kinds import kind_of
-
-    return Path(kind_of(kind).folder) if to is None else to
-
-
-class _Template:
-    """Template of a document.
-
-    Args:
-        kind: Kind of document.
-        word: Name of the kind and of its template.
-        name: Name of the document.
-        to: Folder of the document; ``None`` for the kind's folder.
-
-    Raises:
-        UsageError: The name is invalid.
-    """
-
-    def __init__(self, kind: type[Document], word: str, name: str, to: Path | None) -> None:
-        _require_name(name)
-        self._word, self._name = word, name
-        self._folder = _folder(kind, to)
-        # Folder of the document's project, as far as known.
-        self._root = Path() if to is None else self._folder
-
-    def write(
-        self,
-        values: Mapping[str, str],
-        force: bool,
-        files: Mapping[Path, bytes] = MappingProxyType({}),
-        remarks: Sequence[str] = (),
-    ) -> NoReturn:
-        """Write the document to its folder, with the files that it needs, and check it.
-
-        Args:
-            values: Values of the template's placeholders.
-            force: True to replace existing files.
-            files: Contents of the files to which the document refers, by path.
-            remarks: Sentences about contents that the document lacks.
-
-        Raises:
-            UsageError: A file exists already, or cannot be written.
-        """
-        import os
-        from string import Template
-
-        from cbdsl.cli.findings import check_paths
-        from cbdsl.cli.terminal import print_problem
-        from cbdsl.errors.errors import UsageError
-        from cbdsl.errors.reason import reason
-        from cbdsl.yaml_text.writer import write_bytes, write_text
-
-        file = self._folder / f"{self._name}.yaml"
-        there = next((each for each in (file, *files) if each.exists() and not force), None)
-        if there is not None:
-            raise UsageError(f"{there} is there; --force replaces it")
-        template = Path(__file__).parent / "templates" / f"{self._word}.yaml.template"
-        text = Template(template.read_text("utf-8"))
-        schema, generated = _schema(self._word, self._folder, self._root)
-        line = Path(os.path.relpath(schema, self._folder)).as_posix()
-        try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-            for path, contents in {**files, **generated}.items():
-                path.parent.mkdir(parents=True, exist_ok=True)
-                write_bytes(contents, path)
-            write_text(text.substitute(values, name=self._name, schema=line), file)
-        except OSError as error:
-            raise UsageError(f"{file}: {reason(error)}") from error
-        for path in (*(each for each in files if each.suffix == ".urdf"), *generated, file):
-            print(f"wrote {path}", flush=True)
-        for remark in remarks:
-            print_problem(remark)
-        # Assumptions about the robot were reported when its document was written.
-        raise typer.Exit(check_paths([str(file)], {}, notes_elsewhere=False))
+def _write(
+    template: DocumentTemplate,
+    values: Mapping[str, str],
+    force: bool,
+) -> NoReturn:
+    """Write a document and check it."""
+    written = template.write(values, force)
+    _conclude(template.file, written)
 
 
-def _require_name(name: str) -> None:
-    import re
+def _conclude(file: Path, written: Sequence[Path], remarks: Sequence[str] = ()) -> NoReturn:
+    """Print the written files and remarks, and check the document."""
+    from cbdsl.cli.findings import check_paths
+    from cbdsl.cli.terminal import print_problem
 
-    from cbdsl.documents.document import NAME_PATTERN
-    from cbdsl.errors.errors import UsageError
-
-    if not re.search(NAME_PATTERN, name):
-        raise UsageError(
-            f"'{name}' is not a name: a letter, then letters, digits and underscores make one"
-        )
-
-
-def _schema(word: str, folder: Path, root: Path) -> tuple[Path, dict[Path, bytes]]:
-    """Return the schema of a kind for documents of a folder, and the file to write for it.
-
-    The file is that of the nearest folder ``schemas`` above the documents. Where there is none, it
-    is written to the project, since a path into the installed package would be wrong elsewhere.
-
-    Args:
-        word: Name of the kind.
-        folder: Folder of the document.
-        root: Folder of its project.
-    """
-    from cbdsl.documents.json_schema import json_schema, json_text, schema_file
-    from cbdsl.documents.kinds import KINDS
-
-    here, file = folder.resolve(), Path("schemas") / schema_file(word)
-    nearest = next(
-        (above / file for above in (here, *here.parents) if (above / file).is_file()), None
-    )
-    if nearest is not None:
-        return nearest, {}
-    text = json_text(json_schema(KINDS.get(word).model))
-    return root / file, {root / file: text.encode()}
+    for path in written:
+        print(f"wrote {path}", flush=True)
+    for remark in remarks:
+        print_problem(remark)
+    # Assumptions about the robot were reported when its document was written.
+    raise typer.Exit(check_paths([str(file)], {}, notes_elsewhere=False))

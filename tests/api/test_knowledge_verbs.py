@@ -178,3 +178,15 @@ def test_calibrate_rejects_a_file_that_is_no_document(here: Path) -> None:
     with pytest.raises(cbdsl.UsageError, match="a calibration is <name>"):
         cbdsl.calibrate("dexter", out="eyes.txt", backend="kinematic")
     assert not list(here.iterdir())
+
+
+def test_propose_robot_writes_a_document_that_check_reads(here: Path) -> None:
+    shipped = Path(cbdsl.load("searchtrack").urdf)
+    proposal = cbdsl.propose_robot("mine", shipped, to="bodies")
+    assert proposal.robot == Path("bodies/mine.yaml") and proposal.robot in proposal.files
+    assert not [each for each in cbdsl.check(proposal.robot) if each.is_error]
+    with pytest.raises(cbdsl.UsageError, match="is there"):
+        cbdsl.propose_robot("mine", shipped, to="bodies")
+    assert cbdsl.propose_robot("mine", shipped, to="bodies", force=True).robot.exists()
+    with pytest.raises(cbdsl.UsageError, match="is not a name"):
+        cbdsl.propose_robot("my robot", shipped)

@@ -11,7 +11,6 @@ from pathlib import Path
 from textwrap import TextWrapper
 from typing import NamedTuple
 
-from cbdsl.cli.start_contacts import Postures, StartContacts, start_contacts
 from cbdsl.errors.counting import count, some
 from cbdsl.errors.errors import UsageError
 from cbdsl.errors.legible_text import legible, seen
@@ -21,6 +20,7 @@ from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
 from cbdsl.robot.tip_frame import tip_offset
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported, unsupported_joints
 from cbdsl.robot.urdf import Mimic, Numbers, UrdfJoint, UrdfModel
+from cbdsl.scaffold.start_contacts import Postures, StartContacts, start_contacts
 
 _COMMENT = TextWrapper(
     98,

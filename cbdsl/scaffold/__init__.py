@@ -1,0 +1,1 @@
+"""Scaffolds: documents proposed from models, and templates of documents."""

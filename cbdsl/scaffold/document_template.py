@@ -1,0 +1,118 @@
+"""Templates of documents to start from."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from string import Template
+from types import MappingProxyType
+
+from cbdsl.documents.document import NAME_PATTERN, Document
+from cbdsl.documents.json_schema import json_schema, json_text, schema_file
+from cbdsl.documents.kinds import KINDS, kind_of
+from cbdsl.errors.errors import UsageError
+from cbdsl.errors.reason import reason
+from cbdsl.yaml_text.writer import write_bytes, write_text
+
+
+class DocumentTemplate:
+    """Template of a document.
+
+    Args:
+        kind: Kind of document.
+        word: Name of the kind and of its template.
+        name: Name of the document.
+        to: Folder of the document; ``None`` for the kind's folder.
+
+    Attributes:
+        folder: Folder of the document.
+        file: File of the document.
+
+    Raises:
+        UsageError: The name is invalid.
+    """
+
+    def __init__(self, kind: type[Document], word: str, name: str, to: Path | None) -> None:
+        require_name(name)
+        self._word, self._name = word, name
+        self.folder = folder_of(kind, to)
+        self.file = self.folder / f"{name}.yaml"
+        # Folder of the document's project, as far as known.
+        self._root = Path() if to is None else self.folder
+
+    def write(
+        self,
+        values: Mapping[str, str],
+        force: bool,
+        files: Mapping[Path, bytes] = MappingProxyType({}),
+    ) -> tuple[Path, ...]:
+        """Write the document to its folder, with the files that it needs.
+
+        Args:
+            values: Values of the template's placeholders.
+            force: True to replace existing files.
+            files: Contents of the files to which the document refers, by path.
+
+        Returns:
+            Written schemas and document, without ``files``.
+
+        Raises:
+            UsageError: A file exists already, or cannot be written.
+        """
+        file = self.file
+        there = next((each for each in (file, *files) if each.exists() and not force), None)
+        if there is not None:
+            raise UsageError(f"{there} is there; --force replaces it")
+        template = Path(__file__).parent / "templates" / f"{self._word}.yaml.template"
+        text = Template(template.read_text("utf-8"))
+        schema, generated = _schema(self._word, self.folder, self._root)
+        line = Path(os.path.relpath(schema, self.folder)).as_posix()
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            for path, contents in {**files, **generated}.items():
+                path.parent.mkdir(parents=True, exist_ok=True)
+                write_bytes(contents, path)
+            write_text(text.substitute(values, name=self._name, schema=line), file)
+        except OSError as error:
+            raise UsageError(f"{file}: {reason(error)}") from error
+        return (*generated, file)
+
+
+def folder_of(kind: type[Document], to: Path | None) -> Path:
+    """Return the folder of a new document: a given one, or that of its kind."""
+    return Path(kind_of(kind).folder) if to is None else to
+
+
+def require_name(name: str) -> None:
+    """Check the name of a document.
+
+    Raises:
+        UsageError: The name is invalid.
+    """
+    if not re.search(NAME_PATTERN, name):
+        raise UsageError(
+            f"'{name}' is not a name: a letter, then letters, digits and underscores make one"
+        )
+
+
+def _schema(word: str, folder: Path, root: Path) -> tuple[Path, dict[Path, bytes]]:
+    """Return the schema of a kind for documents of a folder, and the file to write for it.
+
+    The file is that of the nearest folder ``schemas`` above the documents. Where there is none, it
+    is written to the project, since a path into the installed package would be wrong elsewhere.
+
+    Args:
+        word: Name of the kind.
+        folder: Folder of the document.
+        root: Folder of its project.
+    """
+    here, file = folder.resolve(), Path("schemas") / schema_file(word)
+    nearest = next(
+        (above / file for above in (here, *here.parents) if (above / file).is_file()), None
+    )
+    if nearest is not None:
+        return nearest, {}
+    text = json_text(json_schema(KINDS.get(word).model))
+    return root / file, {root / file: text.encode()}
