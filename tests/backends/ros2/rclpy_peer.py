@@ -76,8 +76,10 @@ class Peer:
         """Run as a controller manager does: before other processes, where that is permitted."""
         gc.collect()
         gc.freeze()
-        with contextlib.suppress(PermissionError):
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
+        # The threads of Fast DDS receive the commands.
+        for thread in os.listdir("/proc/self/task"):
+            with contextlib.suppress(PermissionError, ProcessLookupError):
+                os.sched_setscheduler(int(thread), os.SCHED_FIFO, os.sched_param(10))
         sys.stdout.write("ready\n")
         sys.stdout.flush()
         rclpy.spin(self._node)
