@@ -10,6 +10,7 @@ from typing import NamedTuple
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.knowledge.impossible import is_always_defined
 from cbdsl.checking.knowledge.states import is_sound
+from cbdsl.errors.diagnostic import Place
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.state import ANY, Predicate, matches, overlap
@@ -30,10 +31,16 @@ def read_ends(context: ProgramContext, members: Sequence[str] | None) -> list[En
     document, ends = context.document, []
     for key, patterns in (("success", document.success), ("failure", document.failure)):
         for i, pattern in enumerate(patterns):
-            steps: Steps = (key, i)
-            if is_sound(pattern, members, context.source.place(*steps), context.findings):
+            steps: Steps = (key, pattern if isinstance(patterns, dict) else i)
+            if is_sound(pattern, members, _place(context, steps), context.findings):
                 ends.append(End(pattern, steps))
     return ends
+
+
+def _place(context: ProgramContext, steps: Steps) -> Place:
+    """Return the place of a pattern: an item of a list, or a key with a reason."""
+    find = context.source.place if isinstance(steps[-1], int) else context.source.key
+    return find(*steps)
 
 
 def check_ends(context: ProgramContext, program: CheckedProgram, ends: Sequence[End]) -> None:
@@ -42,7 +49,7 @@ def check_ends(context: ProgramContext, program: CheckedProgram, ends: Sequence[
     for end in ends:
         reasons = [_reason(end.pattern, action, program) for action in program.actions]
         if all(reasons):
-            place = context.source.place(*end.steps)
+            place = _place(context, end.steps)
             context.add("CB480", place, state=end.pattern, problem=min(reasons, key=len))
         else:
             possible.append(end)
@@ -50,8 +57,8 @@ def check_ends(context: ProgramContext, program: CheckedProgram, ends: Sequence[
         for other in possible[i + 1 :]:
             both = overlap(one.pattern, other.pattern)
             if both is not None and one.steps[0] != other.steps[0]:
-                related = [(context.source.place(*one.steps), f"'{one.pattern}' is here")]
-                place = context.source.place(*other.steps)
+                related = [(_place(context, one.steps), f"'{one.pattern}' is here")]
+                place = _place(context, other.steps)
                 details = {"state": other.pattern, "other": one.pattern, "example": both}
                 context.add("CB481", place, related=related, **details)
     if not context.findings.failed:
@@ -72,7 +79,7 @@ def _check_reached(context: ProgramContext, program: CheckedProgram, ends: Seque
             continue
         if showing:
             chosen = " and ".join(f"'{name}'" for name in showing)
-            place = context.source.place(*end.steps)
+            place = _place(context, end.steps)
             context.add(
                 "CB722",
                 place,

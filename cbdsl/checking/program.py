@@ -21,6 +21,7 @@ from cbdsl.checking.session import Session
 from cbdsl.checking.suspicious import check_suspicious
 from cbdsl.checking.unused import check_unused
 from cbdsl.checking.used_programs import Budget, UsedPrograms
+from cbdsl.documents import program as written
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.errors.nearest import suggestion
@@ -201,7 +202,8 @@ class _ProgramCheck:
             reward_ends=document.limits.reward_ends,
             lost_time=document.limits.lost_time,
             success=document.success,
-            failure=document.failure,
+            failure=tuple(document.failure),
+            reasons=_reasons(document),
             guards=Guards(
                 document.guards.finger_force,
                 document.guards.hand_force,
@@ -265,3 +267,8 @@ def _primitives(actions: list[Action | None]) -> dict[str, Primitive]:
         and action.composition is not None
         and len(action.composition.primitives) == 1
     }
+
+
+def _reasons(document: written.ProgramDocument) -> Mapping[str, str]:
+    """Return the reason of each pattern of failure that states one."""
+    return document.failure if isinstance(document.failure, dict) else {}

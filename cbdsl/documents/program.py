@@ -297,8 +297,8 @@ class ProgramDocument(Document):
     """Action by state: one of X - 0 1, or * for any, per controller and program of ``actions``."""
     success: tuple[str, ...] = ()
     """Patterns of states in which the program succeeds and ends."""
-    failure: tuple[str, ...] = ()
-    """Patterns of states in which the program fails and ends."""
+    failure: tuple[str, ...] | dict[str, str] = ()
+    """Patterns of states in which the program fails and ends, or a reason for each, as a clause."""
     rewards: dict[Name, tuple[Text, ...]] = {}
     """Parts of a composed controller that must be at rest for a reward, by its name: at least one
     that reads the environment, and others as conditions."""

@@ -106,6 +106,7 @@ class CheckedProgram(NamedTuple):
         reward_ends: True if the first reward ends an episode outside of learning.
         success: Patterns of states in which it has succeeded.
         failure: Patterns of states in which it has failed.
+        reasons: Reasons of failure, as clauses, by pattern; empty without one.
         guards: Bounds on its contact loads.
         is_learned: True if its policy was learned.
         lost_time: Maximum time for which a lost object may have no remembered position, s;
@@ -131,6 +132,7 @@ class CheckedProgram(NamedTuple):
     reward_ends: bool = True
     success: tuple[str, ...] = ()
     failure: tuple[str, ...] = ()
+    reasons: Mapping[str, str] = {}
     guards: Guards = NO_GUARDS
     is_learned: bool = False
     looks: Mapping[str, PriorLook] = {}

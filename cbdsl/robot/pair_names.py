@@ -1,23 +1,27 @@
-"""Names of signals of two channels: ``left.red.to.blue`` compares red with blue."""
+"""Names of signals of two channels: ``left.red.to.blue`` compares red with blue.
+
+``stereo.red.on.green.width`` is the width of the red object, on the level of the green one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from cbdsl.robot.resources import STEREO
+from cbdsl.robot.resources import SOLID_PARTS, STEREO
 from cbdsl.types.resource import (
     ConstellationSignal,
     Heading,
     Origin,
     Resource,
+    SolidSignal,
     StereoOffset,
     StereoPosition,
 )
 from cbdsl.types.resource_type import CONSTELLATION, OFFSET
 
 #: Word between the two channels.
-_TO = "to"
+_TO, _ON = "to", "on"
 #: Mean heading of all cameras, which has no image and no blobs.
 _CYCLOPEAN = "cyclopean"
 
@@ -28,10 +32,12 @@ class PairName(NamedTuple):
     Attributes:
         first: Heading or position of the compared channel.
         second: Heading or position of the channel of comparison.
+        part: Part of the first object's size, on the level of the second object; empty otherwise.
     """
 
     first: Resource
     second: Resource
+    part: str = ""
 
     @property
     def is_of_one(self) -> bool:
@@ -42,6 +48,9 @@ class PairName(NamedTuple):
         """Return the signal of both channels, by its whole name."""
         first, second = self.first.source, self.second.source
         if isinstance(first, StereoPosition) and isinstance(second, StereoPosition):
+            if self.part:
+                size = SolidSignal(first.channel, second.channel, self.part)
+                return Resource(name, SOLID_PARTS[self.part], Origin.TRIANGULATION, size)
             offset = StereoOffset(first.channel, second.channel)
             return Resource(name, OFFSET, Origin.TRIANGULATION, offset)
         assert isinstance(first, Heading)
@@ -58,12 +67,12 @@ def parse_pair(name: str, named: Mapping[str, Resource]) -> PairName | None:
         named: Resources of the robot by name.
     """
     parts = name.split(".")
-    if len(parts) != 4 or parts[2] != _TO:
+    if not (len(parts) == 4 and parts[2] == _TO) and not _is_size(parts):
         return None
     first, second = named.get(f"{parts[0]}.{parts[1]}"), named.get(f"{parts[0]}.{parts[3]}")
     if first is None or second is None or not _has_blobs(first):
         return None
-    return PairName(first, second)
+    return PairName(first, second, *parts[4:])
 
 
 def pair_resource(name: str, named: Mapping[str, Resource]) -> Resource | None:
@@ -87,6 +96,11 @@ def pair_features(
     names = {"constellation": f"{camera}.{ends}", "offset": f"{STEREO}.{ends}"}
     signals = {key: pair_resource(name, named) for key, name in names.items()}
     return {key: each for key, each in signals.items() if each is not None}
+
+
+def _is_size(parts: Sequence[str]) -> bool:
+    """Return whether the parts of a name are those of an object's size on a level."""
+    return len(parts) == 5 and parts[0] == STEREO and parts[2] == _ON and parts[4] in SOLID_PARTS
 
 
 def _has_blobs(resource: Resource) -> bool:

@@ -17,12 +17,14 @@ from cbdsl.types.resource import (
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
+    GraspCentre,
     Heading,
     Headings,
     InstanceCount,
     MarkHeading,
     NetForces,
     NetLoad,
+    Opening,
     Origin,
     Posture,
     Resource,
@@ -41,6 +43,7 @@ from cbdsl.types.resource_type import (
     FORCE,
     HEADING,
     HEADING_RATE,
+    LENGTH,
     ORIENTATION,
     POSE,
     POSITION,
@@ -65,6 +68,15 @@ MARK = "mark"
 _TIP_PARTS = {"position": POSITION, "orientation": ORIENTATION, "pose": POSE}
 _BLOB_PARTS = {"velocity": HEADING_RATE, "extent": EXTENT, "orientation": AXIS}
 _STEREO_PARTS = {"velocity": VELOCITY, "volume": VOLUME}
+#: Signals of an object that stands on the level of another one, as in ``pair_names``.
+SOLID_PARTS = {
+    "length": LENGTH,
+    "width": LENGTH,
+    "height": LENGTH,
+    "top": POSITION,
+    "placed": POSITION,
+    "above": ORIENTATION,
+}
 _LOAD_PARTS = {"force": FORCE, "torque": TORQUE, "wrench": WRENCH}
 
 
@@ -95,6 +107,8 @@ def resources(robot: RobotDocument, model: UrdfModel | None = None) -> dict[str,
     ``hand.finger.force/torque/wrench``       load of one finger   environment
     ``hand.net.force/torque/wrench``          sum over fingers     environment
     ``hand.finger_forces``                    force x fingers      environment
+    ``hand.opening``                          length               kinematics
+    ``hand.centre``                           position             kinematics
     ``camera.channel, cyclopean.channel``     heading              environment
     ``camera.channel.velocity``               heading_rate         environment
     ``camera.channel.extent``                 extent               environment
@@ -182,6 +196,10 @@ def _hand_loads(hand: str, cells: Mapping[str, LoadCell]) -> Iterator[Resource]:
         yield Resource(f"{hand}.net.{part}", kind, world, NetLoad(hand, part))
     forces = FORCE.times(len(cells))
     yield Resource(f"{hand}.finger_forces", forces, world, FingerForces(hand))
+    if len(cells) > 1:
+        known = Origin.KINEMATICS
+        yield Resource(f"{hand}.opening", LENGTH, known, Opening(hand))
+        yield Resource(f"{hand}.centre", POSITION, known, GraspCentre(hand))
 
 
 def _sensors(robot: RobotDocument) -> Iterator[Resource]:

@@ -19,6 +19,7 @@ _UNITS = {
     _MIXED: (1.0, "(rad and m)"),
     "position": (100.0, "cm"),
     "offset": (100.0, "cm"),
+    "length": (100.0, "cm"),
     "force": (1.0, "N"),
     "heading": (180 / math.pi, "deg"),
     "orientation": (180 / math.pi, "deg"),

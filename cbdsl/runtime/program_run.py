@@ -366,7 +366,8 @@ class ProgramRun:
             for pattern in patterns:
                 if matches(pattern, state):
                     self.outcome = outcome
-                    self._end("1" if outcome == "success" else "-", "")
+                    ending = program.reasons.get(pattern, "") if outcome == "failure" else ""
+                    self._end("1" if outcome == "success" else "-", ending)
                     return True
         return False
 

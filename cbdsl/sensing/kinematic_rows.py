@@ -10,11 +10,19 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.controller import Standoff
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.reading import Reading
-from cbdsl.sensing.refresh import CONFIGURATION, MANIPULATOR, MIXTURE, TIP
+from cbdsl.sensing.refresh import CONFIGURATION, LENGTH, MANIPULATOR, MIXTURE, TIP
 from cbdsl.sensing.signal_rows import SignalRows
 from cbdsl.sensing.table import Form, RowPart
 from cbdsl.sensing.tips import Tips
-from cbdsl.types.resource import Centroid, EffectorConfiguration, Posture, Separation, Tip
+from cbdsl.types.resource import (
+    Centroid,
+    EffectorConfiguration,
+    GraspCentre,
+    Opening,
+    Posture,
+    Separation,
+    Tip,
+)
 
 
 class KinematicRows:
@@ -96,6 +104,30 @@ class KinematicRows:
     def separation(self, source: Separation) -> int:
         """Return a new row of the vector from a group's first tip to its second, m, world frame."""
         return self._bind_mixture(self._robot.members(source.group), [-1.0, 1.0], 0)
+
+    def grasp_centre(self, source: GraspCentre) -> int:
+        """Return a new row of the point between opposing fingertips, m, world frame."""
+        return self._bind_opposed(source.hand, (0.5, 0.5))
+
+    def opening(self, source: Opening) -> int:
+        """Return a new row of the distance between opposing fingertips, m."""
+        apart = self._bind_opposed(source.hand, (-1.0, 1.0))
+        # Other joints of the hand, such as those that spread fingers, do not close it.
+        flexing = [cell.joint for cell in self._robot.load_cells[source.hand].values()]
+        columns = self._kinematics.joints.pick(flexing).tolist()
+        return self._rows.bind(Form(LENGTH, 1, 1, (RowPart(source=apart),), columns), (apart,))
+
+    def _bind_opposed(self, hand: str, weights: tuple[float, float]) -> int:
+        """Return a row of the weighted sum of a thumb's position and that of the other fingers.
+
+        The thumb is the finger with the largest share of the hand's force.
+        """
+        cells = self._robot.load_cells[hand].values()
+        thumb = max(cells, key=lambda cell: cell.share).link
+        others = [cell.link for cell in cells if cell.link != thumb]
+        rows = [self.links([thumb]), self.links(others or [thumb])]
+        parts = [RowPart(source=r, weight=w) for r, w in zip(rows, weights, strict=True)]
+        return self._rows.bind(Form(MIXTURE, 3, 3, parts), rows)
 
     def _bind_links(self, links: Sequence[str]) -> int:
         if len(links) > 1:

@@ -69,7 +69,7 @@ class PositionMemory:
         self._place: Floats | None = None
         self.radius = 0.0
         self.rest()
-        self.since = self._seen = self._accounted = 0.0
+        self.since = self._seen = self._shown = self._accounted = 0.0
         self._sightings = 0
         self._largest: Sequence[float] | None = None
         # Sizes at which each camera sees the same share of the object, m^2.
@@ -86,6 +86,11 @@ class PositionMemory:
         # A line through two points reflects their noise more than a motion.
         known = self.position is not None and self._sightings > 2
         return self._velocity.copy() if known else None
+
+    @property
+    def is_seen_whole(self) -> bool:
+        """True if the newest images show the object as large as ever."""
+        return self.position is not None and self._seen == self._shown
 
     def has_shrunk(self, sizes: Sequence[float], aside: Sequence[float]) -> bool:
         """Return whether an object looks smaller than before, without a partial occlusion.
@@ -136,6 +141,7 @@ class PositionMemory:
             position: Triangulated position plus the displacement since the images, m, shape (3,).
             sizes: Apparent area times squared distance in each camera, m^2.
         """
+        self._shown = time
         if look_alike(sizes) and not look_alike(self._largest or sizes):
             # The object was discovered half-hidden: size and place are those of a part.
             self._forget_part()
@@ -177,6 +183,7 @@ class PositionMemory:
 
     def miss(self, time: float, *, explained: bool) -> None:
         """Handle a missing sighting; forget an object whose absence stays unexplained too long."""
+        self._shown = time
         if explained:
             self._accounted = time
         elif time - self._accounted > self._settings.hold:

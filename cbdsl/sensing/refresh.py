@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.numeric.compiled import compiled, compiled_once
-from cbdsl.numeric.vector import add, cross, fill
+from cbdsl.numeric.vector import add, cross, fill, norm
 from cbdsl.sensing.forward import multiply, place_point, twist_of
 
 Floats = NDArray[np.float64]
@@ -19,10 +19,11 @@ Records = NDArray[Any]
 #: Kinds of rows by the source of their numbers: written by Python; joint positions; a tip; the
 #: Jacobian of tips; a weighted sum of other rows; the forces along the normals of load cells; a row
 #: displaced by another; headings and contact forces, which Python writes, too, and whose parts say
-#: how they bend.
+#: how they bend; the length of another row's vector.
 (
     WRITTEN, CONFIGURATION, TIP, MANIPULATOR, MIXTURE, NORMAL_FORCES, DISPLACED, HEADING, CONTACT,
-) = range(9)  # fmt: skip
+    LENGTH,
+) = range(10)  # fmt: skip
 
 #: Kinds of rows that Python writes.
 READ = (WRITTEN, HEADING, CONTACT)
@@ -123,6 +124,8 @@ def refresh(
             _write_forces(row, parts, loads, feeling, value, frames)
         elif row.kind == DISPLACED:
             _write_displaced(row, table, parts, value)
+        elif row.kind == LENGTH:
+            _write_length(row, table, parts, support, value, jacobian)
 
 
 @compiled
@@ -249,6 +252,36 @@ def _write_mixture(
             value[row.start + part.shift + i] += part.weight * value[source.start + i]
         for i in range(source.rows):
             add(jacobian[row.row + part.shift + i], jacobian[source.row + i], part.weight)
+
+
+@compiled
+def _write_length(
+    row: Any,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    value: Floats,
+    jacobian: Floats,
+) -> None:
+    """Write the length of another row's vector, and its Jacobian by the columns of the row.
+
+    These joints move together: each has an equal part of the change by a common step of all. A
+    gradient would move a thumb twice as far as two fingers that oppose it.
+    """
+    source = table[parts[row.part].source]
+    row.defined = source.defined
+    vector = value[source.start : source.start + source.size]
+    length = norm(vector)
+    value[row.start] = length
+    fill(jacobian[row.row], 0.0)
+    if length == 0.0:
+        return
+    columns, change = support[row.column : row.column + row.columns], 0.0
+    for column in columns:
+        for i in range(source.rows):
+            change += jacobian[source.row + i, column] * vector[i] / length
+    for column in columns:
+        jacobian[row.row, column] = change / len(columns)
 
 
 @compiled

@@ -29,6 +29,7 @@ from cbdsl.sensing.refresh import (
 )
 from cbdsl.sensing.sensor_faults import require_finite
 from cbdsl.sensing.signal_rows import Selection, SignalRows
+from cbdsl.sensing.solid_signals import SolidSignals
 from cbdsl.sensing.strain import Strain
 from cbdsl.sensing.surface import SurfaceSampler
 from cbdsl.sensing.surfaces import Surfaces
@@ -50,6 +51,7 @@ from cbdsl.types.resource import (
     FingerForces,
     FingerLoad,
     GaussianSample,
+    GraspCentre,
     Heading,
     Headings,
     InstanceCount,
@@ -58,10 +60,12 @@ from cbdsl.types.resource import (
     NetForces,
     NetLoad,
     NovelHeading,
+    Opening,
     Posture,
     Resource,
     SensorSignal,
     Separation,
+    SolidSignal,
     StereoOffset,
     StereoPosition,
     StereoSignal,
@@ -69,7 +73,7 @@ from cbdsl.types.resource import (
     Tip,
     UniformSample,
 )
-from cbdsl.types.resource_type import POSITION
+from cbdsl.types.resource_type import ORIENTATION, POSITION
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -117,6 +121,7 @@ class Signals:
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
         self.surfaces = Surfaces(robot, self.vision, resources)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
+        self.solids = SolidSignals(robot, self.vision, self.touch, resources)
         self.novelty = Novelty(robot, kinematics, self.vision, resources)
         self.marks = Marks(robot, kinematics, self.vision, resources)
         self._binders: dict[type, Callable[[Any], int]] = {
@@ -125,6 +130,8 @@ class Signals:
             Tip: self.kinematic_rows.tip,
             Centroid: self.kinematic_rows.centroid,
             Separation: self.kinematic_rows.separation,
+            GraspCentre: self.kinematic_rows.grasp_centre,
+            Opening: self.kinematic_rows.opening,
         }
         self._read_by: dict[type, Callable[[Any], Reading | None]] = {
             FingerLoad: self.touch.finger_load,
@@ -137,6 +144,7 @@ class Signals:
             MarkHeading: self.marks.heading,
             ConstellationSignal: self.blobs.constellation,
             StereoOffset: self.blobs.offset,
+            SolidSignal: self.solids.read,
             InstanceCount: self.blobs.count,
             AffordanceProbability: self._affordance,
         }
@@ -167,6 +175,7 @@ class Signals:
         self.sight.reset()
         self.blobs.reset()
         self.surfaces.reset()
+        self.solids.reset()
         self.novelty.reset()
         self.marks.reset()
         self.clock[0] = 0
@@ -190,6 +199,7 @@ class Signals:
             self.vision.update(observation)
             self.blobs.update(observation)
             self.surfaces.update(observation)
+            self.solids.update(observation)
             self.novelty.update(observation)
             self.marks.update(observation)
             if self.touch.touching_anything():
@@ -295,7 +305,8 @@ class Signals:
 
     def _bind_read(self, resource: Resource, reader: Reader) -> int:
         """Bind a row that Python reads, with parts if its Jacobian bends."""
-        source, size = resource.source, resource.type.size
+        source = resource.source
+        size = 9 if resource.type == ORIENTATION else resource.type.size
         form = None
         if isinstance(source, (Heading, Headings, NovelHeading, MarkHeading)):
             shift = 2 if isinstance(source, Headings) else 0

@@ -17,6 +17,7 @@ from cbdsl.types.resource import (
     MarkHeading,
     NovelHeading,
     Resource,
+    SolidSignal,
     StereoPosition,
 )
 from cbdsl.types.resource_type import POSITION, ResourceType, configuration
@@ -48,13 +49,18 @@ class Cast(NamedTuple):
 Chain = tuple[Cast, ...]
 """Sequence of casts; the output type of each is the input type of the next."""
 
-_KINEMATICS = {"position": "Eq 3.11", "orientation": "Eq 3.12", "pose": "Eq 3.11, 3.12"}
+_KINEMATICS = {
+    "position": "Eq 3.11",
+    "orientation": "Eq 3.12",
+    "pose": "Eq 3.11, 3.12",
+    "length": "Eq 3.11",
+}
 
 CAMERA = Cast("inverse camera Jacobian", "heading", "configuration", "section 3.2.2", value=False)
 #: No turn of a camera changes the relation of two objects; such signals are only observed.
 CAMERA_TURNS = tuple(
     Cast("turn of a camera", kind, "configuration", "Fig 7.15", value=False)
-    for kind in ("constellation", "offset")
+    for kind in ("constellation", "offset", "length")
 )
 TRIANGULATION = Cast("stereo triangulation", "heading", "position", "Eq 3.14", factors=2)
 
@@ -108,6 +114,8 @@ def chains_of(resource: Resource) -> tuple[Chain, ...]:
         return (CAMERA,), (TRIANGULATION, *held)
     if isinstance(source, StereoPosition):
         return (held,)
+    if isinstance(source, SolidSignal):
+        return (CAMERA_TURNS[-1:],)
     return chains(kind, joints)[:1]
 
 

@@ -99,6 +99,7 @@ _BUILT_IN = (
                 "wrench",
                 "constellation",
                 "offset",
+                "length",
             }
         ),
         reference=True,
@@ -108,6 +109,22 @@ _BUILT_IN = (
             _MET, _MET, _MET, _MET, "bounded errors, turned by less than half a turn"
         ),
         implementation="cbdsl.control.spring:build",
+    ),
+    *(
+        PotentialType(
+            name,
+            "φ_b",
+            "after Eq 3.1",
+            frozenset({"position", "force", "torque", "length"}),
+            reference=True,
+            zero_minimum=True,
+            residual=True,
+            navigation=Navigation(
+                _NOT_MET, _NOT_MET, _MET, _NOT_MET, "bounds, beside which all values are minima"
+            ),
+            implementation=f"cbdsl.control.bound:{builder}",
+        )
+        for name, builder in (("at_most", "build_upper"), ("at_least", "build_lower"))
     ),
     PotentialType(
         "look_at",

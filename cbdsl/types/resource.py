@@ -164,6 +164,37 @@ class StereoOffset(NamedTuple):
     other: str
 
 
+class SolidSignal(NamedTuple):
+    """Size of an object of a channel that stands on the level of another object.
+
+    Attributes:
+        channel: Channel of the object.
+        other: Channel of the object whose level it stands on.
+        part: ``length``, ``width``, ``height``, ``top``, ``placed`` or ``above``.
+    """
+
+    channel: str
+    other: str
+    part: str
+
+    @property
+    def pair(self) -> tuple[str, str]:
+        """Channels of the object and of its level."""
+        return self.channel, self.other
+
+
+class Opening(NamedTuple):
+    """Distance between the opposing fingertips of a hand."""
+
+    hand: str
+
+
+class GraspCentre(NamedTuple):
+    """Point between the opposing fingertips of a hand, in the world frame."""
+
+    hand: str
+
+
 class InstanceCount(NamedTuple):
     """Number of remembered objects of a channel."""
 
@@ -287,6 +318,9 @@ Source = (
     | StereoSignal
     | ConstellationSignal
     | StereoOffset
+    | SolidSignal
+    | Opening
+    | GraspCentre
     | InstanceCount
     | NovelHeading
     | MarkHeading
@@ -307,7 +341,7 @@ VISUAL = (
     NovelHeading, MarkHeading,
 )  # fmt: skip
 #: Sources of visual signals of two channels.
-RELATIVE = (ConstellationSignal, StereoOffset)
+RELATIVE = (ConstellationSignal, StereoOffset, SolidSignal)
 
 
 class Resource(NamedTuple):

@@ -85,6 +85,8 @@ AXIS = ResourceType("axis", "RP^1", 1, "rad")
 CONSTELLATION = ResourceType("constellation", "R+^2 x RP^1", 3, "1")
 # Vector from one object to another, in world axes.
 OFFSET = ResourceType("offset", "R^3", 3, "m")
+# Extent of an object, or opening of a hand.
+LENGTH = ResourceType("length", "R+", 1, "m")
 
 #: All types, by name: those of Table 3.1, where ``configuration`` stands for every C_n, and those
 #: of features that are derived from images (Section 5.3, Fig 7.15).
@@ -108,5 +110,6 @@ TYPES: dict[str, ResourceType] = {
         AXIS,
         CONSTELLATION,
         OFFSET,
+        LENGTH,
     )
 }

@@ -18,6 +18,8 @@ AXES = "xyz"
 
 #: Types whose components are those of a vector in the world frame.
 SPATIAL = ("position", "force", "torque", "offset")
+# Potentials that compare each component by itself.
+_BY_COMPONENTS = ("spring", "at_most", "at_least")
 # Types whose controllers, if they state no axes, take all three from the levels below.
 _WHOLE = ("position", "force")
 
@@ -70,7 +72,7 @@ def check_axes(
     along_normals = isinstance(document.reference, str) and "along normals" in document.reference
     if document.potential not in POTENTIALS:
         return True  # reported elsewhere; an unknown potential says nothing about axes
-    if document.potential != "spring":
+    if document.potential not in _BY_COMPONENTS:
         problem = f"a {document.potential} potential is a function of its whole feedback"
     elif feedback.type.name not in SPATIAL:
         problem = f"'{feedback.name}' is of type {feedback.type}"

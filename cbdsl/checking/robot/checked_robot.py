@@ -20,6 +20,7 @@ from cbdsl.types.resource import (
     FingerForces,
     FingerLoad,
     GaussianSample,
+    GraspCentre,
     Heading,
     Headings,
     InstanceCount,
@@ -28,10 +29,12 @@ from cbdsl.types.resource import (
     NetForces,
     NetLoad,
     NovelHeading,
+    Opening,
     Posture,
     Resource,
     SensorSignal,
     Separation,
+    SolidSignal,
     Source,
     StereoOffset,
     StereoPosition,
@@ -78,7 +81,9 @@ class CheckedRobot(NamedTuple):
                 return ("effectors", name, "postures", posture)
             case FingerLoad(hand=hand, finger=finger):
                 return ("load_cells", hand, finger)
-            case NetLoad(hand=hand) | FingerForces(hand=hand):
+            case (
+                NetLoad(hand=hand) | FingerForces(hand=hand) | Opening(hand=hand) | GraspCentre(hand=hand)
+            ):
                 return ("load_cells", hand)
             case SensorSignal(sensor=sensor):
                 return ("sensors", sensor)
@@ -97,6 +102,7 @@ class CheckedRobot(NamedTuple):
                 | ConstellationSignal()
                 | StereoSignal()
                 | StereoOffset()
+                | SolidSignal()
                 | InstanceCount()
                 | SurfacePoint()
                 | AffordanceProbability()
@@ -184,7 +190,9 @@ class CheckedRobot(NamedTuple):
             return None
         if isinstance(source, (Tip, Centroid, Separation)) and self._is_idle(source):
             return None
-        return frozenset(joint for link in links for joint in self._above(link))
+        above = [frozenset(self._above(link)) for link in links]
+        shared = frozenset.intersection(*above) if isinstance(source, Opening) else frozenset()
+        return frozenset[str]().union(*above) - shared
 
     def _is_idle(self, source: Tip | Centroid | Separation) -> bool:
         name = source.effector if isinstance(source, Tip) else source.group
@@ -227,9 +235,13 @@ class CheckedRobot(NamedTuple):
                 return [robot.load_cells[source.hand][source.finger].link]
             case NetLoad(hand=name) | FingerForces(hand=name) | NetForces(group=name):
                 return self._cell_links(robot.members(name))
+            case Opening(hand=name) | GraspCentre(hand=name):
+                return self._cell_links([name])
             case Heading() | Headings() | BlobSignal():
                 return self._camera_links(source) + self._holding_links()
-            case NovelHeading() | MarkHeading() | ConstellationSignal() | StereoOffset():
+            case (
+                NovelHeading() | MarkHeading() | ConstellationSignal() | StereoOffset() | SolidSignal()
+            ):
                 return self._camera_links(source)
             case StereoPosition() | StereoSignal():
                 return self._holding_links()

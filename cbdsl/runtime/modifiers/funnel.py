@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from cbdsl.program.controller import Funnel
 from cbdsl.types.modifier import Call, ModifierType
-from cbdsl.types.resource import Tip
+from cbdsl.types.resource import GraspCentre, Tip
 
 if TYPE_CHECKING:
     from cbdsl.control.plan import SlotForm
@@ -29,8 +29,8 @@ FUNNEL = ModifierType(
     accepts=frozenset({"position"}),
     options={"height": "length", "within": "length", "slope": ""},
     slot=f"{__name__}:bind",
-    sources=(Tip,),
-    purpose="the position of a tip",
+    sources=(Tip, GraspCentre),
+    purpose="the position of a tip or of a grasp",
     residual=True,
     read=_read,
     positive=("height",),
