@@ -5,11 +5,11 @@ the matrix A of its squared semi-axes as an ellipse with the matrix P A P^T, whe
 Jacobian of the image coordinates at the centre. The ellipse with the moments M of a region has
 4 M (Cross and Zisserman 1998: quadric reconstruction from dual-space geometry).
 
-Two nearby cameras cannot separate the height from the depth. The centre is half the height above
-the level that the object stands on, which gives the vertical axis; the horizontal block of A then
-follows from six linear equations for three unknowns. The square of the vertical semi-axis is that
-of half the height for a ball, and 4/3 of it for an upright box or cylinder. An object that is much
-higher than wide is no ball.
+Two silhouettes give six linear equations for the vertical axis and the horizontal block of A, four
+unknowns. Two nearby cameras separate height and depth only weakly. A seventh equation states the
+vertical axis as expected from the height of the centre above the level that the object stands on:
+the square of half the height for a ball, and 4/3 of it for an upright box or cylinder. All are
+weighted by their errors.
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ from cbdsl.sensing.kinematics import Frame
 
 Floats = NDArray[np.float64]
 
-# Square of a vertical semi-axis per square of half the height: of objects that may be a ball or a
-# box, and of objects that are higher than wide by a factor.
-_COMPACT, _COLUMN, _HIGH = 1.2, 4.0 / 3.0, 1.3
+# Expected square of a vertical semi-axis per square of half the height.
+_UPRIGHT = 1.2
+# Errors of that square, and of the squares of a silhouette's axes, as shares of the largest one.
+_EXPECTED, _SEEN = 0.15, 0.02
 # Least height of an object, m.
 _LEAST = 4e-3
 # Least share of a new measurement in the mean of the last ones, which follow a turned object.
@@ -86,10 +87,7 @@ class Solid:
         self._count += 1
         share = max(1.0 / self._count, _NEWEST)
         height = max(2.0 * (float(centre[2]) - level), _LEAST)
-        footprint = fit_footprint(centre, _COMPACT * (0.5 * height) ** 2, silhouettes)
-        if height > _HIGH * extents_of(footprint)[1]:
-            footprint = fit_footprint(centre, _COLUMN * (0.5 * height) ** 2, silhouettes)
-        seen = level, height, footprint
+        seen = level, height, fit_footprint(centre, height, silhouettes)
         if self._count == 1:
             self.level, self.height, self.footprint = seen
             return
@@ -126,23 +124,28 @@ def extents_of(footprint: Floats) -> tuple[float, float]:
     return float(along), float(across)
 
 
-def fit_footprint(centre: Floats, upright: float, silhouettes: Sequence[Silhouette]) -> Floats:
+def fit_footprint(centre: Floats, height: float, silhouettes: Sequence[Silhouette]) -> Floats:
     """Return the squares of the horizontal semi-axes, m^2, world axes, shape (2, 2).
 
     Args:
         centre: Centre of the silhouettes, m, world frame, shape (3,).
-        upright: Square of the vertical semi-axis, m^2.
-        silhouettes: Silhouettes in at least one camera.
+        height: Height of the object, m.
+        silhouettes: Silhouettes in two cameras.
     """
     rows, squares = [], []
     for silhouette in silhouettes:
-        image = _image_jacobian(silhouette.frame, centre)
-        seen = 4.0 * _moments(silhouette) - upright * np.outer(image[:, 2], image[:, 2])
+        away = math.dist(centre, silhouette.frame.position)
+        image = away * _image_jacobian(silhouette.frame, centre)
+        seen = 4.0 * away**2 * _moments(silhouette)
+        scale = 1.0 / (_SEEN * float(np.linalg.norm(seen)))
         for i, k in ((0, 0), (0, 1), (1, 1)):
-            mixed = image[i, 0] * image[k, 1] + image[i, 1] * image[k, 0]
-            rows.append((image[i, 0] * image[k, 0], mixed, image[i, 1] * image[k, 1]))
-            squares.append(seen[i, k])
-    (first, mixed, second), *_ = np.linalg.lstsq(np.array(rows), np.array(squares), rcond=None)
+            (a, b, c), (d, e, f) = image[i].tolist(), image[k].tolist()
+            rows.append((scale * a * d, scale * (a * e + b * d), scale * b * e, scale * c * f))
+            squares.append(scale * seen[i, k])
+    expected = _UPRIGHT * (0.5 * height) ** 2
+    rows.append((0.0, 0.0, 0.0, 1.0 / (_EXPECTED * expected)))
+    squares.append(1.0 / _EXPECTED)
+    (first, mixed, second, _), *_ = np.linalg.lstsq(np.array(rows), np.array(squares), rcond=None)
     return np.array([[first, mixed], [mixed, second]])
 
 
