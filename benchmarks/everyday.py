@@ -17,10 +17,14 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
-from claims import CLAIMS, Claim, Watch, watched_runner
+from claims import CLAIMS, Watch, contexts_of
+from numpy.typing import NDArray
+
+CLAIM = next(claim for claim in CLAIMS if claim.program == "deliver")
 
 # Largest turn of an arm's joint without motion, rad, and share of episodes of a handled object.
 STILL, SHARE = 0.05, 0.9
@@ -43,11 +47,37 @@ class Outcome(NamedTuple):
     ending: str
 
 
+class Job(NamedTuple):
+    """Episodes of one context.
+
+    Attributes:
+        stage, context: Stage and one of its contexts.
+        seeds: Seeds of the episodes.
+        backend, cameras: Engine and kind of cameras.
+    """
+
+    stage: str
+    context: str
+    seeds: Sequence[int]
+    backend: str
+    cameras: str
+
+
+class World:
+    """World of a backend's current episode."""
+
+    def __init__(self, body: Any) -> None:
+        self._body = body
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._body.truth, name)
+
+
 class Stillness:
     """Record of the largest turn of the arms' joints in an episode."""
 
     def __init__(self) -> None:
-        self._first: np.ndarray | None = None
+        self._first: NDArray[np.float64] | None = None
         self.turn = 0.0
 
     def note(self, tick: object) -> None:
@@ -60,34 +90,37 @@ class Stillness:
         self.turn = max(self.turn, float(np.abs(now - self._first).max()))
 
 
-def run_episodes(
-    claim: Claim, contexts: Sequence[str], seeds: Sequence[int], backend: str, cameras: str | None
-) -> list[Outcome]:
-    """Run the program in some contexts, in this process, and judge the episodes."""
+def run_episodes(job: Job) -> list[Outcome]:
+    """Run the program in one context, in this process, and judge the episodes."""
+    from cbdsl.api.run_request import read_request
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
+    from cbdsl.cli.simulation import simulation
+    from cbdsl.runtime.episode import Runner
+
+    request = read_request(CLAIM.program, job.stage, None, {})
     outcomes = []
-    for context in contexts:
-        with watched_runner(claim, context, backend, cameras) as (runner, stage, watch_of):
-            for seed in seeds:
-                watch, still = watch_of(), Stillness()
-
-                def note(tick: object, watch: Watch = watch, still: Stillness = still) -> None:
-                    watch.note(tick)
-                    still.note(tick)
-
-                result = runner.run(stage, seed, context, on_tick=note)
-                kind = "failed"
-                if result.outcome == "success":
-                    kind = "false" if claim.judge(watch) else "placed"
-                elif result.outcome == "failure" and still.turn < STILL:
-                    kind = "refused"
-                seconds = round(result.sim_seconds, 1)
-                outcomes.append(Outcome(context, seed, kind, seconds, result.ending))
+    with simulation(request, job.backend, cameras=job.cameras) as (body, kinematics):
+        assert isinstance(body, GroundTruthProvider)
+        runner = Runner(request.robot, kinematics, request.program, body)
+        things = [*(request.stage.contexts[job.context].placed or ()), *request.stage.things]
+        for seed in job.seeds:
+            watch, still = Watch(World(body), things), Stillness()
+            result = runner.run(
+                request.stage, seed, job.context, on_tick=partial(_note, (watch, still))
+            )
+            kind = "failed"
+            if result.outcome == "success":
+                kind = "false" if CLAIM.judge(watch) else "placed"
+            elif result.outcome == "failure" and still.turn < STILL:
+                kind = "refused"
+            seconds = round(result.sim_seconds, 1)
+            outcomes.append(Outcome(job.context, seed, kind, seconds, result.ending))
     return outcomes
 
 
-def _run(job: tuple[Claim, Sequence[str], Sequence[int], str, str | None]) -> list[Outcome]:
-    claim = CLAIMS[0]._replace(stage=job[0].stage)
-    return run_episodes(claim, *job[1:])
+def _note(listeners: Sequence[Any], tick: object) -> None:
+    for listener in listeners:
+        listener.note(tick)
 
 
 def main() -> None:
@@ -101,28 +134,28 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--each", action="store_true", help="print every episode")
     options = parser.parse_args()
-    from claims import contexts_of
-
-    claim = CLAIMS[0]._replace(stage=options.stage)
-    contexts = options.only.split(",") if options.only else list(contexts_of(claim))
+    contexts = contexts_of(CLAIM._replace(stage=options.stage))
+    if options.only:
+        contexts = options.only.split(",")
     seeds = range(options.seed, options.seed + options.episodes)
-    jobs = [(Claim(claim.program, claim.stage, len), [c], seeds, options.backend, options.cameras)
-            for c in contexts]
+    jobs = [Job(options.stage, c, seeds, options.backend, options.cameras) for c in contexts]
     met = True
     with ProcessPoolExecutor(options.workers) as pool:
-        for outcomes in pool.map(_run, jobs):
-            met &= _report(outcomes, options.each)
+        for outcomes in pool.map(run_episodes, jobs):
+            met &= _report(outcomes, each=options.each)
     sys.exit(not met)
 
 
-def _report(outcomes: Sequence[Outcome], each: bool) -> bool:
+def _report(outcomes: Sequence[Outcome], *, each: bool) -> bool:
     """Print the row of one object; return whether it is handled without false success."""
     for outcome in outcomes if each else ():
         print("   ", *outcome[1:4], outcome.ending, flush=True)
     kinds = Counter(outcome.kind for outcome in outcomes)
     enough = SHARE * len(outcomes)
     handled = max(kinds["placed"], kinds["refused"]) >= enough and not kinds["false"]
-    counts = "  ".join(f"{kind} {kinds[kind]:3d}" for kind in ("placed", "refused", "failed", "false"))
+    counts = "  ".join(
+        f"{kind} {kinds[kind]:3d}" for kind in ("placed", "refused", "failed", "false")
+    )
     print(f"{outcomes[0].context:16s} {counts}  {'handled' if handled else 'missed'}", flush=True)
     return handled
 

@@ -1,8 +1,8 @@
 """One-sided quadratic potentials: a bound that is met leaves its task coordinates free.
 
 ``at_most`` is phi = e . e / 2 with e the excess of the feedback over its reference in each
-component, and 0 in a component that does not exceed it. ``at_least`` is the same with the shortfall.
-The slope of a bound that is met is 0 as well, so that lower levels may move along it.
+component, and 0 in a component that does not exceed it. ``at_least`` is the same with the
+shortfall. The slope of a bound that is met is 0 as well, so that lower levels may move along it.
 """
 
 from __future__ import annotations

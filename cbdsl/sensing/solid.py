@@ -31,6 +31,9 @@ Floats = NDArray[np.float64]
 _UPRIGHT = 1.2
 # Errors of that square, and of the squares of a silhouette's axes, as shares of the largest one.
 _EXPECTED, _SEEN = 0.15, 0.02
+# Top per height of an object that is higher than wide by a factor. Bottles narrow upwards, and are
+# higher than twice the height of their silhouette's centre.
+_TOP, _HIGH = 1.1, 1.3
 # Least height of an object, m.
 _LEAST = 4e-3
 # Least share of a new measurement in the mean of the last ones, which follow a turned object.
@@ -99,6 +102,12 @@ class Solid:
     def extents(self) -> tuple[float, float]:
         """Longer and shorter horizontal extent, m."""
         return extents_of(self.footprint)
+
+    @property
+    def top(self) -> float:
+        """Height of the top, m, world frame."""
+        is_high = self.height > _HIGH * self.extents[1]
+        return self.level + (_TOP if is_high else 1.0) * self.height
 
     def facing_down(self, centre: Floats) -> Floats:
         """Return the orientation of a tip above the object, shape (3, 3).

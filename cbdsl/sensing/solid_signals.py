@@ -85,7 +85,7 @@ class SolidSignals:
 
     def _value(self, part: str, solid: Solid, centre: Floats) -> Floats:
         if part == "top":
-            return np.array([*centre[:2].tolist(), solid.level + solid.height])
+            return np.array([*centre[:2].tolist(), solid.top])
         if part == "above":
             return solid.facing_down(centre)
         along, across = solid.extents

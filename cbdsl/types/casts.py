@@ -60,7 +60,7 @@ CAMERA = Cast("inverse camera Jacobian", "heading", "configuration", "section 3.
 #: No turn of a camera changes the relation of two objects; such signals are only observed.
 CAMERA_TURNS = tuple(
     Cast("turn of a camera", kind, "configuration", "Fig 7.15", value=False)
-    for kind in ("constellation", "offset", "length")
+    for kind in ("constellation", "offset")
 )
 TRIANGULATION = Cast("stereo triangulation", "heading", "position", "Eq 3.14", factors=2)
 
@@ -96,6 +96,8 @@ FEATURES: Mapping[str, str] = {
 
 #: Motion of a held object with the hand, between the chains to and from its position.
 RIGID_HOLD = Cast("rigid hold", "position", "position", "Eq 3.42", value=False)
+#: No turn of a camera changes the size of an object; the length of a hand's opening has a Jacobian.
+SIZE_TURN = CAMERA_TURNS[0]._replace(source="length")
 SIGHTING = Cast("inverse sighting Jacobian", "heading", "position", "section 3.2.2", value=False)
 
 
@@ -115,7 +117,7 @@ def chains_of(resource: Resource) -> tuple[Chain, ...]:
     if isinstance(source, StereoPosition):
         return (held,)
     if isinstance(source, SolidSignal):
-        return (CAMERA_TURNS[-1:],)
+        return ((SIZE_TURN,),)
     return chains(kind, joints)[:1]
 
 

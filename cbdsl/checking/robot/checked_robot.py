@@ -82,7 +82,10 @@ class CheckedRobot(NamedTuple):
             case FingerLoad(hand=hand, finger=finger):
                 return ("load_cells", hand, finger)
             case (
-                NetLoad(hand=hand) | FingerForces(hand=hand) | Opening(hand=hand) | GraspCentre(hand=hand)
+                NetLoad(hand=hand)
+                | FingerForces(hand=hand)
+                | Opening(hand=hand)
+                | GraspCentre(hand=hand)
             ):
                 return ("load_cells", hand)
             case SensorSignal(sensor=sensor):
@@ -240,7 +243,11 @@ class CheckedRobot(NamedTuple):
             case Heading() | Headings() | BlobSignal():
                 return self._camera_links(source) + self._holding_links()
             case (
-                NovelHeading() | MarkHeading() | ConstellationSignal() | StereoOffset() | SolidSignal()
+                NovelHeading()
+                | MarkHeading()
+                | ConstellationSignal()
+                | StereoOffset()
+                | SolidSignal()
             ):
                 return self._camera_links(source)
             case StereoPosition() | StereoSignal():
