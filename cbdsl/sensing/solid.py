@@ -31,9 +31,9 @@ Floats = NDArray[np.float64]
 _UPRIGHT = 1.2
 # Errors of that square, and of the squares of a silhouette's axes, as shares of the largest one.
 _EXPECTED, _SEEN = 0.15, 0.02
-# Top per height of an object that is higher than wide by a factor. Bottles narrow upwards, and are
-# higher than twice the height of their silhouette's centre.
-_TOP, _HIGH = 1.1, 1.3
+# Margin of the top, m, of an object that is higher than wide by a factor, and not longer than wide
+# by another. Bottles narrow upwards: they are higher than their silhouette's centre shows.
+_TOP, _HIGH, _LONG = 0.035, 1.3, 1.6
 # Least height of an object, m.
 _LEAST = 4e-3
 # Least share of a new measurement in the mean of the last ones, which follow a turned object.
@@ -62,6 +62,7 @@ class Solid:
     Attributes:
         level: Height of the level that the object stands on, m, world frame.
         height: Height of the object, m.
+        rise: Height of the seen centre above the level, m.
         footprint: Squares of the horizontal semi-axes, m^2, world axes, shape (2, 2).
     """
 
@@ -71,7 +72,7 @@ class Solid:
     def reset(self) -> None:
         """Forget all measurements."""
         self._count = 0
-        self.level = self.height = math.nan
+        self.level = self.height = self.rise = math.nan
         self.footprint: Floats = np.full((2, 2), np.nan)
 
     @property
@@ -89,14 +90,16 @@ class Solid:
         """
         self._count += 1
         share = max(1.0 / self._count, _NEWEST)
-        height = max(2.0 * (float(centre[2]) - level), _LEAST)
-        seen = level, height, fit_footprint(centre, height, silhouettes)
+        rise = float(centre[2]) - level
+        height = fit_height(centre, rise, silhouettes)
+        footprint = fit_footprint(centre, height, silhouettes)
         if self._count == 1:
-            self.level, self.height, self.footprint = seen
+            self.level, self.rise, self.height, self.footprint = level, rise, height, footprint
             return
-        self.level += share * (seen[0] - self.level)
-        self.height += share * (seen[1] - self.height)
-        self.footprint = self.footprint + share * (seen[2] - self.footprint)
+        self.level += share * (level - self.level)
+        self.rise += share * (rise - self.rise)
+        self.height += share * (height - self.height)
+        self.footprint = self.footprint + share * (footprint - self.footprint)
 
     @property
     def extents(self) -> tuple[float, float]:
@@ -106,8 +109,9 @@ class Solid:
     @property
     def top(self) -> float:
         """Height of the top, m, world frame."""
-        is_high = self.height > _HIGH * self.extents[1]
-        return self.level + (_TOP if is_high else 1.0) * self.height
+        along, across = self.extents
+        may_narrow = self.height > _HIGH * across and along < _LONG * across
+        return self.level + self.height + (_TOP if may_narrow else 0.0)
 
     def facing_down(self, centre: Floats) -> Floats:
         """Return the orientation of a tip above the object, shape (3, 3).
@@ -131,6 +135,26 @@ def extents_of(footprint: Floats) -> tuple[float, float]:
     """Return the longer and the shorter extent, m, of the squares of semi-axes, m^2, (2, 2)."""
     across, along = 2.0 * np.sqrt(np.maximum(np.linalg.eigvalsh(footprint), 0.0))
     return float(along), float(across)
+
+
+def fit_height(centre: Floats, rise: float, silhouettes: Sequence[Silhouette]) -> float:
+    """Return the height of an object from the height of its seen centre, m.
+
+    Nearer parts look larger, by the square of the distance r. The centre of a silhouette is
+    therefore above the middle of an ellipsoid of the height h, by h^2 / 20 times the change of
+    log(1 / r^2) per height.
+
+    Args:
+        centre: Centre of the silhouettes, m, world frame, shape (3,).
+        rise: Height of the centre above the level, m.
+        silhouettes: Silhouettes in two cameras.
+    """
+    eye = np.mean([each.frame.position for each in silhouettes], axis=0)
+    growth = 2.0 * float(eye[2] - centre[2]) / math.dist(eye, centre) ** 2 / 20.0
+    if rise <= 0.0 or growth <= 0.0:
+        return max(2.0 * rise, _LEAST)
+    # The root of growth h^2 + h / 2 = rise.
+    return max((math.sqrt(0.25 + 4.0 * growth * rise) - 0.5) / (2.0 * growth), _LEAST)
 
 
 def fit_footprint(centre: Floats, height: float, silhouettes: Sequence[Silhouette]) -> Floats:

@@ -80,7 +80,7 @@ class SolidSignals:
         support = self._vision.memory(other)
         if support is None or support.position is None:
             return None
-        centre = support.position + np.array([0.0, 0.0, 0.5 * solid.height])
+        centre = support.position + np.array([0.0, 0.0, solid.rise])
         return Reading(centre, None, self._vision.images)
 
     def _value(self, part: str, solid: Solid, centre: Floats) -> Floats:

@@ -7,6 +7,7 @@ from pathlib import Path
 import yaml
 
 from cbdsl.checking.document import check_document
+from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
@@ -50,3 +51,18 @@ def test_an_end_that_the_policy_never_leads_to_is_reported(tmp_path: Path) -> No
 def test_the_check_ends_for_any_number_of_members(tmp_path: Path) -> None:
     """Forty members with three predicate values each have too many states to enumerate."""
     assert "CB722" not in codes(tmp_path, 40, "1" * 40)
+
+
+def test_validate_points_at_a_pattern_of_failure_that_has_a_reason(tmp_path: Path) -> None:
+    text = (ROOT / "programs" / "survey.yaml").read_text(encoding="utf-8")
+    wrong = text.replace("  XX*1******: wider than the hand", "  XX*1: wider than the hand")
+    path = tmp_path / "survey.yaml"
+    path.write_text(wrong, encoding="utf-8")
+    (finding,) = check_document(path, session=Session(Library(ROOT)))
+    assert wrong.splitlines()[finding.place.line - 1].startswith("  XX*1:")
+
+
+def test_check_keeps_the_reasons_of_failures_by_pattern() -> None:
+    program = check_program("survey", library=Library(ROOT))
+    assert program.failure == tuple(program.reasons)
+    assert program.reasons["XX*1******"] == "wider than the hand"

@@ -17,7 +17,9 @@ def test_bound_of_a_number_is_free_on_one_side_and_a_spring_on_the_other(
     value: float, reference: float
 ) -> None:
     upper, lower = bound((0,), 1.0), bound((0,), -1.0)
-    results = [each.evaluate(np.array([value]), np.array([reference]), 1) for each in (upper, lower)]
+    results = [
+        each.evaluate(np.array([value]), np.array([reference]), 1) for each in (upper, lower)
+    ]
     (over, over_error, over_slope), (under, under_error, under_slope) = results
     excess, shortfall = max(value - reference, 0.0), max(reference - value, 0.0)
     assert over == pytest.approx(excess**2 / 2) and under == pytest.approx(shortfall**2 / 2)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +12,14 @@ from hypothesis import strategies as st
 
 from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import Camera, RobotDocument
-from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.pair_names import pair_resource
 from cbdsl.robot.resources import SOLID_PARTS, resources
+from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.channels import Moments, Region
 from cbdsl.sensing.kinematics import Frame, Kinematics
-from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.solid import Floats, Silhouette, Solid
+from tests.backends.conftest import stage_named
+from tests.conftest import Checked
 
 CAMERA = Camera(link="eye", width=320, height=240, focal_length=418.5)
 LEVEL = -0.42
@@ -57,13 +57,17 @@ def seen(along: float, across: float, height: float, yaw: float, place: Floats) 
 lengths = st.floats(0.03, 0.2)
 
 
-@given(lengths, st.floats(0.3, 0.95), st.floats(0.2, 2.0), st.floats(-1.5, 1.5), st.floats(-0.3, 0.1))
+@given(
+    lengths, st.floats(0.3, 0.95), st.floats(0.2, 2.0), st.floats(-1.5, 1.5), st.floats(-0.3, 0.1)
+)
 def test_solid_of_an_ellipsoid_has_its_extents_and_height(
     along: float, narrow: float, high: float, yaw: float, y: float
 ) -> None:
     across = along * narrow
     solid = seen(along, across, high * across, yaw, np.array([0.6, y]))
-    assert solid.height == pytest.approx(max(high * across, 0.004), abs=1e-6)
+    # The far ellipsoid of this test has no perspective, for which the height is corrected.
+    assert solid.height == pytest.approx(max(high * across, 0.004), rel=0.15)
+    assert solid.rise == pytest.approx(high * across / 2)
     longer, shorter = solid.extents
     assert longer == pytest.approx(along, rel=0.12)
     assert shorter == pytest.approx(across, rel=0.12)
@@ -94,27 +98,28 @@ def test_solid_without_measurement_is_unknown() -> None:
 
 @pytest.mark.parametrize(
     ("context", "length", "width", "height"),
-    [("soup_can", 6.6, 6.6, 10), ("book", 20, 14, 3), ("softball", 12, 12, 12), ("die", 2.5, 2.5, 2.5)],
+    [
+        ("soup_can", 6.6, 6.6, 10),
+        ("book", 20, 14, 3),
+        ("softball", 12, 12, 12),
+        ("die", 2.5, 2.5, 2.5),
+    ],
 )
 def test_size_of_an_everyday_object_is_that_of_the_stage(
     context: str, length: float, width: float, height: float,
-    stage: Callable[[str], StageDocument], dexter: RobotDocument, urdf: Path, kinematics: Kinematics,
+    dexter: RobotDocument, urdf: Path, kinematics: Kinematics, checked: Checked,
 ) -> None:  # fmt: skip
-    """Extents of boxes and upright cylinders are up to 35 % larger: those of like ellipsoids."""
-    backend = embody("kinematic", dexter, urdf)
-    known = resources(dexter)
+    """Extents of boxes and upright cylinders are larger: those of ellipsoids of equal moments."""
+    backend, known = embody("kinematic", dexter, urdf), resources(dexter)
     named = {p: pair_resource(f"stereo.red.on.green.{p}", known) for p in SOLID_PARTS}
-    signals = Signals(dexter, kinematics, [each for each in named.values() if each])
-    backend.reset(stage("everyday_objects"), context, np.random.default_rng(3))
-    for _ in range(25):
-        signals.update(backend.observe())
-        backend.apply(signals.positions.copy())
-        backend.step()
-    read = {part: signals.read(each) for part, each in named.items() if each}
+    observed = [each for each in named.values() if each]
+    runner = Runner(dexter, kinematics, checked("survey"), backend, observed=observed)
+    runner.run(stage_named("everyday_objects"), 61_000, context)
+    read = {part: runner.signals.read(each) for part, each in named.items() if each}
     backend.close()
     found = {part: reading.value for part, reading in read.items() if reading is not None}
     assert found.keys() == SOLID_PARTS.keys()
-    assert 0.9 * length < 100 * found["length"] < 1.6 * length
-    assert 0.9 * width < 100 * found["width"] < 1.5 * width
-    assert 100 * found["height"] == pytest.approx(height, abs=2)
-    assert 100 * (found["top"][2] - LEVEL) == pytest.approx(height, abs=2)
+    assert 0.9 * length < 100 * found["length"][0] < 1.6 * length
+    assert 0.9 * width < 100 * found["width"][0] < 1.5 * width
+    assert 100 * found["height"][0] == pytest.approx(height, abs=2.5)
+    assert 100 * (found["top"][2] - LEVEL) == pytest.approx(height, abs=4.5)

@@ -1,0 +1,68 @@
+"""``survey`` refuses before motion, with a reason, by sizes that the cameras measure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.backend import embody
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
+from tests.backends.conftest import stage_named
+from tests.conftest import Checked
+
+
+@pytest.fixture(scope="module")
+def backend(dexter: RobotDocument, urdf: Path) -> Iterator[object]:
+    backend = embody("kinematic", dexter, urdf)
+    yield backend
+    backend.close()
+
+
+@pytest.fixture(scope="module")
+def objects() -> StageDocument:
+    return stage_named("everyday_objects")
+
+
+@pytest.mark.parametrize(
+    ("context", "reason"),
+    [
+        ("parcel", "wider than the hand"),
+        ("medicine_ball", "wider than the hand"),
+        ("die", "too small for the fingers"),
+        ("softball", ""),
+        ("matchbox", ""),
+        ("cereal_box", ""),
+    ],
+)
+@pytest.mark.parametrize("seed", [61_000, 61_001])
+def test_survey_of_an_object_names_the_reason_of_a_refusal_and_moves_no_arm(
+    context: str, reason: str, seed: int, backend: object, objects: StageDocument,
+    dexter: RobotDocument, kinematics: Kinematics, checked: Checked,
+) -> None:  # fmt: skip
+    runner = Runner(dexter, kinematics, checked("survey"), backend)  # type: ignore[arg-type]
+    postures: list[np.ndarray] = []
+
+    def note(tick: Tick) -> None:
+        postures.append(tick.observation.positions[tick.signals.joints.of("right_arm")])
+
+    result = runner.run(objects, seed, context, on_tick=note)
+    assert result.outcome == ("failure" if reason else "success"), result.ending
+    assert reason in result.ending
+    assert np.ptp(postures, axis=0).max() < 0.02
+
+
+def test_survey_with_a_larger_margin_refuses_what_the_hand_could_span(
+    backend: object, objects: StageDocument, dexter: RobotDocument, kinematics: Kinematics,
+    checked: Checked,
+) -> None:  # fmt: skip
+    """The bound comes from the hand's own opening, not from a number for the objects."""
+    program = checked("survey", margin="20 cm")
+    runner = Runner(dexter, kinematics, program, backend)  # type: ignore[arg-type]
+    result = runner.run(objects, 61_000, "softball")
+    assert result.outcome == "failure" and "wider than the hand" in result.ending
