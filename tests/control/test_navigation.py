@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from cbdsl.control.bound import bound
 from cbdsl.control.localizability import seen_by
 from cbdsl.control.look_at import look_at
 from cbdsl.control.manipulability import of_jacobian
@@ -164,8 +165,32 @@ def views(rng: np.random.Generator) -> Iterator[Function]:
     yield Function(lambda pose: view(pose, point), draw, np.inf, moved)
 
 
+def one_sided(name: str, side: float, rng: np.random.Generator) -> Function:
+    """Return a bound of three components, by errors of at most 2 on either side."""
+    reference = rng.uniform(-1, 1, 3)
+
+    def at(value: Floats) -> tuple[float, Floats]:
+        evaluation = evaluate(bound((0, 1, 2), side), Signal(value, np.eye(3)), reference)
+        return evaluation.phi, gradient(name, evaluation)
+
+    def draw() -> Floats:
+        return reference + rng.uniform(-2.0, 2.0, 3)
+
+    return Function(at, draw, 2.0 * math.sqrt(3.0) * (1 + 1e-9))
+
+
+def upper(rng: np.random.Generator) -> Iterator[Function]:
+    yield one_sided("at_most", 1.0, rng)
+
+
+def lower(rng: np.random.Generator) -> Iterator[Function]:
+    yield one_sided("at_least", -1.0, rng)
+
+
 FUNCTIONS: dict[str, Callable[[np.random.Generator], Iterator[Function]]] = {
     "spring": springs,
+    "at_most": upper,
+    "at_least": lower,
     "range": ranges,
     "manipulability": chains,
     "localizability": sights,
@@ -415,7 +440,32 @@ def look_at_morse(rng: np.random.Generator) -> None:
     assert (np.abs(values) < 1e-6).sum() == 4
 
 
+def bound_analytic(rng: np.random.Generator) -> None:
+    """Show a second derivative of 1 beyond the bound, and of 0 beside it."""
+    for side in (1.0, -1.0):
+        law, error = bound((0,), side), np.array([0.1])
+        beyond, beside = (
+            evaluate(law, Signal(way * side * error, np.eye(1)), np.zeros(1)) for way in (1.0, -1.0)
+        )
+        assert beyond.phi == pytest.approx(0.005) and beside.phi == 0.0
+
+
+def bound_minima(rng: np.random.Generator) -> None:
+    """Show two minima, and between them no curvature."""
+    for function, side in ((next(upper(rng)), 1.0), (next(lower(rng)), -1.0)):
+        for size in (5.0, 6.0):
+            point = np.full(3, -side * size)
+            phi, slope = function.at(point)
+            assert phi == 0.0 and not slope.any()
+            assert not hessian(function, point).any()
+
+
 COUNTEREXAMPLES: dict[tuple[str, str], Callable[[np.random.Generator], None]] = {
+    **{
+        (name, condition): bound_analytic if condition == "analytic" else bound_minima
+        for name in ("at_most", "at_least")
+        for condition in ("analytic", "polar", "morse")
+    },
     ("manipulability", "polar"): manipulability_polar,
     ("manipulability", "morse"): manipulability_morse,
     ("localizability", "polar"): localizability_polar,

@@ -32,6 +32,7 @@ from cbdsl.types.resource import (
     MarkHeading,
     NetLoad,
     NovelHeading,
+    Opening,
     palms_of,
 )
 from tests.conftest import ROOT, Checked
@@ -90,6 +91,12 @@ class Oracle:
             return reading.value
 
         slopes = self._differences(value)
+        if isinstance(controller.feedback.source, Opening):
+            # The joints that flex fingers have equal parts, and all others none.
+            flexing = self.signals.touch.flexing[controller.feedback.source.hand]
+            whole = slopes[:, flexing].sum()
+            slopes[:] = 0.0
+            slopes[:, flexing] = whole / len(flexing)
         if controller.feedback.type.name != "orientation":
             return slopes
         spins = [slope.reshape(3, 3) @ value().T for slope in slopes.T]
