@@ -125,8 +125,9 @@ class KinematicRows:
         cells = self._robot.load_cells[hand].values()
         thumb = max(cells, key=lambda cell: cell.share).link
         others = [cell.link for cell in cells if cell.link != thumb]
-        rows = [self.links([thumb]), self.links(others or [thumb])]
-        parts = [RowPart(source=r, weight=w) for r, w in zip(rows, weights, strict=True)]
+        weighted = {thumb: weights[0]} | {link: weights[1] / len(others) for link in others}
+        rows = [self.links([link]) for link in weighted]
+        parts = [RowPart(source=r, weight=w) for r, w in zip(rows, weighted.values(), strict=True)]
         return self._rows.bind(Form(MIXTURE, 3, 3, parts), rows)
 
     def _bind_links(self, links: Sequence[str]) -> int:

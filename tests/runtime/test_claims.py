@@ -51,6 +51,7 @@ def judged(claims: Any, program: str, contexts: list[str], seed: int, count: int
     ("program", "context", "claimed"),
     [
         ("deliver", "soup_can", True),
+        ("deliver", "cereal_box", True),
         ("deliver", "die", False),
         ("deliver", "book", False),
         ("deliver", "parcel", False),
