@@ -21,7 +21,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from claims import CLAIMS, Watch, contexts_of
+from claim_judges import CLAIMS, Watch
+from claims import contexts_of
 from numpy.typing import NDArray
 
 CLAIM = next(claim for claim in CLAIMS if claim.program == "deliver")
