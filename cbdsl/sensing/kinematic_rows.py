@@ -112,7 +112,7 @@ class KinematicRows:
     def opening(self, source: Opening) -> int:
         """Return a new row of the distance between opposing fingertips, m."""
         apart = self._bind_opposed(source.hand, (-1.0, 1.0))
-        # Other joints of the hand, such as those that spread fingers, do not close it.
+        # Other joints of the hand, such as a spread of the fingers, do not close it.
         flexing = [cell.joint for cell in self._robot.load_cells[source.hand].values()]
         columns = self._kinematics.joints.pick(flexing).tolist()
         return self._rows.bind(Form(LENGTH, 1, 1, (RowPart(source=apart),), columns), (apart,))

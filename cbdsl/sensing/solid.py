@@ -1,15 +1,14 @@
 """Size of an object that stands on a level, from its silhouettes in two images.
 
-The object is modelled as an ellipsoid with one vertical axis. A far camera sees an ellipsoid with
-the matrix A of its squared semi-axes as an ellipse with the matrix P A P^T, where P is the 2 x 3
-Jacobian of the image coordinates at the centre. The ellipse with the moments M of a region has
-4 M (Cross and Zisserman 1998: quadric reconstruction from dual-space geometry).
+The model is an ellipsoid with one vertical axis, and A the matrix of its squared semi-axes. A far
+camera sees it as an ellipse with the matrix P A P^T. P is the 2 x 3 Jacobian of the image
+coordinates at the centre. The ellipse with the moments M of a region has 4 M (Cross and Zisserman 1998: quadric
+reconstruction from dual-space geometry).
 
 Two silhouettes give six linear equations for the vertical axis and the horizontal block of A, four
 unknowns. Two nearby cameras separate height and depth only weakly. A seventh equation states the
-vertical axis as expected from the height of the centre above the level that the object stands on:
-the square of half the height for a ball, and 4/3 of it for an upright box or cylinder. All are
-weighted by their errors.
+vertical axis as expected from the height. Its square is that of half the height for a ball, and 4/3
+of it for an upright box or cylinder. All equations are weighted by their errors.
 """
 
 from __future__ import annotations
@@ -140,9 +139,8 @@ def extents_of(footprint: Floats) -> tuple[float, float]:
 def fit_height(centre: Floats, rise: float, silhouettes: Sequence[Silhouette]) -> float:
     """Return the height of an object from the height of its seen centre, m.
 
-    Nearer parts look larger, by the square of the distance r. The centre of a silhouette is
-    therefore above the middle of an ellipsoid of the height h, by h^2 / 20 times the change of
-    log(1 / r^2) per height.
+    Nearer parts look larger, by the square of the distance r. The seen centre is therefore above
+    the middle of an ellipsoid of height h: by h^2 / 20 times the change of log(1 / r^2) per height.
 
     Args:
         centre: Centre of the silhouettes, m, world frame, shape (3,).
