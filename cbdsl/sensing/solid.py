@@ -2,7 +2,8 @@
 
 The model is an ellipsoid with one vertical axis, and A the matrix of its squared semi-axes. A far
 camera sees it as an ellipse with the matrix P A P^T. P is the 2 x 3 Jacobian of the image
-coordinates at the centre. The ellipse with the moments M of a region has 4 M (Cross and Zisserman 1998: quadric
+coordinates at the centre. The ellipse with the moments M of a region has 4 M
+(Cross and Zisserman 1998: quadric
 reconstruction from dual-space geometry).
 
 Two silhouettes give six linear equations for the vertical axis and the horizontal block of A, four
