@@ -80,7 +80,7 @@ SPOILED: dict[str, tuple[Callable[[Path], object], str]] = {
     "no robot": (lambda file: rewrite(file, lambda s: s.pop("robot")), "lacks robot"),
     "a robot that is none": (
         lambda file: rewrite(file, lambda s: s["robot"].update(urdf="<robot></link>")),
-        "damaged .*no XML",
+        "damaged .*not XML",
     ),
     "a coupling to nothing": (
         lambda file: rewrite(file, lambda s: s["robot"]["couplings"].update(wing=["tail", 1])),
