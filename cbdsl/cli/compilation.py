@@ -41,7 +41,7 @@ class _Teller(event.Listener):
     def on_start(self, event: event.Event) -> None:
         """Print the notice before the first function."""
         if self._progress is None:
-            print(NOTICE, file=sys.stderr, flush=True)
+            _announce()
             self._progress = Progress("compiling functions")
             self._pending = uncompiled()
         self._depth += 1
@@ -60,6 +60,12 @@ class _Teller(event.Listener):
         """Report machine code that could not be kept."""
         if self._progress is not None and (reason := problem()):
             _report(reason)
+
+
+@cache
+def _announce() -> None:
+    """Print the notice once a process."""
+    print(NOTICE, file=sys.stderr, flush=True)
 
 
 @cache
