@@ -224,10 +224,12 @@ class _Composer:
         values: dict[str, Node] = {}
         strays: dict[str, list[Stray]] = {}
         entries = 0
+        merges = False
         while not isinstance(event := self._next(), yaml.MappingEndEvent):
             place = self._place(event)
             entries = self._one_more(entries, event)
             key = self._key(event, place)
+            merges |= key == MERGE and event.implicit[0]  # a quoted one is an ordinary key
             if key is None:
                 self._find("CB113", place)
                 node.faulty = True
@@ -246,7 +248,7 @@ class _Composer:
         for key, pieces in strays.items():
             self._join(key, values[key], pieces)
         node.value = values
-        if (merged := values.pop(MERGE, None)) is not None:
+        if merges and (merged := values.pop(MERGE, None)) is not None:
             self._merge(node, values, merged)
 
     def _merge(self, node: Node, values: dict[str, Node], merged: Node) -> None:

@@ -112,6 +112,12 @@ def test_merge_key_without_a_mapping_is_one_finding(value: str, tmp_path: Path) 
     assert codes(path) == ["CB125"]
 
 
+def test_quoted_merge_key_is_an_ordinary_key(tmp_path: Path) -> None:
+    path = tmp_path / "own.yaml"
+    path.write_text(MERGING.replace("{<<: *one, ", '{"<<": *one, '), encoding="utf-8")
+    assert sorted(codes(path)) == ["CB202", *["CB203"] * 3]
+
+
 def test_merge_keys_are_bounded(tmp_path: Path) -> None:
     lines = ["a0: &a0 {x: {y: 1}}"] + [
         f"a{i}: &a{i} {{p: *a{i - 1}, q: *a{i - 1}, <<: *a{i - 1}}}" for i in range(1, 40)
