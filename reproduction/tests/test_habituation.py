@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from cbdsl.documents.catalog import AffordanceSection
 from cbdsl_reproduction.action_counts import tally
 from cbdsl_reproduction.bar_chart import Bar, BarChart
 from cbdsl_reproduction.catalogs import FIGURES, _afforded, _counts, _habituation, _shares
@@ -27,6 +28,18 @@ def test_counts_are_of_all_trials() -> None:
     assert _afforded(TEN) == {"reachtouch", "searchtrack"}
     (taken, *_) = _counts([TEN, TEN])
     assert (taken.name, taken.ours) == ("reachtouch taken", 5.0)
+
+
+def test_afforded_with_a_found_mark_leaves_the_open_inspection_out() -> None:
+    """Count a rewarded open inspection by itself only where no mark of it was rewarded."""
+    open_one, mark = "visualinspect", "visualinspect_blue"
+    rows = {
+        name: AffordanceSection(program=open_one, tried=2, rewarded=1) for name in (open_one, mark)
+    }
+    found = {**TEN.affordances, **rows}
+    assert _afforded(TEN.model_copy(update={"affordances": found})) - _afforded(TEN) == {mark}
+    del found[mark]
+    assert _afforded(TEN.model_copy(update={"affordances": found})) - _afforded(TEN) == {open_one}
 
 
 def test_an_action_that_fails_too_often_is_a_miss() -> None:
