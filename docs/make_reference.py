@@ -218,8 +218,8 @@ def _commands() -> str:
     parts = [_command(name, command) for name, command in _leaves("cb", app)]
     words = (
         "Each has `--help`. Brackets hold optional arguments and defaults.\n"
-        "Other packages [add commands](how_to/new_command.md), such as `cb reproduce` of "
-        "cbdsl-reproduction.\n"
+        "Other packages [add commands](how_to/new_command.md), such as `cb reproduce` and "
+        "`cb judge` of cbdsl-reproduction.\n"
     )
     return _section(2, "Commands", words, *parts)
 

@@ -42,6 +42,12 @@ class Truth:
         """Return the velocity of an object's centre while it is not held, m/s, shape (3,)."""
         return self._engine.velocity(self._known(name)).copy()
 
+    def half_extents(self, name: str) -> NDArray[np.float64]:
+        """Return half the size of an object along its own axes, m, shape (3,)."""
+        import numpy as np
+
+        return np.array(self._engine.objects[self._known(name)].shape.halves, dtype=float)
+
     def is_touched(self, name: str) -> bool:
         """Return whether any part of the robot touches an object."""
         return self._engine.touched(self._known(name))
@@ -64,6 +70,14 @@ class Truth:
                 "this engine computes no contacts between objects: use bullet or mujoco"
             )
         return frozenset(neighbours(self._known(name)))
+
+    def fingertip_forces(self) -> dict[tuple[str, str], NDArray[np.float64]]:
+        """Return the force of each fingertip, by hand and finger, on the world, N, shape (3,)."""
+        wrenches = self._engine.wrenches()
+        return {
+            cell: wrench[:3].copy()
+            for cell, wrench in zip(self._engine.cells, wrenches, strict=True)
+        }
 
     def link_position(self, link: str) -> NDArray[np.float64]:
         """Return the position of a link of the robot, m, shape (3,)."""

@@ -130,6 +130,7 @@ def test_simulate_keeps_the_truth_apart_from_the_robot() -> None:
             assert truth.position(name).shape == truth.velocity(name).shape == (3,)
             assert np.allclose(truth.rotation(name) @ truth.rotation(name).T, np.eye(3))
             assert truth.is_touched(name) is False and not truth.touching(name)
+            assert truth.half_extents(name).shape == (3,) and (truth.half_extents(name) > 0).all()
             assert not hasattr(observed, name)
         assert truth.joint_positions().shape == observed.positions.shape
         assert truth.joint_velocities().shape == observed.velocities.shape
@@ -150,6 +151,9 @@ def test_truth_of_physics_names_the_objects_that_press_on_each_other(backend: st
         truth, ticks = simulation.truth, simulation.robot.ticks(SEED)
         for _ in range(5):
             next(ticks)
+        forces = truth.fingertip_forces()
+        assert {hand for hand, _ in forces} == {"left_hand", "right_hand"}
+        assert all(force.shape == (3,) and not force.any() for force in forces.values())
         pressed = {name: truth.pressing(name) for name in truth.objects}
         assert all(names <= {*truth.objects} - {name} for name, names in pressed.items())
 

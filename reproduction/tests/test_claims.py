@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import importlib
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from cbdsl.documents.program import PROGRAM
+from cbdsl_reproduction.judges.claim_judges import (
+    CLAIMS,
+    NOTHING_TO_CLAIM,
+    ClaimWatch,
+    ProgramClaim,
+)
+from cbdsl_reproduction.judges.claims import contexts_of, judge_claims
+from cbdsl_reproduction.judges.judge import BodyChoice, EpisodeVerdict
 from tests.conftest import ROOT
-
-
-@pytest.fixture
-def claims(monkeypatch: pytest.MonkeyPatch) -> Any:
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    return importlib.import_module("claims")
-
 
 #: Programs that hardly ever reach their end on the chosen objects.
 RARELY = {"reachtouch_bimanual", "take_with_both", "touch_remembered"}
@@ -26,25 +26,20 @@ RARELY = {"reachtouch_bimanual", "take_with_both", "touch_remembered"}
 FALSE = {"take_with_both": "a parcel slips by 7 cm between the hands that lift it by 10 cm"}
 
 
-def by_name(claims: Any, program: str) -> Any:
-    return next(each for each in claims.CLAIMS if each.program == program)
+def by_name(program: str) -> ProgramClaim:
+    return next(claim for claim in CLAIMS if claim.program == program)
 
 
-def test_every_shipped_program_has_a_judge_or_a_reason_to_need_none(claims: Any) -> None:
-    judges = importlib.import_module("claim_judges")
+def test_every_shipped_program_has_a_judge_or_a_reason_to_need_none() -> None:
     shipped = {path.stem for path in (ROOT / PROGRAM.folder).glob("*.yaml")}
-    judged, without = {each.program for each in judges.CLAIMS}, set(judges.NOTHING_TO_CLAIM)
+    judged, without = {claim.program for claim in CLAIMS}, set(NOTHING_TO_CLAIM)
     assert judged | without == shipped
     assert not judged & without
-    assert all(judges.NOTHING_TO_CLAIM.values())
+    assert all(NOTHING_TO_CLAIM.values())
 
 
-def judged(claims: Any, program: str, contexts: list[str], seed: int, count: int = 1) -> list[Any]:
-    seeds = list(range(seed, seed + count))
-    episodes: list[Any] = claims.run_episodes(
-        by_name(claims, program), contexts, seeds, "mujoco", "ideal"
-    )
-    return episodes
+def judged(program: str, contexts: list[str], seed: int) -> list[EpisodeVerdict]:
+    return list(judge_claims(by_name(program), BodyChoice("mujoco", "ideal"), [seed], contexts))
 
 
 @pytest.mark.parametrize(
@@ -70,11 +65,10 @@ def judged(claims: Any, program: str, contexts: list[str], seed: int, count: int
     ],
 )
 def test_claim_on_an_everyday_object_agrees_with_the_world(
-    claims: Any, program: str, context: str, claimed: bool
+    program: str, context: str, claimed: bool
 ) -> None:
-    (episode,) = judged(claims, program, [context], 52_000)
-    assert episode.fault == ""
-    assert episode.claimed == claimed, episode.ending
+    (verdict,) = judged(program, [context], 52_000)
+    assert verdict.outcomes == {"claimed": claimed, "false claim": False}, verdict.ending
 
 
 #: Contexts of the programs with many; each is run once.
@@ -97,14 +91,14 @@ def programs() -> list[Any]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("program", programs())
-def test_no_claim_of_a_shipped_program_is_false(claims: Any, program: str) -> None:
-    if program in importlib.import_module("claim_judges").NOTHING_TO_CLAIM:
+def test_no_claim_of_a_shipped_program_is_false(program: str) -> None:
+    if program in NOTHING_TO_CLAIM:
         return
-    contexts = SOME.get(program) or list(claims.contexts_of(by_name(claims, program)))
-    episodes = judged(claims, program, contexts, 52_100)
-    assert [(each.context, each.fault) for each in episodes if each.fault] == []
+    contexts = SOME.get(program) or list(contexts_of(by_name(program)))
+    verdicts = judged(program, contexts, 52_100)
+    assert [(v.context, v.ending) for v in verdicts if v.outcomes["false claim"]] == []
     if program not in RARELY:
-        assert any(each.claimed for each in episodes)
+        assert any(verdict.outcomes["claimed"] for verdict in verdicts)
 
 
 class World:
@@ -112,25 +106,26 @@ class World:
 
     def __init__(self) -> None:
         self.places = {"ball": np.array([0.6, -0.2, -0.35]), "pad": np.array([0.6, 0.0, -0.42])}
-        self.held, self.pressing = True, {"table"}
+        self.held, self.loads = True, {"table"}
 
-    def names(self) -> tuple[str, ...]:
+    @property
+    def objects(self) -> tuple[str, ...]:
         return tuple(self.places)
 
-    def pose(self, name: str) -> Any:
-        return SimpleNamespace(position=self.places[name])
+    def position(self, name: str) -> NDArray[np.float64]:
+        return self.places[name]
 
-    def touched(self, name: str) -> bool:
+    def is_touched(self, name: str) -> bool:
         return self.held
 
-    def neighbours(self, name: str) -> set[str]:
-        return self.pressing
+    def pressing(self, name: str) -> set[str]:
+        return self.loads
 
 
-def watched(claims: Any, *ticks: dict[str, Any]) -> Any:
+def watched(*ticks: dict[str, Any]) -> ClaimWatch:
     """Return the watch of an object that is lifted, carried, released and left, with changes."""
     world = World()
-    watch = claims.Watch(world, ["ball"])
+    watch = ClaimWatch(world, ["ball"])  # type: ignore[arg-type]
     watch.note(None)
     lifted = {"at": (0.6, -0.2, -0.25), "pressing": set()}
     for tick in (lifted, *[{"at": (0.6, 0.0, -0.35), "pressing": {"pad"}, "held": False}] * 20):
@@ -144,7 +139,7 @@ def watched(claims: Any, *ticks: dict[str, Any]) -> Any:
 
 def _show(world: World, tick: dict[str, Any]) -> None:
     world.places["ball"] = np.array(tick.get("at", world.places["ball"]))
-    world.pressing = tick.get("pressing", world.pressing)
+    world.loads = tick.get("pressing", world.loads)
     world.held = tick.get("held", world.held)
 
 
@@ -158,17 +153,15 @@ def _show(world: World, tick: dict[str, Any]) -> None:
         ([{"pressing": set()}] * 20, "in the air"),
     ],
 )
-def test_judge_of_deliver_names_each_fault(
-    claims: Any, ticks: list[dict[str, Any]], fault: str
-) -> None:
-    said = by_name(claims, "deliver").judge(watched(claims, *ticks))
+def test_judge_of_deliver_names_each_fault(ticks: list[dict[str, Any]], fault: str) -> None:
+    said = by_name("deliver").judge(watched(*ticks))
     assert said.startswith(fault) if fault else said == ""
 
 
-def test_judge_of_deliver_refuses_an_object_that_was_not_lifted(claims: Any) -> None:
+def test_judge_of_deliver_refuses_an_object_that_was_not_lifted() -> None:
     world = World()
-    watch = claims.Watch(world, ["ball"])
+    watch = ClaimWatch(world, ["ball"])  # type: ignore[arg-type]
     for y in (-0.2, -0.1, 0.0, *[0.0] * 20):
         _show(world, {"at": (0.6, y, -0.35), "pressing": {"table"}, "held": False})
         watch.note(None)
-    assert by_name(claims, "deliver").judge(watch) == "lifted by 0 mm"
+    assert by_name("deliver").judge(watch) == "lifted by 0 mm"

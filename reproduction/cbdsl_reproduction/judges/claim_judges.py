@@ -10,10 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from cbdsl import Truth
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +31,7 @@ MIDDLE = math.radians(10)
 REACHED, STANDOFF = 0.05, 0.14
 
 
-class Watch:
+class ClaimWatch:
     """Truth about the objects of one episode.
 
     Args:
@@ -36,7 +39,7 @@ class Watch:
         things: Names of the objects that the stage has.
     """
 
-    def __init__(self, truth: Any, things: Iterable[str]) -> None:
+    def __init__(self, truth: Truth, things: Iterable[str]) -> None:
         self._truth, self._all = truth, set(things)
         self._tracks: dict[str, list[Floats]] = {}
         self._alone: dict[str, int] = {}
@@ -46,11 +49,11 @@ class Watch:
     def note(self, tick: Any) -> None:
         """Take in a tick."""
         self._tick = tick
-        for name in self._all.intersection(self._truth.names()):
-            self._tracks.setdefault(name, []).append(self._truth.pose(name).position.copy())
-            borne = bool(self._truth.neighbours(name))
+        for name in self._all.intersection(self._truth.objects):
+            self._tracks.setdefault(name, []).append(self._truth.position(name))
+            borne = bool(self._truth.pressing(name))
             self._alone[name] = 0 if borne else self._alone.get(name, 0) + 1
-            if self._truth.touched(name):
+            if self._truth.is_touched(name):
                 self._touched.setdefault(name)
 
     @property
@@ -84,12 +87,12 @@ class Watch:
 
     def distance(self, name: str, goal: str) -> float:
         """Return the distance of an object from a goal on the level, m."""
-        place = self._truth.pose(goal).position
+        place = self._truth.position(goal)
         return math.dist(self._tracks[name][-1][:2], place[:2])
 
     def is_held(self, name: str) -> bool:
         """Return whether the robot touches an object."""
-        return bool(self._truth.touched(name))
+        return bool(self._truth.is_touched(name))
 
     def fingers(self, name: str, hand: str) -> int:
         """Return the number of a hand's fingertips on an object, or on a fixture."""
@@ -101,11 +104,11 @@ class Watch:
 
     def neighbours(self, name: str) -> set[str]:
         """Return the names of the objects that press on an object."""
-        return set(self._truth.neighbours(name))
+        return set(self._truth.pressing(name))
 
     def aside(self, name: str) -> float:
         """Return the smallest angle of an object from the optical axis of a camera, rad."""
-        signals, place = self._tick.signals, self._truth.pose(name).position
+        signals, place = self._tick.signals, self._truth.position(name)
         signals.kinematics.place()
         angles = []
         for camera in signals.robot.cameras.values():
@@ -117,13 +120,13 @@ class Watch:
     def reach(self, name: str, arm: str) -> float:
         """Return the distance of an arm's tip from an object, m."""
         tip = self._tick.signals.tips.point(arm).position
-        return math.dist(tip, self._truth.pose(name).position)
+        return math.dist(tip, self._truth.position(name))
 
 
-Judge = Callable[[Watch], str]
+Judge = Callable[[ClaimWatch], str]
 
 
-def placed(watch: Watch) -> str:
+def placed(watch: ClaimWatch) -> str:
     """Judge that the object hangs on nothing, near the pad, after it was lifted."""
     (name,) = watch.things
     off = watch.distance(name, "pad")
@@ -134,7 +137,7 @@ def placed(watch: Watch) -> str:
     return "" if watch.is_borne(name) else "in the air"
 
 
-def delivered(watch: Watch) -> str:
+def delivered(watch: ClaimWatch) -> str:
     """Judge that the object was placed, released, and rests."""
     (name,) = watch.things
     if watch.is_held(name):
@@ -144,7 +147,7 @@ def delivered(watch: Watch) -> str:
     return placed(watch)
 
 
-def put_down(watch: Watch) -> str:
+def put_down(watch: ClaimWatch) -> str:
     """Judge that the object was lifted, released, and rests on something."""
     (name,) = watch.things
     if watch.is_held(name):
@@ -156,7 +159,7 @@ def put_down(watch: Watch) -> str:
     return "" if watch.is_borne(name) else "in the air"
 
 
-def stands(watch: Watch) -> str:
+def stands(watch: ClaimWatch) -> str:
     """Judge that each object rests on the one below it and on nothing else."""
     heights = sorted(watch.things, key=watch.level)
     for below, name in pairwise(heights):
@@ -167,7 +170,7 @@ def stands(watch: Watch) -> str:
     return ""
 
 
-def set_on(watch: Watch) -> str:
+def set_on(watch: ClaimWatch) -> str:
     """Judge that the lower object bears the upper one."""
     if (
         watch.is_borne("top")
@@ -178,7 +181,7 @@ def set_on(watch: Watch) -> str:
     return f"{1e3 * watch.distance('top', 'base'):.0f} mm off the lower object"
 
 
-def raised(watch: Watch) -> str:
+def raised(watch: ClaimWatch) -> str:
     """Judge that an object is in a hand, and off the table."""
     heights = [watch.height(name) for name in watch.things if watch.is_held(name)]
     if not heights:
@@ -187,24 +190,24 @@ def raised(watch: Watch) -> str:
     return "" if height > RAISED else f"raised by {1e3 * height:.0f} mm"
 
 
-def touched(watch: Watch) -> str:
+def touched(watch: ClaimWatch) -> str:
     """Judge that the robot touches an object of the stage."""
     return "" if any(map(watch.is_held, watch.things)) else "touches no object"
 
 
-def grasped(watch: Watch) -> str:
+def grasped(watch: ClaimWatch) -> str:
     """Judge that all fingertips of one hand are on one object."""
     most = max(watch.fingers(n, h) for n in watch.things for h in ("left_hand", "right_hand"))
     return "" if most == 3 else f"{most} fingertips on the object"
 
 
-def gripped(watch: Watch) -> str:
+def gripped(watch: ClaimWatch) -> str:
     """Judge that both pads of a gripper are on one object."""
     most = max(watch.fingers(name, "hand") for name in watch.things)
     return "" if most == 2 else f"{most} pads on the object"
 
 
-def between_hands(watch: Watch) -> str:
+def between_hands(watch: ClaimWatch) -> str:
     """Judge that both hands are on one object."""
     for name in watch.things:
         if all(watch.fingers(name, hand) for hand in ("left_hand", "right_hand")):
@@ -212,7 +215,7 @@ def between_hands(watch: Watch) -> str:
     return "not between both hands"
 
 
-def in_left_hand(watch: Watch) -> str:
+def in_left_hand(watch: ClaimWatch) -> str:
     """Judge that the left hand alone holds the object, off the table."""
     (name,) = watch.things
     if watch.fingers(name, "right_hand"):
@@ -220,36 +223,36 @@ def in_left_hand(watch: Watch) -> str:
     return raised(watch) if watch.fingers(name, "left_hand") else "not in the left hand"
 
 
-def other_touched(watch: Watch) -> str:
+def other_touched(watch: ClaimWatch) -> str:
     """Judge that the robot touches another object than its first one."""
     now = [name for name in watch.things if watch.is_held(name)]
     return "" if set(now) - set(watch.ever_touched[:1]) else f"touches {now or 'no object'}"
 
 
-def on_table(watch: Watch) -> str:
+def on_table(watch: ClaimWatch) -> str:
     """Judge that fingertips of the right hand are on the table."""
     return "" if watch.fingers("table", "right_hand") else "no fingertip on the table"
 
 
-def looked_at(watch: Watch) -> str:
+def looked_at(watch: ClaimWatch) -> str:
     """Judge that an object is in the middle of an image."""
     angle = min(map(watch.aside, watch.things))
     return "" if angle < MIDDLE else f"{math.degrees(angle):.0f} deg aside"
 
 
-def untouched(watch: Watch) -> str:
+def untouched(watch: ClaimWatch) -> str:
     """Judge that the robot touches no object."""
     now = [name for name in watch.things if watch.is_held(name)]
     return f"touches {now}" if now else ""
 
 
-def reached(watch: Watch) -> str:
+def reached(watch: ClaimWatch) -> str:
     """Judge that the tip of the right arm is at an object, as near as its standoff allows."""
     off = min(watch.reach(name, "right_arm") for name in watch.things)
     return "" if off < STANDOFF + REACHED else f"{1e3 * off:.0f} mm off the object"
 
 
-class Claim(NamedTuple):
+class ProgramClaim(NamedTuple):
     """Program on a stage, and the judge of its claims.
 
     Attributes:
@@ -292,43 +295,43 @@ _DARK = ("dark",)
 _TO_GIVE = ("ball_right", "cube_right", "cylinder_right")
 
 #: Claims of the shipped programs, as far as possible about objects that no training stage has.
-CLAIMS: Sequence[Claim] = (
-    Claim("bimanualgrab", "box_between_hands", between_hands),
-    Claim("bimanualinspect", "box_between_hands", between_hands),
-    Claim("bimanualtouch", "everyday_objects", between_hands, values=_red),
-    Claim("bring", "everyday_objects", placed),
-    Claim("deliver", "everyday_objects", delivered),
-    Claim("fetch", "everyday_objects", placed),
-    Claim("find_by_touch", "lights_out", touched, _DARK),
-    Claim("find_the_other", "two_red_balls", other_touched),
-    Claim("grasp", "everyday_objects", grasped),
-    Claim("handover", "things_to_give", in_left_hand, _TO_GIVE),
-    Claim("impedance", "other_pairs", set_on, _SET),
-    Claim("let_go", "large_on_table", untouched),
-    Claim("notice", "something_new", looked_at, ("before_the_window", "elsewhere")),
-    Claim("panda_grasp", "cube_before_panda", gripped),
-    Claim("panda_pick", "cube_before_panda", put_down),
-    Claim("pick_and_lift", "everyday_objects", raised),
-    Claim("pick_and_place", "everyday_objects", placed),
-    Claim("press_and_slide", "absent", on_table),
-    Claim("reach", "everyday_objects", reached, values=_red),
-    Claim("reachtouch", "everyday_objects", grasped, values=_red),
-    Claim("reachtouch_bimanual", "everyday_objects", between_hands, _LARGE, _red),
-    Claim("searchtrack", "everyday_objects", looked_at, values=_red),
-    Claim("set_on", "other_pairs", set_on, _SET),
-    Claim("stack", "stacking", stands, _PAIRS, _pair),
-    Claim("stack_three", "stacks_of_three", stands),
-    Claim("stand", "stacking", stands, _PAIRS, _pair),
-    Claim("stand_three", "stacks_of_three", stands, values=_three),
-    Claim("tactileprobe", "held_right", grasped),
-    Claim("take", "everyday_objects", grasped),
-    Claim("take_and_put_down", "everyday_objects", put_down, values=_red),
-    Claim("take_with_both", "everyday_objects", raised, _LARGE),
-    Claim("touch_remembered", "lights_out", touched, _DARK),
-    Claim("touch_table", "bare_table", on_table),
-    Claim("transport_hand", "wall_right", reached),
-    Claim("visualinspect", "spotted_right", looked_at),
-    Claim("watch_for_motion", "shaken", looked_at),
+CLAIMS: Sequence[ProgramClaim] = (
+    ProgramClaim("bimanualgrab", "box_between_hands", between_hands),
+    ProgramClaim("bimanualinspect", "box_between_hands", between_hands),
+    ProgramClaim("bimanualtouch", "everyday_objects", between_hands, values=_red),
+    ProgramClaim("bring", "everyday_objects", placed),
+    ProgramClaim("deliver", "everyday_objects", delivered),
+    ProgramClaim("fetch", "everyday_objects", placed),
+    ProgramClaim("find_by_touch", "lights_out", touched, _DARK),
+    ProgramClaim("find_the_other", "two_red_balls", other_touched),
+    ProgramClaim("grasp", "everyday_objects", grasped),
+    ProgramClaim("handover", "things_to_give", in_left_hand, _TO_GIVE),
+    ProgramClaim("impedance", "other_pairs", set_on, _SET),
+    ProgramClaim("let_go", "large_on_table", untouched),
+    ProgramClaim("notice", "something_new", looked_at, ("before_the_window", "elsewhere")),
+    ProgramClaim("panda_grasp", "cube_before_panda", gripped),
+    ProgramClaim("panda_pick", "cube_before_panda", put_down),
+    ProgramClaim("pick_and_lift", "everyday_objects", raised),
+    ProgramClaim("pick_and_place", "everyday_objects", placed),
+    ProgramClaim("press_and_slide", "absent", on_table),
+    ProgramClaim("reach", "everyday_objects", reached, values=_red),
+    ProgramClaim("reachtouch", "everyday_objects", grasped, values=_red),
+    ProgramClaim("reachtouch_bimanual", "everyday_objects", between_hands, _LARGE, _red),
+    ProgramClaim("searchtrack", "everyday_objects", looked_at, values=_red),
+    ProgramClaim("set_on", "other_pairs", set_on, _SET),
+    ProgramClaim("stack", "stacking", stands, _PAIRS, _pair),
+    ProgramClaim("stack_three", "stacks_of_three", stands),
+    ProgramClaim("stand", "stacking", stands, _PAIRS, _pair),
+    ProgramClaim("stand_three", "stacks_of_three", stands, values=_three),
+    ProgramClaim("tactileprobe", "held_right", grasped),
+    ProgramClaim("take", "everyday_objects", grasped),
+    ProgramClaim("take_and_put_down", "everyday_objects", put_down, values=_red),
+    ProgramClaim("take_with_both", "everyday_objects", raised, _LARGE),
+    ProgramClaim("touch_remembered", "lights_out", touched, _DARK),
+    ProgramClaim("touch_table", "bare_table", on_table),
+    ProgramClaim("transport_hand", "wall_right", reached),
+    ProgramClaim("visualinspect", "spotted_right", looked_at),
+    ProgramClaim("watch_for_motion", "shaken", looked_at),
 )
 
 #: Reason for each shipped program whose end claims nothing about the world.

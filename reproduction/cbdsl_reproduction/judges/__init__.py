@@ -1,0 +1,1 @@
+"""Judges of behaviour: success rates of shipped programs by the truth of the simulated world."""

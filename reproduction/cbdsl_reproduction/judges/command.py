@@ -1,0 +1,205 @@
+"""``cb judge``: measure a capability of the shipped programs by the world's truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cbdsl.cli.options import Cameras, Json
+
+if TYPE_CHECKING:
+    from cbdsl_reproduction.judges.judge import Judge, JudgedCondition
+    from cbdsl_reproduction.judges.judging import Campaign, Verdicts
+
+Name = Annotated[str | None, typer.Argument(help="Judge; see --list.")]
+ListThem = Annotated[bool, typer.Option("--list", help="List the judges.")]
+Seed = Annotated[
+    int, typer.Option("--seed", min=0, help="Seed of the first episode of each condition.")
+]
+Episodes = Annotated[
+    int | None,
+    typer.Option("--episodes", min=1, help="Number of episodes of each condition [the judge's]."),
+]
+Only = Annotated[
+    list[str] | None,
+    typer.Option("--only", help="Condition to measure [all]; may be repeated."),
+]
+BackendName = Annotated[
+    str | None, typer.Option("--backend", help="Name of the backend [the judge's].")
+]
+Workers = Annotated[
+    int,
+    typer.Option(
+        "--workers", min=1, help="Number of parallel processes; the result does not depend on it."
+    ),
+]
+Out = Annotated[Path | None, typer.Option("--out", help="Additional output: folder for NAME.json.")]
+
+
+def judge(
+    name: Name = None,
+    *,
+    list_them: ListThem = False,
+    seed: Seed = 20_000,
+    episodes: Episodes = None,
+    only: Only = None,
+    backend: BackendName = None,
+    cameras: Cameras = None,
+    workers: Workers = 1,
+    out: Out = None,
+    as_json: Json = False,
+) -> None:
+    """Count successes of the shipped programs by the truth of the simulated world.
+
+    No program sees this truth. Shares have exact (Clopper-Pearson) 95 % intervals.
+
+    Exit 0 if all aims are met, 1 if one is missed, 2 if it cannot run.
+    """
+    from cbdsl import UsageError
+    from cbdsl.cli.terminal import print_json
+    from cbdsl.cli.workers import require_workers
+    from cbdsl_reproduction.judges.judge import BodyChoice
+    from cbdsl_reproduction.judges.judging import Campaign
+    from cbdsl_reproduction.judges.registry import JUDGES
+    from cbdsl_reproduction.judges.result import result_of
+
+    if list_them:
+        _list(as_json)
+        return
+    require_workers(workers)
+    if name is None:
+        raise UsageError("which judge? cb judge --list names them")
+    if name not in JUDGES:
+        raise UsageError.unknown("judge", name, JUDGES)
+    chosen = JUDGES[name]
+    campaign = Campaign(
+        chosen,
+        _conditions(chosen, only),
+        BodyChoice(backend or chosen.body.backend, _cameras(chosen, backend, cameras)),
+        seed,
+        episodes or chosen.episodes,
+    )
+    if out is not None:
+        _require_writable(out)
+    result = result_of(campaign, _run(campaign, workers))
+    if out is not None:
+        _write(out, result)
+    if as_json:
+        print_json(result)
+    else:
+        _tell(result)
+    if not result["met"]:
+        raise typer.Exit(1)
+
+
+def _cameras(judge: Judge, backend: str | None, cameras: str | None) -> str | None:
+    """Return the kind of cameras: given, or the judge's own on its own backend."""
+    own = backend is None or backend == judge.body.backend
+    return cameras or (judge.body.cameras if own else None)
+
+
+def _conditions(judge: Judge, only: list[str] | None) -> tuple[JudgedCondition, ...]:
+    """Return the conditions to measure.
+
+    Raises:
+        UsageError: The judge has no such condition.
+    """
+    from cbdsl import UsageError
+
+    names = [condition.name for condition in judge.conditions]
+    for name in only or ():
+        if name not in names:
+            raise UsageError.unknown(f"condition of {judge.name}", name, names)
+    return tuple(each for each in judge.conditions if not only or each.name in only)
+
+
+def _run(campaign: Campaign, workers: int) -> Verdicts:
+    from cbdsl.cli.native_output import shown_on_failure
+    from cbdsl.cli.progress import Progress
+    from cbdsl.cli.termination import termination_interrupts
+
+    title = campaign.judge.name
+    with termination_interrupts(), shown_on_failure(), Progress(title) as progress:
+        return campaign.run(workers, progress.note)
+
+
+def _list(as_json: bool) -> None:
+    from cbdsl.cli.terminal import print_json
+    from cbdsl_reproduction.judges.registry import JUDGES
+
+    rows: list[dict[str, Any]] = [
+        {
+            "judge": judge.name,
+            "title": judge.title,
+            "conditions": [condition.name for condition in judge.conditions],
+            "programs": list(judge.programs),
+            "episodes": judge.episodes,
+        }
+        for judge in JUDGES.values()
+    ]
+    if as_json:
+        print_json(rows)
+        return
+    _print_rows(
+        "Judges",
+        [{"judge": row["judge"], "title": row["title"], "episodes": str(row["episodes"])}
+         for row in rows],
+    )  # fmt: skip
+
+
+def _tell(result: dict[str, Any]) -> None:
+    """Print a line for each condition and outcome."""
+    rows = []
+    for row in result["rows"]:
+        low, high = (f"{100 * end:.1f}" for end in row["interval"])
+        rows.append(
+            {
+                "condition": row["condition"],
+                "outcome": row["outcome"],
+                "count": f"{row['successes']} of {row['n']}",
+                "interval": f"{low} to {high} %",
+                "aim": row["aim"],
+                "verdict": "" if not row["aim"] else "met" if row["met"] else "missed",
+            }
+        )
+    _print_rows(f"{result['judge']}: {result['title']}", rows)
+
+
+def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
+    """Print rows as a table on a terminal, and as one line per row to a pipe."""
+    import sys
+
+    from cbdsl.cli.terminal import print_table
+
+    if sys.stdout.isatty():
+        print_table(title, rows)
+        return
+    print(title)
+    for cells in rows:
+        print("\t".join(cells.values()))
+
+
+def _require_writable(out: Path) -> None:
+    """Check before the episodes that the result can be written.
+
+    Raises:
+        UsageError: The folder cannot be created.
+    """
+    from cbdsl import UsageError
+    from cbdsl.errors.reason import reason
+
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"--out {out}: cannot be written ({reason(error)})") from error
+
+
+def _write(out: Path, result: dict[str, Any]) -> None:
+    import json
+
+    from cbdsl.yaml_text.writer import write_text
+
+    text = json.dumps(result, indent=1, ensure_ascii=False) + "\n"
+    write_text(text, out / f"{result['judge']}.json")

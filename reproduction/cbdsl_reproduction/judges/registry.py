@@ -1,0 +1,48 @@
+"""All judges, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from cbdsl_reproduction.judges import (
+    both_hands,
+    claims,
+    everyday,
+    find_by_touch,
+    find_the_other,
+    gripper,
+    handover,
+    holding,
+    hover_follow,
+    insertion,
+    pick_and_place,
+    placing,
+    planned_stacks,
+    stacks,
+    success_rates,
+    touch_table,
+)
+from cbdsl_reproduction.judges.judge import Judge
+
+_ALL = (
+    success_rates.JUDGE,
+    claims.JUDGE,
+    everyday.JUDGE,
+    holding.JUDGE,
+    placing.JUDGE,
+    pick_and_place.JUDGE,
+    gripper.JUDGE,
+    both_hands.JUDGE,
+    handover.JUDGE,
+    find_the_other.JUDGE,
+    find_by_touch.JUDGE,
+    touch_table.JUDGE,
+    hover_follow.JUDGE,
+    insertion.JUDGE,
+    stacks.JUDGE,
+    planned_stacks.JUDGE,
+)
+
+#: Judges in the order of ``cb judge --list``.
+JUDGES: Mapping[str, Judge] = MappingProxyType({judge.name: judge for judge in _ALL})

@@ -1,0 +1,113 @@
+"""Results of judges as data: counts with exact intervals, and how to repeat them."""
+
+from __future__ import annotations
+
+import math
+import shlex
+import subprocess
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import cbdsl
+from cbdsl.numeric.proportion import exact_interval
+from cbdsl.training.provenance import versions
+from cbdsl_reproduction.judges.judge import EpisodeVerdict, JudgedCondition
+from cbdsl_reproduction.judges.judging import Campaign, Verdicts
+
+# Largest number of episodes that a row lists as amiss.
+_MOST = 20
+
+
+def result_of(campaign: Campaign, verdicts: Verdicts) -> dict[str, Any]:
+    """Return the result of a campaign as data for JSON."""
+    rows = [row for condition in campaign.conditions for row in _rows(condition, verdicts)]
+    body = campaign.body
+    return {
+        "judge": campaign.judge.name,
+        "title": campaign.judge.title,
+        "command": command_of(campaign),
+        "commit": commit(),
+        "versions": dict(versions(body.backend)),
+        "backend": body.backend,
+        "cameras": body.cameras,
+        "seed": campaign.seed,
+        "episodes": campaign.episodes,
+        "met": all(row["met"] for row in rows),
+        "rows": rows,
+        "measures": {
+            condition.name: _measures(verdicts[condition.name]) for condition in campaign.conditions
+        },
+    }
+
+
+def command_of(campaign: Campaign) -> str:
+    """Return the command that repeats a campaign."""
+    words = ["cb", "judge", campaign.judge.name]
+    words += ["--seed", str(campaign.seed), "--episodes", str(campaign.episodes)]
+    words += ["--backend", campaign.body.backend]
+    if campaign.body.cameras is not None:
+        words += ["--cameras", campaign.body.cameras]
+    if campaign.conditions != campaign.judge.conditions:
+        for condition in campaign.conditions:
+            words += ["--only", condition.name]
+    return shlex.join(words)
+
+
+def commit() -> str | None:
+    """Return the commit of the checkout of cbdsl, with ``-dirty`` after changes to its files.
+
+    It is ``None`` without git, and if cbdsl is installed from elsewhere.
+    """
+    folder = Path(cbdsl.__file__).resolve().parent
+    describe = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=12"]
+    tracked = ["git", "-C", str(folder), "ls-files", "--error-unmatch", "__init__.py"]
+    try:
+        subprocess.run(tracked, capture_output=True, check=True)
+        described = subprocess.run(
+            [*describe, "--exclude=*"], capture_output=True, check=True, text=True
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return described.stdout.strip() or None
+
+
+def _rows(condition: JudgedCondition, verdicts: Verdicts) -> Iterator[dict[str, Any]]:
+    """Yield the count of each outcome of a condition."""
+    own = verdicts[condition.name]
+    for outcome, aim in condition.aims.items():
+        counted = [each for each in own if each.outcomes[outcome] is not None]
+        successes = sum(bool(each.outcomes[outcome]) for each in counted)
+        amiss = [each for each in counted if bool(each.outcomes[outcome]) is not aim.is_least]
+        yield {
+            "condition": condition.name,
+            "program": condition.program,
+            "outcome": outcome,
+            "successes": successes,
+            "n": len(counted),
+            "interval": _interval(successes, len(counted)),
+            "aim": str(aim),
+            "met": aim.is_met(successes, len(counted)),
+            "amiss": [[each.context, each.seed, each.ending] for each in amiss[:_MOST]],
+        }
+
+
+def _interval(successes: int, count: int) -> list[float]:
+    """Return the exact 95 % interval of a share; all shares without episodes."""
+    return [round(end, 4) for end in exact_interval(successes, count)] if count else [0.0, 1.0]
+
+
+def _measures(verdicts: Sequence[EpisodeVerdict]) -> dict[str, list[float]]:
+    """Return the median, the upper decile and the maximum of each measured quantity."""
+    import numpy as np
+
+    samples: dict[str, list[float]] = {}
+    for verdict in verdicts:
+        timed = {"simulated_s": verdict.seconds, **verdict.measures}
+        for name, value in timed.items():
+            if math.isfinite(value):
+                samples.setdefault(name, []).append(value)
+    return {
+        name: [round(float(value), 3) for value in np.quantile(own, [0.5, 0.9, 1.0])]
+        for name, own in samples.items()
+    }

@@ -1,0 +1,171 @@
+"""``cb judge``: its list of judges, its output and files, and wrong calls."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+
+import cbdsl
+from cbdsl.numeric.proportion import exact_interval
+from cbdsl_reproduction.judges import registry
+from cbdsl_reproduction.judges.judge import (
+    NONE,
+    Aim,
+    BodyChoice,
+    EpisodeVerdict,
+    Judge,
+    JudgedCondition,
+)
+from tests.cli import test_main
+
+
+def _measure(
+    condition: JudgedCondition, body: BodyChoice, seeds: Sequence[int]
+) -> Iterator[EpisodeVerdict]:
+    """Let every fourth seed of the hard condition fail."""
+    for seed in seeds:
+        good = condition.name == "easy" or seed % 4 > 0
+        yield EpisodeVerdict(
+            seed, {"good": good, "false": False}, 2.0, "it ended", {"error_mm": 1.0}
+        )
+
+
+_AIMS = {"good": Aim(0.9), "false": NONE}
+TOY = Judge(
+    "toy",
+    "a toy",
+    tuple(JudgedCondition(name, "reachtouch", _AIMS) for name in ("easy", "hard one")),
+    _measure,
+    BodyChoice("kinematic", "ideal"),
+    episodes=8,
+)
+
+
+@pytest.fixture(autouse=True)
+def toy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Register a judge that takes no time."""
+    monkeypatch.setattr(registry, "JUDGES", {"toy": TOY})
+
+
+def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    """Run ``cb judge`` in this process and return its exit code."""
+    return test_main.cb(monkeypatch, "judge", *arguments)
+
+
+def test_judge_lists_the_judges(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "--list", "--json") == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    assert row == {
+        "judge": "toy", "title": "a toy", "conditions": ["easy", "hard one"],
+        "programs": ["reachtouch"], "episodes": 8,
+    }  # fmt: skip
+    assert cb(monkeypatch, "--list") == 0
+    assert capsys.readouterr().out == "Judges\ntoy\ta toy\t8\n"
+
+
+def test_judge_writes_counts_with_exact_intervals_and_provenance(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    out = tmp_path / "results"
+    assert cb(monkeypatch, "toy", "--seed", "4", "--json", "--out", str(out)) == 1
+    result = json.loads(capsys.readouterr().out)
+    assert result == json.loads((out / "toy.json").read_text())
+    assert result["command"] == (
+        "cb judge toy --seed 4 --episodes 8 --backend kinematic --cameras ideal"
+    )
+    assert result["versions"]["cbdsl"] and {"commit", "seed", "episodes"} <= set(result)
+    hard = next(r for r in result["rows"] if r["condition"] == "hard one")
+    assert (hard["successes"], hard["n"], hard["met"]) == (6, 8, False)
+    assert hard["interval"] == pytest.approx(exact_interval(6, 8), abs=5e-5)
+    assert [seed for _, seed, _ in hard["amiss"]] == [4, 8]
+    assert result["measures"]["easy"]["error_mm"] == [1.0, 1.0, 1.0]
+
+
+def test_judge_command_in_result_repeats_the_result(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["toy", "--only", "hard one", "--seed", "3", "--episodes", "5", "--json"]
+    cb(monkeypatch, *arguments)
+    result = json.loads(capsys.readouterr().out)
+    cb(monkeypatch, *shlex.split(result["command"])[2:], "--json")
+    assert json.loads(capsys.readouterr().out) == result
+
+
+def test_judge_prints_a_line_per_count(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "toy", "--only", "easy") == 0
+    assert capsys.readouterr().out == (
+        "toy: a toy\n"
+        "easy\tgood\t8 of 8\t63.1 to 100.0 %\tat least 90 %\tmet\n"
+        "easy\tfalse\t0 of 8\t0.0 to 36.9 %\tnone\tmet\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "which judge? cb judge --list names them"),
+        (["toyy"], "unknown judge 'toyy'; did you mean 'toy'? (known: toy)"),
+        (
+            ["toy", "--only", "easyy"],
+            "unknown condition of toy 'easyy'; did you mean 'easy'? (known: easy, hard one)",
+        ),
+        (["toy", "--out", "/dev/null/results"], "--out /dev/null/results: cannot be written"),
+        (["toy", "--workers", "100000"], "--workers 100000: at most"),
+        (["toy", "--episode", "3"], "--episodes"),
+        (["toy", "--episodes", "0"], "--episodes"),
+    ],
+)
+def test_judge_refuses_a_wrong_call(
+    arguments: list[str],
+    message: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert cb(monkeypatch, *arguments) == 2
+    told = capsys.readouterr()
+    assert message in told.err and not told.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--backend", "kinematik"], "unknown backend 'kinematik'; did you mean 'kinematic'?"),
+        (["--cameras", "drawn"], "drawn"),
+    ],
+)
+def test_judge_refuses_an_unknown_body(
+    arguments: list[str],
+    message: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    from cbdsl_reproduction.judges import success_rates
+
+    monkeypatch.setattr(registry, "JUDGES", {"success_rates": success_rates.JUDGE})
+    assert cb(monkeypatch, "success_rates", "--only", "right", *arguments) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_judge_counts_kinematic_episodes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from cbdsl_reproduction.judges import success_rates
+
+    monkeypatch.setattr(registry, "JUDGES", {"success_rates": success_rates.JUDGE})
+    arguments = ["--only", "absent", "--seed", "11", "--episodes", "1", "--backend", "kinematic"]
+    assert cb(monkeypatch, "success_rates", *arguments, "--json") == 0
+    result = json.loads(capsys.readouterr().out)
+    request = cbdsl.load("reachtouch", stage="absent")
+    (expected,) = cbdsl.run(request, seed=11, backend="kinematic")
+    assert result["rows"][0]["successes"] == expected.rewarded == 0
+    assert result["measures"]["absent"]["simulated_s"][0] == pytest.approx(
+        expected.sim_seconds, abs=1e-3
+    )
