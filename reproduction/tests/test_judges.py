@@ -9,6 +9,8 @@ import pytest
 import cbdsl
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library
+from cbdsl_reproduction.judges.claim_judges import CLAIMS, ProgramClaim
+from cbdsl_reproduction.judges.claims import contexts_of
 from cbdsl_reproduction.judges.insertion import widened
 from cbdsl_reproduction.judges.judge import ANY, NONE, Aim, EpisodeVerdict, Judge, JudgedCondition
 from cbdsl_reproduction.judges.judging import Campaign
@@ -28,7 +30,8 @@ CONDITIONS = [
     pytest.param(condition, id=f"{judge.name}-{condition.name}")
     for judge in JUDGES.values()
     for condition in judge.conditions
-    if judge.name != "stacks"
+    # Those of stacks name contexts of two stages; values of claims depend on the context.
+    if judge.name not in ("stacks", "claims")
 ]
 
 
@@ -57,11 +60,19 @@ def test_result_is_missed_just_beyond_each_aim(
 
 @pytest.mark.parametrize("condition", CONDITIONS)
 def test_condition_names_documents_that_fit(condition: JudgedCondition) -> None:
-    if condition.name == condition.program and condition.program in ("stand_three", "stand"):
-        pytest.skip("its parameters depend on the context")
     request = cbdsl.load(condition.program, stage=condition.stage, values=condition.values)
     if condition.context is not None:
         assert condition.context in request.stage.contexts
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=[claim.program for claim in CLAIMS])
+def test_claim_names_documents_that_fit(claim: ProgramClaim) -> None:
+    contexts = contexts_of(claim)
+    assert contexts
+    by_values = {tuple(sorted(claim.values(context).items())): context for context in contexts}
+    for values in by_values:
+        request = cbdsl.load(claim.program, stage=claim.stage, values=dict(values))
+        assert set(contexts) <= set(request.stage.contexts)
 
 
 def test_result_without_counted_episodes_misses_its_aim() -> None:
