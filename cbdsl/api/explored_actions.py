@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
+    from cbdsl.documents.catalog import CatalogDocument
     from cbdsl.training.explorable import Explorable
     from cbdsl.types.resource import Resource
 
@@ -76,6 +77,44 @@ def read_actions(
         requests.append(request)
         actions.append(action)
     return requests, tuple(actions)
+
+
+def recorded_actions(
+    catalog: CatalogDocument, stage: str
+) -> tuple[RunRequest, tuple[Explorable, ...]]:
+    """Resolve the actions of a catalog, as its exploration did.
+
+    An action was open if channels that it found became actions. Its record counts searches for
+    channels that had no action, so that it has to search for those again.
+
+    Args:
+        catalog: Catalog without findings.
+        stage: Stage on which the actions will run.
+
+    Returns:
+        Request of the first action, and all actions.
+    """
+    from cbdsl.training.explorable import OPEN
+
+    resolved = []
+    for name, row in catalog.affordances.items():
+        opened = dict.fromkeys(_opened(catalog, name), OPEN)
+        text = ActionText(name, row.program, {**row.with_, **opened})
+        resolved.append(_explorable(text, catalog.feature, stage))
+    return resolved[0][0], tuple(action for _, action in resolved)
+
+
+def _opened(catalog: CatalogDocument, name: str) -> set[str]:
+    """Return the parameters of an action whose values became actions of their own."""
+    row = catalog.affordances[name]
+    return {
+        key
+        for other, mark in catalog.affordances.items()
+        for key, value in mark.with_.items()
+        if other == f"{name}_{value}"
+        and mark.program == row.program
+        and {**row.with_, key: value} == mark.with_
+    }
 
 
 def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:

@@ -110,7 +110,7 @@ def _predict(
     as_json: bool,
 ) -> None:
     from cbdsl.api.explore_request import require_persistent
-    from cbdsl.api.explored_actions import ActionText, bound_action
+    from cbdsl.api.explored_actions import recorded_actions
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.simulation import needing_simulation, simulation
 
@@ -118,9 +118,7 @@ def _predict(
         from cbdsl.training.action_runner import ActionRunner
         from cbdsl.training.held_out import try_scenes
 
-    texts = [ActionText(k, e.program, e.with_) for k, e in catalog.affordances.items()]
-    bound = [bound_action(text, catalog.feature, stage) for text in texts]
-    request = bound[0][0]
+    request, actions = recorded_actions(catalog, stage)
     require_persistent(request.stage)
     between = read_request("let_go", stage, None, {})
     with simulation(request, backend, cameras=cameras) as (body, kinematics):
@@ -129,7 +127,7 @@ def _predict(
             kinematics,
             body,
             request.stage,
-            [action for _, action in bound],
+            actions,
             between.program,
             60.0,
         )
