@@ -24,7 +24,7 @@ RARELY = {"reachtouch_bimanual", "take_with_both", "touch_remembered"}
 
 #: Known false claims of programs.
 FALSE = {
-    "bring": "a small object that slips between the fingers feels borne; `deliver` looks afterwards",
+    "bring": "a small object slipping between the fingers feels borne; `deliver` looks afterwards",
     "impedance": "a ball rolls 33 mm off the middle of a drum while its stiffness is tested",
     "take_with_both": "a parcel slips by 7 cm between the hands that lift it by 10 cm",
 }
