@@ -198,7 +198,7 @@ def measure(files: int, seed: int) -> Iterator[tuple[str, Measured]]:
 
 def memory() -> float:
     """Return the largest memory of this process so far, MB."""
-    # A new process inherits the peak of the one that started it in `ru_maxrss`, but not here.
+    # `ru_maxrss` would include the peak of the parent process.
     status = Path("/proc/self/status").read_text("ascii")
     return int(status.split("VmHWM:")[1].split()[0]) / 1024
 
