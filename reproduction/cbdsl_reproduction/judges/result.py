@@ -94,7 +94,7 @@ def _rows(condition: JudgedCondition, verdicts: Verdicts) -> Iterator[dict[str, 
 
 def _interval(successes: int, count: int) -> list[float]:
     """Return the exact 95 % interval of a share; all shares without episodes."""
-    return [round(end, 4) for end in exact_interval(successes, count)] if count else [0.0, 1.0]
+    return [round(end, 6) for end in exact_interval(successes, count)] if count else [0.0, 1.0]
 
 
 def _measures(verdicts: Sequence[EpisodeVerdict]) -> dict[str, list[float]]:
