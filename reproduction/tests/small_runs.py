@@ -12,6 +12,8 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from llvmlite.binding import get_host_cpu_name
+
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.registry import EXPERIMENTS
 from cbdsl_reproduction.report import data
@@ -20,7 +22,18 @@ RECORDED = Path(__file__).with_name("digests.json")
 #: Experiments whose small run takes more than 20 s, or needs an engine with physics.
 LONG = {"engines", "fig-5.3-5.5", "fig-7.16-7.17", "table-7.1-7.2"}
 #: Durations of episodes, which differ from run to run.
-_WALL = re.compile(r" in \d+\.\d\d s")
+_WALL = re.compile(r" in \d+\.\d\d s| and \d+ s of wall time")
+
+
+def processor() -> str:
+    """Return the processor that machine code is made for; others round differently."""
+    return str(get_host_cpu_name())
+
+
+def recorded() -> tuple[str, dict[str, str]]:
+    """Return the processor of the recorded digests, and the digests by experiment."""
+    kept = json.loads(RECORDED.read_text("utf-8"))
+    return kept["processor"], kept["digests"]
 
 
 def digest(name: str, folder: Path) -> str:
@@ -44,12 +57,13 @@ def digest(name: str, folder: Path) -> str:
 
 def main(names: list[str]) -> None:
     """Record the digests of experiments, or of all short ones."""
-    known: dict[str, str] = json.loads(RECORDED.read_text("utf-8")) if RECORDED.exists() else {}
+    known = recorded()[1]
     for name in names or [each for each in EXPERIMENTS if each not in LONG]:
         with TemporaryDirectory() as folder:
             known[name] = digest(name, Path(folder))
         ordered = {each: known[each] for each in EXPERIMENTS if each in known}
-        RECORDED.write_text(json.dumps(ordered, indent=1) + "\n", "utf-8")
+        kept = {"processor": processor(), "digests": ordered}
+        RECORDED.write_text(json.dumps(kept, indent=1) + "\n", "utf-8")
 
 
 if __name__ == "__main__":
