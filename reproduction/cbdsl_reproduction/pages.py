@@ -87,6 +87,8 @@ def chapter_page(
 def summary_page(pages: Mapping[str, str]) -> str:
     """Return the summary: the counts of each chapter, and the misses by their causes.
 
+    Comparisons of engines are not of the source, so that they do not count.
+
     Args:
         pages: Text of each page by its name.
     """
@@ -98,7 +100,11 @@ def summary_page(pages: Mapping[str, str]) -> str:
             rows += added
             places.update({row.section: link for row in added})
     misses = [row for row in rows if row.verdict == "missed"]
-    lines = [_HEADER, "## Summary", "", *counts("page", places, rows), ""]
+    claims = [row for row in rows if not row.section.startswith("engines")]
+    places = {row.section: places[row.section] for row in claims}
+    lines = [_HEADER, "## Summary", "", *counts("page", places, claims), ""]
+    if len(claims) < len(rows):
+        lines += ["[Engines](engines.md) compares our backends, apart from the source.", ""]
     return "\n".join([*lines, "Misses by cause; the pages list the undecided rows, too:", "",
                       *causes_of(misses), ""])  # fmt: skip
 
