@@ -69,6 +69,7 @@ def tips(name: str, effector: str) -> list[Case]:
         found += [Case(name, "look_at", effector, "pose")]
     else:
         found += [Case(name, "spring", effector, "position")]
+    found += [Case(name, bound, effector, "position") for bound in ("at_most", "at_least")]
     for part, rows in (("position", 3), ("pose", 6)):
         if rows * members <= len(robot.joints(effector)):
             found += [Case(name, "manipulability", effector, part)]

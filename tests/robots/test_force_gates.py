@@ -11,7 +11,7 @@ from tests.conftest import ROOT
 
 WIDEST = 0.2
 #: PLACE presses with 2 N of a weight that swings in the hand: it came to rest 0.5 N off.
-PRESSING = {"pick_and_place": 0.5, "set_on": 0.5}
+PRESSING = {"bring": 0.5, "pick_and_place": 0.5, "set_on": 0.5}
 FILES = sorted([*(ROOT / "programs").glob("*.yaml"), *(ROOT / "robots").glob("*.yaml")])
 
 
