@@ -33,28 +33,28 @@ def require_page(page: Path, episodes: int) -> None:
 
 
 @contextmanager
-def recorded_for(page: Path | None, record: Path | None, *, tells: bool) -> Iterator[Path | None]:
+def recorded_for(page: Path | None, record: Path | None, *, prints: bool) -> Iterator[Path | None]:
     """Yield the folder to record in, and write the page of the recording at the end.
 
     Args:
         page: File of the page, or ``None`` for none.
         record: Folder for recordings, or ``None`` if they are for the page alone.
-        tells: True if the page's file is printed.
+        prints: True if the page's file is printed.
     """
     if page is None:
         yield record
     elif record is not None:
         yield record
-        _write(record, page, tells=tells)
+        _write(record, page, prints=prints)
     else:
         with TemporaryDirectory() as temporary:
             yield Path(temporary)
-            _write(Path(temporary), page, tells=tells)
+            _write(Path(temporary), page, prints=prints)
 
 
-def _write(folder: Path, target: Path, *, tells: bool) -> None:
+def _write(folder: Path, target: Path, *, prints: bool) -> None:
     from cbdsl.reporting.page import page
     from cbdsl.reporting.recorded import find_recordings, read_recording
 
     newest = max(find_recordings(folder), key=lambda file: file.stat().st_mtime)
-    write_page(page(read_recording(newest)), target, tells=tells)
+    write_page(page(read_recording(newest)), target, prints=prints)

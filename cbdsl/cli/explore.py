@@ -163,7 +163,7 @@ def _run(
 
     with (
         simulation(request, task.backend, cameras=task.cameras) as (body, kinematics),
-        live_page(live, request, body, tells=not as_json) as page,
+        live_page(live, request, body, prints=not as_json) as page,
     ):
         progress = ExplorationProgress(task.count, as_json=as_json)
         name, feature = task.path.stem, task.feature

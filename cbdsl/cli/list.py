@@ -76,7 +76,7 @@ def _robot_and_description(file: Path, model: type[Document], library: Library) 
     try:
         document = library.read_sound_parts(file, model).document
     except DiagnosticsError:
-        return "", "(has errors: cb validate tells them)"
+        return "", "(has errors: cb validate lists them)"
     text = " ".join((document.description or "").split())
     short = text if len(text) <= _LONGEST else f"{text[:_LONGEST].rpartition(' ')[0]} …"
     return str(getattr(document, "robot", "")), short

@@ -89,7 +89,7 @@ def live_page(
     backend: Backend,
     *,
     composes: bool = False,
-    tells: bool = True,
+    prints: bool = True,
 ) -> Iterator[LiveView | None]:
     """Serve a live page of the episodes within the context, and keep it until Ctrl-C.
 
@@ -98,7 +98,7 @@ def live_page(
         request: Program, robot and stage.
         backend: Backend of the episodes.
         composes: True if the page may change the program.
-        tells: True if messages go to the standard output.
+        prints: True if messages go to the standard output.
 
     Raises:
         UsageError: The port of the page is not available.
@@ -135,32 +135,32 @@ def live_page(
 
     server = LiveServer(feed, make, Requests(transport, composer, save), options.port)
     try:
-        _tell(f"live at {server.url}", tells)
+        _tell(f"live at {server.url}", prints)
         _open(server.url)
         if options.waits:
-            _tell("begins when a browser shows it", tells)
+            _tell("begins when a browser shows it", prints)
             feed.wait_for_page()
         yield view
         if not options.closes:
-            _stay(tells)
+            _stay(prints)
     finally:
         server.close()
 
 
-def _stay(tells: bool) -> None:
+def _stay(prints: bool) -> None:
     """Keep the page until Ctrl-C, which ends nothing but the page."""
     from threading import Event
 
     try:
-        _tell("the page stays until Ctrl-C", tells)
+        _tell("the page stays until Ctrl-C", prints)
         while not Event().wait(3600):
             continue
     except KeyboardInterrupt:
         return
 
 
-def _tell(text: str, tells: bool) -> None:
-    print(text, file=sys.stdout if tells else sys.stderr, flush=True)
+def _tell(text: str, prints: bool) -> None:
+    print(text, file=sys.stdout if prints else sys.stderr, flush=True)
 
 
 def _open(url: str) -> None:

@@ -22,7 +22,7 @@ def require_room(target: Path) -> None:
         make_room(target)
 
 
-def write_page(text: str, target: Path, *, tells: bool = True) -> None:
+def write_page(text: str, target: Path, *, prints: bool = True) -> None:
     """Write a page, and print its path and size.
 
     Raises:
@@ -32,7 +32,7 @@ def write_page(text: str, target: Path, *, tells: bool = True) -> None:
 
     with _writing(target):
         write_text(text, target)
-    if tells:
+    if prints:
         print(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
 
 

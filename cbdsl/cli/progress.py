@@ -20,11 +20,11 @@ class Progress:
     """Printer of the number of finished parts and the remaining time, with a bar on a terminal.
 
     Args:
-        what: Words at the beginning of the line.
+        heading: Words at the beginning of the line.
     """
 
-    def __init__(self, what: str) -> None:
-        self._what = what
+    def __init__(self, heading: str) -> None:
+        self._heading = heading
         self._terminal = sys.stderr.isatty()
         self._pause = _PAUSE_ON_TERMINAL if self._terminal else _PAUSE_ELSEWHERE
         self._began = time.monotonic()
@@ -49,7 +49,7 @@ class Progress:
         if now < self._last + self._pause:
             return
         self._last, self._shown = now, True
-        text = f"{self._what}: {self._bar(done, total)}{done} of {total}"
+        text = f"{self._heading}: {self._bar(done, total)}{done} of {total}"
         if done:
             left = (now - self._began) / done * (total - done)
             text += f", about {left // 60:.0f} min {left % 60:02.0f} s left"

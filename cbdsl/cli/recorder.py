@@ -23,7 +23,7 @@ class Recorder:
         backend: Backend of the run.
         seeds: Seeds of the episodes.
         overwrite: True if existing recordings may be replaced.
-        tells: True if each file is printed.
+        prints: True if each file is printed.
 
     Raises:
         UsageError: The folder cannot hold the recordings; checked before the episodes.
@@ -37,12 +37,12 @@ class Recorder:
         seeds: Sequence[int],
         *,
         overwrite: bool,
-        tells: bool,
+        prints: bool,
     ) -> None:
         from cbdsl.runtime.recording_folder import RecordingFolder
 
         self._folder = RecordingFolder(folder, overwrite=overwrite)
-        self._request, self._backend, self._tells = request, backend, tells
+        self._request, self._backend, self._prints = request, backend, prints
         with self._named_problems():
             self._folder.require_ready(seeds)
 
@@ -78,7 +78,7 @@ class Recorder:
     def _write(self, recording: Recording, result: EpisodeResult) -> None:
         with self._named_problems():
             file = recording.write(self._folder.path, result)
-        if self._tells:
+        if self._prints:
             print(f"  recorded in {file}", flush=True)
 
     @contextmanager

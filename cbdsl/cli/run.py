@@ -166,12 +166,14 @@ def run(
         attend(embodied, request, yes=yes, interface=interface)
         runner = _runner(request, kinematics, embodied)
         seeds = range(seed, seed + episodes)
-        folder = within.enter_context(recorded_for(page, record, tells=not as_json))
+        folder = within.enter_context(recorded_for(page, record, prints=not as_json))
         recorder = None
         if folder is not None:
-            tells = not as_json and record is not None
-            recorder = Recorder(folder, request, embodied, seeds, overwrite=overwrite, tells=tells)
-        opening = live_page(shown, request, embodied, composes=schema is None, tells=not as_json)
+            prints = not as_json and record is not None
+            recorder = Recorder(
+                folder, request, embodied, seeds, overwrite=overwrite, prints=prints
+            )
+        opening = live_page(shown, request, embodied, composes=schema is None, prints=not as_json)
         telling = Telling(recorder, explain, as_json, within.enter_context(opening))
         if not as_json:
             print(_introduction(request, backend, embodied))

@@ -48,9 +48,11 @@ def _span(part: ValueSchema) -> ValueSchema:
     return ValueSchema(no_info_before_validator_function(pair, _several(part, 2).schema))
 
 
-def _named(what: str) -> ValueSchema:
-    """Return the type of a name from the URDF; ``what`` is its XML element."""
-    wanted = f'the name of a {what}, as in <{what} name="..."> of the URDF, in quotes if a number'
+def _named(element: str) -> ValueSchema:
+    """Return the type of a name from the URDF; ``element`` is its XML element."""
+    wanted = (
+        f'the name of a {element}, as in <{element} name="..."> of the URDF, in quotes if a number'
+    )
 
     def require_text(value: Any) -> Any:
         if isinstance(value, str):

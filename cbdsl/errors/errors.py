@@ -21,14 +21,14 @@ class UsageError(Exception):
     """User's mistake that has no place in a file."""
 
     @classmethod
-    def unknown(cls, what: str, name: str, known: Iterable[str]) -> Self:
+    def unknown(cls, noun: str, name: str, known: Iterable[str]) -> Self:
         """Return the error of an unknown name, which proposes the nearest and lists all names.
 
         Args:
-            what: Noun of the named objects.
+            noun: Noun of the named objects.
             name: Unknown name.
             known: Existing names.
         """
         names = list(known)
         listed = ", ".join(names) or "none"
-        return cls(f"unknown {what} '{name}'{suggestion(name, names)} (known: {listed})")
+        return cls(f"unknown {noun} '{name}'{suggestion(name, names)} (known: {listed})")
