@@ -22,8 +22,8 @@ from typing import NamedTuple
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.kinds import KINDS
-from cbdsl.errors.errors import UsageError
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.srdf import parse_srdf
 from cbdsl.robot.urdf import UrdfError

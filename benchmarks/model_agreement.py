@@ -157,7 +157,7 @@ READERS = {
 
 def compare(urdf: Path, postures: int) -> dict[str, Any]:
     """Compare the placements of all links of a model, in this process."""
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.robot.joints import Joints
     from cbdsl.robot.urdf import UrdfError
     from cbdsl.robot.urdf_reader import read_urdf

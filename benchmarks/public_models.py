@@ -97,8 +97,8 @@ def models() -> Iterator[tuple[str, Path | None]]:
 def moved(urdf: Path, engine: str) -> dict[str, Any]:
     """Hold and move a robot on an engine, in this process."""
     from cbdsl.backends.backend import embody
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.stage import StageDocument
-    from cbdsl.errors.errors import UsageError
     from cbdsl.robot.joints import Joints
     from cbdsl.robot.urdf import UrdfError
     from cbdsl.robot.urdf_reader import read_urdf
@@ -142,8 +142,8 @@ def proposed(urdf: Path) -> RobotDocument:
     import typer
 
     from cbdsl.cli.new import new_robot
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.robot import RobotDocument
-    from cbdsl.errors.errors import UsageError
     from cbdsl.yaml_text.library import Library
 
     with TemporaryDirectory() as place, redirect_stdout(StringIO()) as said:

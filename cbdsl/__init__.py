@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.api.simulate import SimulatedRobot, simulate
     from cbdsl.api.truth import Truth
-    from cbdsl.errors.diagnostic import Diagnostic
-    from cbdsl.errors.errors import DiagnosticsError, UsageError
+    from cbdsl.diagnostics.diagnostic import Diagnostic
+    from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.program.transition import Transition
     from cbdsl.runtime.episode import EpisodeResult
 
@@ -46,8 +46,8 @@ _HOMES = {
     "propose_robot": "cbdsl.api.propose_robot",
     "CalibrateRequest": "cbdsl.api.calibrate_request",
     "CalibrationOutcome": "cbdsl.api.calibrate",
-    "Diagnostic": "cbdsl.errors.diagnostic",
-    "DiagnosticsError": "cbdsl.errors.errors",
+    "Diagnostic": "cbdsl.diagnostics.diagnostic",
+    "DiagnosticsError": "cbdsl.diagnostics.errors",
     "EpisodeResult": "cbdsl.runtime.episode",
     "SuccessRate": "cbdsl.api.evaluate",
     "ExplorationOutcome": "cbdsl.api.explore",
@@ -60,7 +60,7 @@ _HOMES = {
     "SimulatedRobot": "cbdsl.api.simulate",
     "Transition": "cbdsl.program.transition",
     "Truth": "cbdsl.api.truth",
-    "UsageError": "cbdsl.errors.errors",
+    "UsageError": "cbdsl.diagnostics.errors",
 }
 
 __all__ = [  # noqa: RUF022 (verbs before nouns)

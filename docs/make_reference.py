@@ -18,10 +18,10 @@ import typer
 
 from cbdsl.cli.commands import COMMANDS
 from cbdsl.cli.main import build_app
+from cbdsl.diagnostics.entry import Entry
 from cbdsl.documents.json_schema import json_schema, meaning, properties
 from cbdsl.documents.kinds import entries, models
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.entry import Entry
 from cbdsl.learning.learner import LEARNERS, LearnerClass, first_line
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources

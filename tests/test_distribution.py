@@ -41,7 +41,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_wheel_holds_the_package_its_types_and_what_is_shipped(built: Path) -> None:
     (wheel,) = built.glob("cbdsl-*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    assert {"cbdsl/py.typed", "cbdsl/cli/main.py", "cbdsl/errors/codes/CB1.toml"} <= {*names}
+    assert {"cbdsl/py.typed", "cbdsl/cli/main.py", "cbdsl/diagnostics/codes/CB1.toml"} <= {*names}
     assert any(name.endswith("licenses/LICENSE") for name in names)
     for folder in SHIPPED:
         tracked = {

@@ -16,7 +16,7 @@ import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.language.parser import parse
 from cbdsl.reporting import recorded
 from cbdsl.reporting.recorded import read_recording

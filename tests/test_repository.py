@@ -111,7 +111,11 @@ def test_pre_commit_hooks_run_commands_of_the_checks() -> None:
 
 
 def test_spelling_leaves_out_skipped_files_that_a_hook_names() -> None:
-    folders = (ROOT / "tests/fuzz/corpus", ROOT / "tests/checking/bad", ROOT / "cbdsl/errors/codes")
+    folders = (
+        ROOT / "tests/fuzz/corpus",
+        ROOT / "tests/checking/bad",
+        ROOT / "cbdsl/diagnostics/codes",
+    )
     named = [file for folder in folders for file in folder.iterdir() if file.is_file()]
     names = [file.relative_to(ROOT) for file in (*named, ROOT / "docs/diagnostics.md")]
     command = [sys.executable, "-m", "codespell_lib", *names]

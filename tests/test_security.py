@@ -19,7 +19,7 @@ import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.yaml_text import composer
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT

@@ -55,8 +55,8 @@ class CalibrateRequest:
             UsageError: An item is unknown or unsuitable, or the file cannot be written.
         """
         from cbdsl.backends.engines import default_engine
+        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.documents.calibration import CalibrationOrigin
-        from cbdsl.errors.errors import UsageError
         from cbdsl.yaml_text.writer import make_room
 
         run = self._run()
@@ -82,8 +82,8 @@ class CalibrateRequest:
         """Return the request of the program that shows the ball, for an uncalibrated robot."""
         from cbdsl.api.run_request import read_request
         from cbdsl.calibration.watching import require_sight_and_touch
+        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.documents.robot import RobotDocument
-        from cbdsl.errors.errors import UsageError
         from cbdsl.yaml_text.library import Library
 
         library = Library()
@@ -163,7 +163,7 @@ class CameraCalibration:
         """
         from cbdsl.calibration.estimate import estimate
         from cbdsl.calibration.watching import watch
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         run, seed = self.run, self.origin.seed
         views = watch(
@@ -238,8 +238,8 @@ class CameraCalibration:
 
 
 def _require_name(out: Path) -> None:
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.document import NAME_PATTERN
-    from cbdsl.errors.errors import UsageError
 
     if out.suffix != ".yaml" or not re.match(NAME_PATTERN, out.stem):
         raise UsageError(f"--out {out}: a calibration is <name>.yaml, of letters, digits and _")

@@ -18,7 +18,7 @@ def with_body(stage: StageDocument, body: int | None) -> StageDocument:
     Raises:
         UsageError: The stage has no camera errors, by which bodies differ.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if body is None:
         return stage
@@ -48,8 +48,8 @@ def read_calibration(
         UsageError: There is no such calibration, or it is another robot's.
     """
     from cbdsl.api.clean import require_clean
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.calibration import CalibrationDocument
-    from cbdsl.errors.errors import UsageError
 
     wanted = name or robot.calibration
     if wanted is None:
@@ -71,7 +71,7 @@ def require_body(calibration: CalibrationDocument, stage: StageDocument) -> None
     Raises:
         UsageError: The cameras differ from episode to episode, or are another body's.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     disturbance, origin = stage.disturbance, calibration.origin
     if not (disturbance.camera_position or disturbance.camera_rotation):

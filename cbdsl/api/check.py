@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.errors.diagnostic import Diagnostic
+    from cbdsl.diagnostics.diagnostic import Diagnostic
 
 
 def check(*documents: str | Path, values: Mapping[str, str] | None = None) -> list[Diagnostic]:

@@ -17,7 +17,7 @@ def require_clean(file: Path, library: Library) -> None:
     """
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
-    from cbdsl.errors.errors import DiagnosticsError
+    from cbdsl.diagnostics.errors import DiagnosticsError
 
     diagnostics = check_document(file, session=Session(library))
     if any(diagnostic.is_error for diagnostic in diagnostics):

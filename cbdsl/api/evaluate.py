@@ -76,7 +76,7 @@ def evaluate(
     """
     from cbdsl.api.open_robot import open_robot
     from cbdsl.api.simulate import simulate
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if episodes < 1:
         raise UsageError(f"episodes={episodes}: an evaluation needs at least one")

@@ -62,7 +62,7 @@ class ExploreRequest:
         from cbdsl.api.explored_actions import read_actions
         from cbdsl.api.run_request import read_request
         from cbdsl.backends.engines import default_engine
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.learning.constants import read_constants
         from cbdsl.learning.explorations import EXPLORATIONS
         from cbdsl.training.exploration_task import ExplorationTask
@@ -115,7 +115,7 @@ def require_persistent(stage: StageDocument) -> None:
     Raises:
         UsageError: The stage begins each action in a new world.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if not stage.world.persistent:
         raise UsageError(

@@ -35,8 +35,8 @@ def read_action(text: str) -> ActionText:
     import re
     from pathlib import Path
 
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.document import NAME_PATTERN
-    from cbdsl.errors.errors import UsageError
 
     head, _, tail = text.partition(":")
     label, given, program = head.rpartition("=")
@@ -66,7 +66,7 @@ def read_actions(
         DiagnosticsError: A document has errors.
         UsageError: A text is not an action, or the action cannot be rewarded.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     requests: list[RunRequest] = []
     actions: list[Explorable] = []
@@ -118,7 +118,7 @@ def _opened(catalog: CatalogDocument, name: str) -> set[str]:
 
 
 def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.training.explorable import OPEN, with_marks
 
     open_keys = [key for key, value in text.values.items() if value == OPEN]
@@ -139,8 +139,8 @@ def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest
     """Return a program with its values, and the features of its model."""
     from cbdsl.api.run_request import read_request
     from cbdsl.checking.knowledge.digest import program_digest
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.program import ProgramDocument
-    from cbdsl.errors.errors import UsageError
     from cbdsl.training.explorable import explorable
     from cbdsl.yaml_text.library import Library
 

@@ -107,8 +107,8 @@ class LearnRequest:
         Raises:
             UsageError: One of them does not.
         """
+        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.documents.document import NAME_PATTERN
-        from cbdsl.errors.errors import UsageError
         from cbdsl.learning.learner import ASSIMILATE
 
         if self.out.suffix != ".yaml" or not re.match(NAME_PATTERN, self.out.stem):

@@ -36,7 +36,7 @@ def load(
         UsageError: There is no such document, or the documents do not fit each other.
     """
     from cbdsl.api.run_request import read_request
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if policy is not None and schema is not None:
         raise UsageError("a schema names its policy: give policy or schema, not both")

@@ -72,7 +72,7 @@ class OpenRobot:
 
         from cbdsl.api.load import load
         from cbdsl.api.run_request import RunRequest
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         self._body.require_open()
         other = program if isinstance(program, RunRequest) else load(program)
@@ -116,7 +116,7 @@ class OpenRobot:
             UsageError: The stage has no such context, the episode cannot go on, another one runs
                 on this body, or the robot is closed.
         """
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         stage = self.request.stage
         if context is not None and context not in stage.contexts:

@@ -78,7 +78,7 @@ def propose_robot(
 
 
 def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGroups:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.robot.semantic_groups import SemanticGroups
     from cbdsl.robot.urdf import UrdfError
 

@@ -24,7 +24,7 @@ def rehearse(request: RunRequest, seed: int = 0) -> None:
         seed: Seed of the episode.
     """
     from cbdsl.backends.backend import embody
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.numeric.compiled import load_kept
     from cbdsl.runtime.episode import Runner
     from cbdsl.sensing.kinematics import Kinematics

@@ -46,8 +46,8 @@ def read_stage(stage: str | Path | None, robot: RobotDocument) -> StageDocument:
         UsageError: There is no such stage, or it is for another robot.
     """
     from cbdsl.api.clean import require_clean
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.stage import StageDocument
-    from cbdsl.errors.errors import UsageError
     from cbdsl.yaml_text.library import Library
 
     if stage is None:

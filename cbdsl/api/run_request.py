@@ -106,8 +106,8 @@ def _read_stage(
     name: str | None, program: CheckedProgram, program_file: Path, library: Library
 ) -> StageDocument:
     from cbdsl.api.clean import require_clean
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.stage import StageDocument
-    from cbdsl.errors.errors import UsageError
 
     wanted = name or program.stage
     if wanted is None:
@@ -162,8 +162,8 @@ def read_policy(
         UsageError: There is no such policy, or it serves another program.
     """
     from cbdsl.api.clean import require_clean
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.policy import PolicyDocument
-    from cbdsl.errors.errors import UsageError
 
     file = _locate(PolicyDocument, name, program_file, library)
     if _is_recording(file):
@@ -191,8 +191,8 @@ def _as_schema(
     from cbdsl.checking.program import examine_program
     from cbdsl.checking.schema import checked_schema
     from cbdsl.checking.session import Session
+    from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.documents.schema import SchemaDocument
-    from cbdsl.errors.errors import DiagnosticsError, UsageError
 
     file = _locate(SchemaDocument, name, program_file, library)
     require_clean(file, library)

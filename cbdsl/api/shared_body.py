@@ -44,7 +44,7 @@ class SharedBody:
         Raises:
             UsageError: The robot is closed.
         """
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         if not self._is_open:
             raise UsageError("this robot is closed; open it again with open_robot")
@@ -55,7 +55,7 @@ class SharedBody:
         Raises:
             UsageError: The robot is closed, or another episode runs on it.
         """
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         self.require_open()
         running = self._episode
@@ -123,7 +123,7 @@ class BodyEpisode(Generator["Tick", None, "EpisodeResult"]):
             StopIteration: The episode has ended; its value is the outcome.
             UsageError: The episode was interrupted, or cannot begin.
         """
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         if self._interruption:
             self.close()

@@ -51,7 +51,7 @@ def simulate(
     from cbdsl.api.open_robot import open_robot
     from cbdsl.api.truth import Truth
     from cbdsl.backends.simulated_backend import SimulatedBackend
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     opened = open_robot(program, backend=backend, cameras=cameras, persistent=persistent)
     with opened as robot:

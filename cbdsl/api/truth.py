@@ -62,7 +62,7 @@ class Truth:
         Raises:
             UsageError: The engine computes no contacts between objects.
         """
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         neighbours = getattr(self._engine, "neighbours", None)
         if neighbours is None:
@@ -103,7 +103,7 @@ class Truth:
 
     @staticmethod
     def _require(name: str, noun: str, known: Iterable[str]) -> None:
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         names = list(known)
         if name not in names:

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.engines import MODULES, remedy
 from cbdsl.backends.quiet import quiet_stderr
+from cbdsl.diagnostics.distributions import require_unmixed
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.distributions import require_unmixed
-from cbdsl.errors.errors import UsageError
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.sensing.observation import Observation
 from cbdsl.types.registry import PluginError, Registry

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.backend import Backend, BackendError, ResumableBackend, name_of
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.sensing.observation import Observation
 
 Floats = NDArray[np.float64]

@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 from cbdsl.calibration.ball import centre, hidden, image, plane_of
 from cbdsl.calibration.hand_view import FINGERS, HandView
 from cbdsl.calibration.missing_motion import lacking
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import Camera, Correction
-from cbdsl.errors.errors import UsageError
 
 Floats = NDArray[np.float64]
 

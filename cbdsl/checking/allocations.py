@@ -12,9 +12,9 @@ from cbdsl.checking.program import examine_program
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation, substitutes
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.types.allotment import CHANNEL, PROGRAM, WHOLE, Allotment, allotment

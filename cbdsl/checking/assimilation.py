@@ -12,10 +12,10 @@ from cbdsl.checking.prior_looks import derived_looks
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.program.allocation import allocate
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Relative

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.yaml_text.library import Library
 
 

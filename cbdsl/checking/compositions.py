@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.triple import check_triple
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents import program as written
-from cbdsl.errors.counting import count
-from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.yaml_text.unknown import Unknown

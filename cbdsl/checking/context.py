@@ -11,8 +11,8 @@ from cbdsl.checking.lookup.resources import MissingResources
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.sound_controllers import SoundControllers
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span
 from cbdsl.robot.instance_names import (
     InstanceName,

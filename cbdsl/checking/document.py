@@ -11,11 +11,11 @@ from cbdsl.checking.cause_order import causes_first
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.contents import is_file
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.unknown import UNKNOWN
 

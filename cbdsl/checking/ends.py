@@ -10,7 +10,7 @@ from typing import NamedTuple
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.knowledge.impossible import is_always_defined
 from cbdsl.checking.knowledge.states import is_sound
-from cbdsl.errors.diagnostic import Place
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.state import ANY, Predicate, matches, overlap

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
-from cbdsl.errors.counting import count
-from cbdsl.errors.diagnostic import Diagnostic, Place, Related
-from cbdsl.errors.wording import diagnostic
+from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Related
+from cbdsl.diagnostics.wording import diagnostic
 
 if TYPE_CHECKING:
-    from cbdsl.errors.entry import Entry
+    from cbdsl.diagnostics.entry import Entry
 
 # These have their cause in one place, but may occur in many: a missing name, for example, or a
 # missing action.

@@ -9,9 +9,9 @@ from typing import NamedTuple
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation, Examine
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.member_exchange import (
     EarnedSignal,

@@ -9,9 +9,9 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram, PriorLook
 from cbdsl.program.member_exchange import earned_signals
 from cbdsl.types.resource import Resource

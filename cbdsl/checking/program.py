@@ -21,10 +21,10 @@ from cbdsl.checking.session import Session
 from cbdsl.checking.suspicious import check_suspicious
 from cbdsl.checking.unused import check_unused
 from cbdsl.checking.used_programs import Budget, UsedPrograms
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.documents import program as written
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.errors.nearest import suggestion
 from cbdsl.program.checked import Action, CheckedProgram, Guards
 from cbdsl.program.controller import Composition, Primitive
 from cbdsl.yaml_text.library import Library

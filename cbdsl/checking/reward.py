@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.dry_run import controllers
 from cbdsl.yaml_text.library import Library

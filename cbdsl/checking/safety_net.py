@@ -7,8 +7,8 @@ from pathlib import Path
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.wording import diagnostic
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.wording import diagnostic
 from cbdsl.types.registry import PluginError
 
 #: Code of the diagnostic that reports a failed check.

@@ -11,9 +11,9 @@ from cbdsl.checking.lookup.uses import Uses
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.robot import examine_robot
 from cbdsl.checking.sound_controllers import SoundControllers
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
 

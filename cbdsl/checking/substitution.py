@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.correspondence import affordances, correspondence, in_place_of
 from cbdsl.types.allotment import PROGRAM, WHOLE, allotment

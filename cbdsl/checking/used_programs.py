@@ -14,9 +14,9 @@ from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.loaded import Loaded
 

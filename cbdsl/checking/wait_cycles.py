@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from cbdsl.checking.context import ProgramContext, Steps
-from cbdsl.errors.diagnostic import Place
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.program.controller import Controller
 
 

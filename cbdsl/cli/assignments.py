@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 
 
 def read_assignments(texts: Iterable[str], option: str = "--with") -> dict[str, str]:

@@ -44,7 +44,7 @@ class TerminalPerson:
         Raises:
             UsageError: No terminal is there to ask at.
         """
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         if self._yes and released:
             return True
@@ -69,7 +69,7 @@ def attend(backend: Backend, request: RunRequest, *, yes: bool, interface: str |
     """
     from cbdsl.api.rehearsal import rehearse
     from cbdsl.backends.backend import AttendedBackend
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if isinstance(backend, AttendedBackend):
         backend.attend(TerminalPerson(yes=yes), interface)

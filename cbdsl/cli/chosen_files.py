@@ -54,8 +54,8 @@ def choose_files(words: Iterable[str], stdin: Path, library: Library) -> ChosenF
 
 
 def _below(folder: Path) -> DocumentFolder:
-    from cbdsl.errors.counting import count
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.counting import count
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.yaml_text.document_folder import documents_below
 
     below = documents_below(folder)

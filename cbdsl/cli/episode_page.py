@@ -20,7 +20,7 @@ def require_page(page: Path, episodes: int) -> None:
     Raises:
         UsageError: It cannot, or there are several episodes.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if page.suffix != ".html":
         raise UsageError(f"--page {page}: a page is <name>.html")

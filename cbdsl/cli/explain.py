@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from cbdsl.errors.entry import Entry
+    from cbdsl.diagnostics.entry import Entry
 
 Code = Annotated[str | None, typer.Argument(help="Code of a diagnostic, such as CB504.")]
 All = Annotated[bool, typer.Option("--all", help="Explain all codes.")]
@@ -25,8 +25,8 @@ def explain(code: Code = None, every: All = False, markdown: Markdown = False) -
 
 def _entries(code: str | None, every: bool) -> list[Entry]:
     from cbdsl.cli.plugins import warn_of_faults
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.kinds import KINDS, entries, entry_of
-    from cbdsl.errors.errors import UsageError
 
     if every != (code is None):
         raise UsageError("explain wants a code such as CB504, or --all")
@@ -43,7 +43,7 @@ def _entries(code: str | None, every: bool) -> list[Entry]:
 
 def _suggestion(code: str, known: Iterable[str]) -> str:
     """Return the question for the nearest code, without regard to the common prefix."""
-    from cbdsl.errors.nearest import nearest_name
+    from cbdsl.diagnostics.nearest import nearest_name
 
     numbers = {each.removeprefix("CB"): each for each in known}
     nearest = nearest_name(code.upper().removeprefix("CB"), numbers)

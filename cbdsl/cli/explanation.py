@@ -6,8 +6,8 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from difflib import unified_diff
 
-from cbdsl.errors.entry import Entry
-from cbdsl.errors.legible_text import legible
+from cbdsl.diagnostics.entry import Entry
+from cbdsl.diagnostics.legible_text import legible
 
 _HEAD = """\
 # Diagnostics

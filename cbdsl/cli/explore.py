@@ -119,7 +119,7 @@ def explore(
     from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if out.suffix != ".yaml":
         raise UsageError(f"--out {out}: a catalog is <name>.yaml")

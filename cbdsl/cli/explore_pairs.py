@@ -29,8 +29,8 @@ def explore_pairs(context: typer.Context, command: str) -> None:
     from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.meta_catalog import Relation
-    from cbdsl.errors.errors import UsageError
 
     given = context.params
     _refuse_options_of_one(context)
@@ -69,7 +69,7 @@ def explore_pairs(context: typer.Context, command: str) -> None:
 
 
 def _refuse_options_of_one(context: typer.Context) -> None:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     for parameter in context.command.params:
         name = str(parameter.name)

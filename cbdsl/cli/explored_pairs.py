@@ -23,8 +23,8 @@ def read_things(texts: Sequence[str]) -> dict[str, str]:
     """
     import re
 
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.document import NAME_PATTERN
-    from cbdsl.errors.errors import UsageError
 
     things: dict[str, str] = {}
     for text in texts:
@@ -57,7 +57,7 @@ def read_pairs(
         UsageError: The program does not bring one object to another, or the stage has no pair.
     """
     from cbdsl.api.explored_actions import read_action
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     text = read_action(program)
     requests: dict[str, RunRequest] = {}
@@ -88,8 +88,8 @@ def _request(program: str, stage: str | None, values: Mapping[str, str]) -> RunR
 
 
 def _require_ends(program: str) -> None:
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.program import ProgramDocument
-    from cbdsl.errors.errors import UsageError
     from cbdsl.yaml_text.library import Library
 
     library = Library()

@@ -66,7 +66,7 @@ def export_mcap(what: Recording, out: Out = None, schemas: Schemas = "foxglove")
     by simulated time. With --schemas ros2, messages are those of ROS 2 (sensor_msgs, geometry_msgs,
     tf2_msgs and others), with wrenches and camera intrinsics. Requires the extra mcap.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if schemas not in SCHEMAS:
         raise UsageError.unknown("kind of schemas", schemas, SCHEMAS)
@@ -126,7 +126,7 @@ def needed(product: str, extra: str) -> Iterator[None]:
     Raises:
         UsageError: A module is not installed.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     try:
         yield
@@ -143,8 +143,8 @@ def named_problems(target: Path) -> Iterator[None]:
     Raises:
         UsageError: The file cannot be written.
     """
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.reason import reason
+    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.diagnostics.reason import reason
 
     try:
         yield

@@ -14,7 +14,7 @@ from cbdsl.cli.standard_streams import read_standard_input
 
 if TYPE_CHECKING:
     from cbdsl.cli.validation_report import ValidationReport
-    from cbdsl.errors.diagnostic import Diagnostic
+    from cbdsl.diagnostics.diagnostic import Diagnostic
     from cbdsl.yaml_text.library import Library
 
 #: Writer of each format: a module of this package, and its function of a report.
@@ -67,7 +67,7 @@ def check_paths(
 
 
 def _writer(form: str) -> Callable[[ValidationReport], str]:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if form not in FORMATS:
         raise UsageError.unknown("format", form, FORMATS)
@@ -124,7 +124,7 @@ def _first_of_each_file(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...
 
 def _texts(library: Library) -> Callable[[str], str | None]:
     """Return a cached function of a file that returns its text for snippets, or ``None``."""
-    from cbdsl.errors.errors import DiagnosticsError
+    from cbdsl.diagnostics.errors import DiagnosticsError
 
     @cache
     def text_of(file: str) -> str | None:

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.editor.fixes import fixed
-from cbdsl.errors.errors import DiagnosticsError
 
 # The correction of one name may reveal another misspelled name.
 _ROUNDS = 5
@@ -26,7 +26,7 @@ def fix_paths(paths: Iterable[str], values: Mapping[str, str]) -> None:
         UsageError: A path is the standard input, or a folder holds no documents.
     """
     from cbdsl.cli.terminal import print_problem
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     words = list(paths)
     if STANDARD_INPUT in words:

@@ -27,7 +27,7 @@ def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
     """
     from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
     from cbdsl.cli.terminal import print_diagnostics
-    from cbdsl.errors.errors import DiagnosticsError, UsageError
+    from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.yaml_text.library import Library
 
     if paths == [STANDARD_INPUT] and not (check or diff):

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.errors.diagnostic import Diagnostic
+    from cbdsl.diagnostics.diagnostic import Diagnostic
     from cbdsl.yaml_text.ignores import Ignore
     from cbdsl.yaml_text.library import Library
 
@@ -48,7 +48,7 @@ def apply_suppressions(
 
 
 def _ignores(path: Path, library: Library) -> list[Ignore]:
-    from cbdsl.errors.errors import DiagnosticsError
+    from cbdsl.diagnostics.errors import DiagnosticsError
 
     try:
         text = library.text(path)
@@ -63,8 +63,8 @@ def _ignores(path: Path, library: Library) -> list[Ignore]:
 
 
 def _faults(ignore: Ignore, hits: set[Ignore]) -> Iterator[Diagnostic]:
+    from cbdsl.diagnostics.wording import diagnostic
     from cbdsl.documents.kinds import entry_of
-    from cbdsl.errors.wording import diagnostic
 
     if entry_of(ignore.code) is None:
         yield diagnostic("CB803", ignore.place, name=ignore.code)

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from cbdsl.cli.validation_report import ValidationReport
-from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 
 #: Version, increased if a key changes its meaning or is removed, but not for a new key.
 VERSION = 1

@@ -238,7 +238,7 @@ def _tell_of_no_reward(request: RunRequest) -> None:
 
 
 def _require_one_place(workers: int, scheduler: str | None) -> None:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if workers > 1 and scheduler is not None:
         raise UsageError("--workers are processes of this machine, --scheduler has its own: choose")
@@ -246,7 +246,7 @@ def _require_one_place(workers: int, scheduler: str | None) -> None:
 
 def _require_here(workers: int, scheduler: str | None) -> None:
     """Check that episodes run where they can be shown."""
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if workers > 1 or scheduler is not None:
         option = "--scheduler" if scheduler is not None else f"--workers {workers}"
@@ -283,8 +283,8 @@ def _set(constants: Section) -> Iterator[str]:
 
 def _require_ready(tasks: Sequence[LearningTask], resume: bool) -> None:
     """Check before the episodes, not after, that everything can be written."""
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.reason import reason
+    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.diagnostics.reason import reason
 
     for task in tasks:
         try:

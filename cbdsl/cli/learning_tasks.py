@@ -58,7 +58,7 @@ def side_by_side(tasks: Sequence[LearningTask], workers: int, scheduler: str | N
         UsageError: Trials failed; the message names the reasons and the kept files.
     """
     from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     with needing_simulation():
         from cbdsl.backends.backend import find_backend
@@ -140,7 +140,7 @@ class Supervision:
         Raises:
             UsageError: A trial failed.
         """
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
 
         failures = [
             f"trial {', '.join(map(str, numbers))}: {reason}"
@@ -164,7 +164,7 @@ def _progress(tasks: Sequence[LearningTask], at_once: int) -> LearningProgress:
 def _explained(*tasks: LearningTask) -> Iterator[None]:
     """Convert errors and interrupts of trials to one message that names the kept files."""
     from cbdsl.cli.terminal import print_problem
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.runtime.line_journal import JournalError
 
     try:
@@ -179,7 +179,7 @@ def _explained(*tasks: LearningTask) -> Iterator[None]:
 
 
 def _reason(task: LearningTask, error: Exception) -> str:
-    from cbdsl.errors.reason import reason
+    from cbdsl.diagnostics.reason import reason
 
     if isinstance(error, OSError):
         return f"{error.filename or task.path}: {reason(error)}"

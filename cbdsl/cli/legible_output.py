@@ -14,9 +14,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO, cast
 
-from cbdsl.errors.legible_text import seen
+from cbdsl.diagnostics.legible_text import seen
 
-# Colours of diagnostics, only for terminals, equal to the colours of cbdsl.errors.rendering.
+# Colours of diagnostics, only for terminals, equal to the colours of cbdsl.diagnostics.rendering.
 _COLORS = ("\033[0m", "\033[1m", "\033[1;31m", "\033[1;33m", "\033[36m")
 
 # Attributes that every text stream has, forwarded to the underlying stream.

@@ -47,7 +47,7 @@ def list(kind: Kind = None, format_: PlainFormat = "text", as_json: Json = False
 
 def _kind(word: str, known: dict[str, type[Document]]) -> str:
     """Return the kind of a name in the singular or the plural."""
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     plurals = {f"{name[:-1]}ies" if name.endswith("y") else f"{name}s": name for name in known}
     if word in known or word in plurals:
@@ -71,7 +71,7 @@ def _rows(kind: str, model: type[Document], library: Library) -> Iterator[dict[s
 
 def _robot_and_description(file: Path, model: type[Document], library: Library) -> tuple[str, str]:
     """Return the robot and the beginning of the description of a document, if readable."""
-    from cbdsl.errors.errors import DiagnosticsError
+    from cbdsl.diagnostics.errors import DiagnosticsError
 
     try:
         document = library.read_sound_parts(file, model).document

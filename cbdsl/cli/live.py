@@ -66,7 +66,7 @@ def live_options(
     Raises:
         UsageError: An option of the page is given without ``--live``.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     given = {
         "--live-port": port is not None,

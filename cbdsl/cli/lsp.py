@@ -13,7 +13,7 @@ def lsp() -> None:
     from importlib.metadata import version
     from pathlib import Path
 
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     try:
         from cbdsl.editor.server import build

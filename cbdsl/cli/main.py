@@ -79,7 +79,7 @@ def _requested(words: list[str]) -> list[str]:
     """
     from cbdsl.cli.commands import COMMANDS, missing_package
     from cbdsl.cli.plugins import warn_of_faults
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if words and words[0] in COMMANDS:
         return words[:1]
@@ -140,8 +140,8 @@ def _report_notes(error: BaseException | None) -> None:
 def _report(error: Exception) -> int:
     """Print an error without a traceback, and return the exit code."""
     from cbdsl.cli.terminal import print_diagnostics, print_problem
-    from cbdsl.errors.errors import DiagnosticsError, UsageError
-    from cbdsl.errors.reason import reason
+    from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+    from cbdsl.diagnostics.reason import reason
 
     if isinstance(error, DiagnosticsError):
         print_diagnostics(error.diagnostics)

@@ -125,7 +125,7 @@ def _located(name: str) -> tuple[RobotDocument, Path]:
 
 def _posture(robot: RobotDocument) -> tuple[str, str]:
     """Return an effector and one of its postures, preferably not its start posture."""
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     candidates = [
         (posture == effector.start, name, posture)

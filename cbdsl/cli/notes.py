@@ -13,8 +13,8 @@ def notes(request: RunRequest) -> list[str]:
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
     from cbdsl.cli.ignores import apply_suppressions
+    from cbdsl.diagnostics.diagnostic import Severity
     from cbdsl.documents.robot import RobotDocument
-    from cbdsl.errors.diagnostic import Severity
 
     library = request.library
     file = library.find(RobotDocument, request.program.robot, request.program_file)

@@ -38,8 +38,8 @@ def write_page(text: str, target: Path, *, prints: bool = True) -> None:
 
 @contextmanager
 def _writing(target: Path) -> Iterator[None]:
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.reason import reason
+    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.diagnostics.reason import reason
 
     try:
         yield

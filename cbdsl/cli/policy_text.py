@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from textwrap import wrap
 
+from cbdsl.diagnostics.counting import count
 from cbdsl.documents.policy import PolicyDocument
-from cbdsl.errors.counting import count
 from cbdsl.reporting.drawing.pictogram import LETTERS
 from cbdsl.reporting.drawing.policy_graph import ending, percent, title
 from cbdsl.reporting.drawing.policy_transitions import Arc, Decision, PolicyTransitions, decisions

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from textwrap import wrap
 
-from cbdsl.errors.counting import count
+from cbdsl.diagnostics.counting import count
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Reference, Relative
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding

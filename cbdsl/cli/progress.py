@@ -6,7 +6,7 @@ import sys
 import time
 
 from cbdsl.cli.legible_output import raw
-from cbdsl.errors.legible_text import legible
+from cbdsl.diagnostics.legible_text import legible
 
 #: Minimum duration of a command that reports progress, s.
 _PATIENCE = 2.0

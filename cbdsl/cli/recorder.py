@@ -83,8 +83,8 @@ class Recorder:
 
     @contextmanager
     def _named_problems(self) -> Iterator[None]:
-        from cbdsl.errors.errors import UsageError
-        from cbdsl.errors.reason import reason
+        from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.diagnostics.reason import reason
 
         try:
             yield

@@ -20,7 +20,7 @@ def replay(what: Recording, out: Out = None, open_: Open = True) -> None:
 
     Exit 0 if the page was written, 2 if it cannot be made.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     try:
         from cbdsl.reporting.recorded import find_recordings

@@ -33,8 +33,8 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
     Exit 0 if the page was written, 1 if a document has errors, 2 if the page cannot be made.
     """
     from cbdsl.cli.show_meta_catalog import read_meta_catalog
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.meta_catalog import MetaCatalogDocument
-    from cbdsl.errors.errors import UsageError
     from cbdsl.yaml_text.library import is_of
 
     try:

@@ -145,7 +145,7 @@ def run(
     from cbdsl.cli.recorder import Recorder
     from cbdsl.cli.simulation import simulation
     from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if overwrite and record is None:
         raise UsageError("--overwrite is about recordings: give their folder with --record")
@@ -183,7 +183,7 @@ def run(
 
 
 def _require_exclusive(two_audiences: bool, two_policies: bool) -> None:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if two_audiences:
         raise UsageError("--explain tells people and --json tells scripts: choose one")
@@ -233,8 +233,8 @@ def _introduction(request: RunRequest, name: str, backend: Backend) -> str:
 
 
 def _require_context(stage: StageDocument, context: str | None) -> None:
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.nearest import suggestion
+    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.diagnostics.nearest import suggestion
 
     if context is None or context in stage.contexts:
         return
@@ -253,7 +253,7 @@ def _episode(
 ) -> EpisodeResult:
     """Run an episode and print its outcome; keep its recording even after an error."""
     from cbdsl.backends.backend import BackendError
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.runtime.episode import DeadlineError
 
     ended: list[EpisodeResult] = []

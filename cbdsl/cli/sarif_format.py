@@ -11,9 +11,9 @@ from typing import Any
 from urllib.parse import quote
 
 from cbdsl.cli.validation_report import ValidationReport
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.entry import Entry
 from cbdsl.documents.kinds import entry_of
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.entry import Entry
 
 _SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"

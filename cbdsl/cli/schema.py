@@ -49,9 +49,9 @@ def _kinds(kind: str | None) -> dict[str, type[Document]]:
 
 
 def _write(kinds: dict[str, type[Document]], folder: Path) -> None:
+    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.diagnostics.reason import reason
     from cbdsl.documents.json_schema import json_schema, json_text, schema_file
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.reason import reason
     from cbdsl.yaml_text.writer import write_text
 
     try:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cbdsl.diagnostics.counting import count
 from cbdsl.documents.schema import ChoiceQuestion, ChoiceTree, RewardQuestion, SchemaDocument
-from cbdsl.errors.counting import count
 
 
 def schema_text(schema: SchemaDocument) -> str:

@@ -54,7 +54,7 @@ def show_catalog(
     """
     from cbdsl.cli.catalog_text import catalog_text
     from cbdsl.cli.terminal import print_json
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if expect is not None and against is not None:
         raise UsageError("--expect predicts and --against compares: choose one")

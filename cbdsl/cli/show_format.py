@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:
     from cbdsl.reporting.drawing.graph import Graph

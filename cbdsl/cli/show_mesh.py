@@ -34,7 +34,7 @@ def show_mesh(
     """
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.terminal import print_json
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     form = read_format(format_, as_json, PLAIN)
     with needing_simulation():

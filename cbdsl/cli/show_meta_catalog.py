@@ -43,7 +43,7 @@ def show_meta_catalog(
     """
     from cbdsl.cli.meta_catalog_text import meta_catalog_text
     from cbdsl.cli.terminal import print_json
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.reporting.drawing.meta_catalog_graph import meta_catalog_graph
 
     if of is not None and stack is None:
@@ -66,7 +66,7 @@ def plan(catalog: MetaCatalogDocument, height: int, of: str | None) -> StackPlan
     Raises:
         UsageError: An object is unknown, or no such stack is known.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.learning.stack_plan import plan_stack
     from cbdsl.learning.thing_graph import support_graph
 

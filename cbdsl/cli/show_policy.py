@@ -67,9 +67,9 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
     Raises:
         UsageError, DiagnosticsError: The policy does not exist or has errors.
     """
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.documents.program import ProgramDocument
-    from cbdsl.errors.errors import UsageError
     from cbdsl.reporting.drawing.policy_transitions import require_legible
     from cbdsl.yaml_text.library import Library
     from cbdsl.yaml_text.reader import read_document

@@ -37,7 +37,7 @@ def show_schema(
     """
     from cbdsl.cli.schema_text import schema_text
     from cbdsl.cli.terminal import print_json
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.reporting.drawing.schema_graph import schema_graph
 
     form = read_format(format_, as_json)

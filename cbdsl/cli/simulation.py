@@ -34,7 +34,7 @@ def needing_simulation() -> Iterator[None]:
     Raises:
         UsageError: An imported package, or a system library of it, is not installed.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     try:
         yield
@@ -60,7 +60,7 @@ def simulation(
         UsageError: The backend or its cameras are unknown, a package is not installed, or the
             backend cannot read the robot's model.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.robot.urdf import UrdfError
 
     with needing_simulation():

@@ -32,7 +32,7 @@ def read_standard_input(most: int) -> bytes:
     Raises:
         UsageError: It is closed.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     if sys.stdin is None:
         raise UsageError("the standard input is closed; name a file instead of '-'")

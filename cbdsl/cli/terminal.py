@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from cbdsl.cli.legible_output import raw
 from cbdsl.cli.text_format import text
 from cbdsl.cli.validation_report import ValidationReport
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.legible_text import legible
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.legible_text import legible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -70,7 +70,7 @@ def print_problem(message: str) -> None:
 @cache
 def _text(file: str) -> str | None:
     """Return a file's text for snippets, or ``None`` if it has none."""
-    from cbdsl.errors.errors import DiagnosticsError
+    from cbdsl.diagnostics.errors import DiagnosticsError
     from cbdsl.yaml_text.reader import read_text
 
     try:

@@ -6,14 +6,14 @@ import os
 import sys
 
 from cbdsl.cli.validation_report import ValidationReport
-from cbdsl.errors.counting import count
+from cbdsl.diagnostics.counting import count
 
 
 def text(report: ValidationReport) -> str:
     """Return the diagnostics and their numbers as text, in colour for a terminal."""
     if not report.findings:
         return f"{count(report.documents, 'document')}, no findings{_skipped(report)}"
-    from cbdsl.errors.rendering import render  # only a finding needs it
+    from cbdsl.diagnostics.rendering import render  # only a finding needs it
 
     color = _is_colorful()
     lines = [render(d, report.text_of(d.place.file), color) for d in report.findings]

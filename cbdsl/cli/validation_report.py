@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 from cbdsl.checking.safety_net import FAILED_CHECK
-from cbdsl.errors.diagnostic import Diagnostic, Severity
+from cbdsl.diagnostics.diagnostic import Diagnostic, Severity
 
 
 class ValidationReport(NamedTuple):

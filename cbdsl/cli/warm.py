@@ -29,7 +29,7 @@ def warm() -> None:
     from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     with needing_simulation():
         from cbdsl.backends.engines import installed_engines

@@ -17,8 +17,8 @@ def require_workers(workers: int) -> None:
     Raises:
         UsageError: The number of workers exceeds the limit.
     """
-    from cbdsl.errors.counting import count
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.counting import count
+    from cbdsl.diagnostics.errors import UsageError
 
     processors = len(os.sched_getaffinity(0))
     most = max(_ALWAYS, _PER_PROCESSOR * processors)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from cbdsl.documents.document import Document
 
 if TYPE_CHECKING:
-    from cbdsl.errors.entry import Entry
+    from cbdsl.diagnostics.entry import Entry
 
 
 class Kind(NamedTuple):

@@ -10,7 +10,7 @@ from cbdsl.documents.kind import Kind
 from cbdsl.types.registry import PluginError, Registry
 
 if TYPE_CHECKING:
-    from cbdsl.errors.entry import Entry
+    from cbdsl.diagnostics.entry import Entry
 
 
 def _record(name: str, record: Any) -> Kind:
@@ -38,7 +38,7 @@ def _record(name: str, record: Any) -> Kind:
 def _taken(entries: tuple[Entry, ...]) -> list[str]:
     if not entries:
         return []
-    from cbdsl.errors.catalogue import hundred  # only a fault and other packages need it
+    from cbdsl.diagnostics.catalogue import hundred  # only a fault and other packages need it
 
     return [entry.code for entry in entries if entry.code in hundred(entry.code)]
 
@@ -78,7 +78,7 @@ def models() -> dict[str, type[Document]]:
 
 def entries() -> dict[str, Entry]:
     """Return the diagnostics of the catalogue and of kinds of other packages, by code."""
-    from cbdsl.errors.catalogue import catalogue  # only a fault needs it
+    from cbdsl.diagnostics.catalogue import catalogue  # only a fault needs it
 
     added = (entry for kind in KINDS.all().values() for entry in kind.entries)
     return catalogue() | {entry.code: entry for entry in added}
@@ -86,6 +86,6 @@ def entries() -> dict[str, Entry]:
 
 def entry_of(code: str) -> Entry | None:
     """Return the diagnostic of a code; plug-ins are read only if the catalogue lacks it."""
-    from cbdsl.errors.catalogue import hundred
+    from cbdsl.diagnostics.catalogue import hundred
 
     return hundred(code).get(code) or entries().get(code)

@@ -8,10 +8,10 @@ from pathlib import Path
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.document import Document
 from cbdsl.documents.ownership import is_own
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.document_folder import documents_below
 from cbdsl.yaml_text.library import Library

@@ -7,10 +7,10 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from cbdsl.diagnostics.lines import lines_of
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import EnclosingKeys
 from cbdsl.editor.names import is_composed, robot_resources, section
-from cbdsl.errors.lines import lines_of
 from cbdsl.types.potential import POTENTIALS
 
 #: Kinds of words, in the protocol's terms: operators are "subject to", functions controllers,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+from cbdsl.diagnostics.lines import lines_of
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import Cursor
 from cbdsl.editor.names import document_named, section
-from cbdsl.errors.lines import lines_of
 
 _SECTIONS = ("controllers", "use")
 

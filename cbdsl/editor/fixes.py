@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.lines import line_ends, lines_of
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.lines import line_ends, lines_of
 
 
 class Fix(NamedTuple):

@@ -7,11 +7,11 @@ from itertools import takewhile
 from pathlib import Path
 from textwrap import dedent
 
+from cbdsl.diagnostics.lines import lines_of
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import Cursor
 from cbdsl.editor.keys import keys
 from cbdsl.editor.names import document_named, is_composed, robot_resources, section
-from cbdsl.errors.lines import lines_of
 from cbdsl.types.casts import CASTS
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.diagnostics.lines import lines_of
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.editor.buffers import Buffers
-from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.errors.lines import lines_of
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
 

@@ -9,8 +9,8 @@ from typing import Protocol
 
 from lsprotocol import types as lsp
 
-from cbdsl.errors.diagnostic import Place
-from cbdsl.errors.lines import line_ends, lines_of
+from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.lines import line_ends, lines_of
 
 # The protocol has fewer line ends than YAML, by which findings count lines.
 _BREAK = re.compile("\r\n|[\n\r]")

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from cbdsl.diagnostics.lines import lines_of
 from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.documents.kinds import KINDS
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import Cursor, cursor
 from cbdsl.editor.names import document_named, is_composed, section
-from cbdsl.errors.lines import lines_of
 
 # Sections of policies that name their program's controllers.
 _LEARNED = ("predicates", "policy", "values", "transitions")

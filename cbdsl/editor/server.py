@@ -12,6 +12,9 @@ from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path
 
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Severity
+from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.lines import lines_of
 from cbdsl.documents.ownership import is_declared, is_own
 from cbdsl.editor.addresses import Addresses
 from cbdsl.editor.buffers import Buffers
@@ -25,9 +28,6 @@ from cbdsl.editor.messages import MessageStream
 from cbdsl.editor.names import choices
 from cbdsl.editor.positions import Positions
 from cbdsl.editor.rename import Renaming, is_name, renaming
-from cbdsl.errors.diagnostic import Diagnostic, Place, Severity
-from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.errors.lines import lines_of
 from cbdsl.yaml_text.reader import formatted_text
 
 NAME = "cbdsl"

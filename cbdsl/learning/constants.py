@@ -7,8 +7,8 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import ValidationError
 
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.document import Count, Section, quantity
-from cbdsl.errors.errors import UsageError
 
 Form = Literal["kernel", "gaussian"]
 C = TypeVar("C", bound=Section)

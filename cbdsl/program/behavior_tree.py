@@ -13,7 +13,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.types.state import ANY, Predicate, closest_first, overlap
 

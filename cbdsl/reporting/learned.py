@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.counting import count
-from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.errors.reason import reason
 from cbdsl.reporting.drawing.policy_transitions import require_legible
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import read_urdf

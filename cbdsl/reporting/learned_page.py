@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from cbdsl.diagnostics.counting import count
 from cbdsl.documents.policy import Provenance
-from cbdsl.errors.counting import count
 from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.density_svg import SHOWN, density_svgs
 from cbdsl.reporting.drawing.pictogram import LETTERS

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from html import escape
 
+from cbdsl.diagnostics.counting import count
 from cbdsl.documents.catalog import AffordanceSection, CatalogProvenance
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.errors.counting import count
 from cbdsl.learning.stack_plan import pairs_of, plan_stacks
 from cbdsl.learning.thing_graph import support_graph
 from cbdsl.reporting.bundle import Bundle

@@ -14,9 +14,9 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.contents import contents
-from cbdsl.errors.errors import UsageError
-from cbdsl.errors.reason import reason
 from cbdsl.reporting.recorded_form import array_faults, summary_faults
 from cbdsl.runtime.recording import VERSION
 

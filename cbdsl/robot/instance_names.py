@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from cbdsl.diagnostics.nearest import nearest_name
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.nearest import nearest_name
 from cbdsl.types.resource import SELECTIONS, Resource
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.documents.contents import is_folder
-from cbdsl.errors.nearest import suggestion
 from cbdsl.robot.urdf import UrdfError
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import chain
 
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import Channels, LoadCell, RobotDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.robot.channel_names import channel_names, hue_names
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.robot.urdf import UrdfModel

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from typing import NamedTuple
 
-from cbdsl.errors.nearest import suggestion
+from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.robot.srdf import GroupState, SrdfGroup, SrdfModel
 from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel

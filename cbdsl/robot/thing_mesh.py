@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.contents import is_file
-from cbdsl.errors.errors import UsageError
 from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.triangles import read_triangles
 

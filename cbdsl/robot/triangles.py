@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.contents import contents
-from cbdsl.errors.errors import UsageError
-from cbdsl.errors.reason import reason
 
 Floats = NDArray[np.float64]
 

@@ -16,9 +16,9 @@ from cbdsl.backends.backend_calls import BackendCalls
 from cbdsl.control.multigrid import ConvergenceError
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.signal import SignalError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation

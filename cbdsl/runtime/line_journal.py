@@ -12,7 +12,7 @@ from shlex import quote
 from types import TracebackType
 from typing import Any, BinaryIO, Self
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 
 # Time for which a process that lost its cluster may be busy with its last line, s.
 _PATIENCE = 60.0

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 
 
 class RecordingFolder:

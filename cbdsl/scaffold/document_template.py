@@ -9,11 +9,11 @@ from pathlib import Path
 from string import Template
 from types import MappingProxyType
 
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.document import NAME_PATTERN, Document
 from cbdsl.documents.json_schema import json_schema, json_text, schema_file
 from cbdsl.documents.kinds import KINDS, kind_of
-from cbdsl.errors.errors import UsageError
-from cbdsl.errors.reason import reason
 from cbdsl.yaml_text.writer import write_bytes, write_text
 
 

@@ -57,7 +57,7 @@ class ModelReader:
         Raises:
             UsageError: The model cannot be read, or needs a package that is not installed.
         """
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.robot.urdf import UrdfError
 
         try:
@@ -71,7 +71,7 @@ class ModelReader:
         Raises:
             UsageError: The groups cannot be read, or need a package that is not installed.
         """
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.robot.srdf import parse_srdf, read_srdf
         from cbdsl.robot.urdf import UrdfError
 
@@ -83,7 +83,7 @@ class ModelReader:
             raise UsageError(f"--srdf {error}") from None
 
     def _read(self, name: str, folder: Path) -> ModelSource:
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.robot.urdf_reader import read_urdf
 
         kind = self._format(self._file)
@@ -138,8 +138,8 @@ class ModelReader:
     def _read_mjcf(self, name: str, folder: Path) -> ModelSource:
         from importlib.util import find_spec
 
-        from cbdsl.errors.distributions import require_unmixed
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.distributions import require_unmixed
+        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.robot.mjcf.bounded_conversion import convert_bounded
 
         require_unmixed("mujoco")
@@ -161,7 +161,7 @@ class ModelReader:
         meshes: Mapping[str, bytes],
         remarks: tuple[str, ...],
     ) -> ModelSource:
-        from cbdsl.errors.errors import UsageError
+        from cbdsl.diagnostics.errors import UsageError
         from cbdsl.robot.local_urdf import with_origin
         from cbdsl.robot.urdf_reader import parse_urdf
 
@@ -180,7 +180,7 @@ class ModelReader:
 
 
 def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     try:
         from cbdsl.robot.xacro.expansion import expand_xacro
@@ -193,7 +193,7 @@ def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) 
 
 
 def _package_folders(file: Path, named: Mapping[str, str]) -> PackageFolders:
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.robot.package_folders import PackageFolders
 
     for name, path in named.items():
@@ -209,7 +209,7 @@ def _pairs(option: str, texts: Sequence[str], separator: str) -> dict[str, str]:
     Raises:
         UsageError: A text has no name or no separator, or two texts have the same name.
     """
-    from cbdsl.errors.errors import UsageError
+    from cbdsl.diagnostics.errors import UsageError
 
     pairs: dict[str, str] = {}
     for text in texts:

@@ -11,9 +11,9 @@ from pathlib import Path
 from textwrap import TextWrapper
 from typing import NamedTuple
 
-from cbdsl.errors.counting import count, some
-from cbdsl.errors.errors import UsageError
-from cbdsl.errors.legible_text import legible, seen
+from cbdsl.diagnostics.counting import count, some
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.legible_text import legible, seen
 from cbdsl.robot.chains import chains, root
 from cbdsl.robot.ready_posture import ReadyPosture, at_first
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups

@@ -16,7 +16,7 @@ from typing import TypeVar
 import dask.config
 from distributed import Client, Future, KilledWorker, wait
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.training.job import Job
 from cbdsl.training.provenance import versions
 from cbdsl.training.supervisor import Supervisor

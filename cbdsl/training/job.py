@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Protocol
 
 from cbdsl.backends.backend import Backend, embody
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.digest import digest
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.trial_loop import TrialObserver
 

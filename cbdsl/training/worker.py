@@ -8,7 +8,7 @@ from pathlib import Path
 from distributed import get_worker
 from distributed.core import Status
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.learning.experience import Experience
 from cbdsl.training.job import AbandonedError, Job, run_job
 from cbdsl.training.provenance import versions

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from multiprocessing.connection import Connection
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.learning.experience import Experience
 from cbdsl.training.job import AbandonedError, run_job
 

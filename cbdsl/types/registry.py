@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module, invalidate_caches
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint

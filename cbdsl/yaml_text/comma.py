@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from cbdsl.errors.diagnostic import Place
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.yaml_text.node import Node
 
 

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import yaml
 
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.errors.lines import lines_of
-from cbdsl.errors.wording import diagnostic
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.lines import lines_of
+from cbdsl.diagnostics.wording import diagnostic
 from cbdsl.yaml_text.characters import (
     control_in,
     look_alike_message,

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from cbdsl.errors.lines import lines_of
+from cbdsl.diagnostics.lines import lines_of
 from cbdsl.yaml_text.composer import LOADER, SyntaxFaultError
 
 #: Columns by which a block is indented relative to its parent.

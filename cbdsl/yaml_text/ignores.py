@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from cbdsl.errors.diagnostic import Place
-from cbdsl.errors.lines import lines_of
+from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.lines import lines_of
 from cbdsl.yaml_text.composer import LOADER, MOST_CHARACTERS
 
 _IGNORE = re.compile(r"(?:^|(?<=\s))#\s*cb: ignore\b[ \t]*(?P<code>\w*)(?P<reason>.*)")

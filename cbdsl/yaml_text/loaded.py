@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
+from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.documents.document import Document
-from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.yaml_text.source_map import SourceMap
 
 D = TypeVar("D", bound=Document, covariant=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cbdsl.errors.diagnostic import Place
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.yaml_text.scalar import Scalar
 
 

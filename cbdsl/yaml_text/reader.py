@@ -8,14 +8,14 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.diagnostics.lines import lines_of
+from cbdsl.diagnostics.nearest import nearest_name
+from cbdsl.diagnostics.wording import diagnostic
 from cbdsl.documents.contents import contents
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.errors.lines import lines_of
-from cbdsl.errors.nearest import nearest_name
-from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.characters import is_suspect
 from cbdsl.yaml_text.composer import (
     MOST_BYTES,

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
-from cbdsl.errors.diagnostic import Place
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.yaml_text.broken import Broken
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.unknown import Declared

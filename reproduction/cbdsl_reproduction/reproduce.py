@@ -170,7 +170,7 @@ def _kept(folder: Path | None) -> Iterator[Path]:
 
     from cbdsl import UsageError
     from cbdsl.cli.terminal import print_problem
-    from cbdsl.errors.reason import reason
+    from cbdsl.diagnostics.reason import reason
     from cbdsl.runtime.line_journal import DamagedJournalError, JournalError
 
     if folder is None:
@@ -291,7 +291,7 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
 def _require_writable(out: Path) -> None:
     """Check before the experiments that their outcomes can be written."""
     from cbdsl import UsageError
-    from cbdsl.errors.reason import reason
+    from cbdsl.diagnostics.reason import reason
     from cbdsl.yaml_text.writer import make_room
 
     if out.suffix not in ("", ".json"):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 import cbdsl
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 
 py_trees = pytest.importorskip("py_trees")
 from py_trees.common import Status  # noqa: E402

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import cbdsl
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 
 
 @pytest.fixture

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.api.run_request import read_request
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.yaml_text.library import Library
 
 PROGRAM = """cbdsl: 1

@@ -10,8 +10,8 @@ from cbdsl.checking.allocations import allocations
 from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 

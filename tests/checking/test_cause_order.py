@@ -8,7 +8,7 @@ from pathlib import Path
 from cbdsl.checking.cause_order import causes_first
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.yaml_text.library import Library
 
 HEAD = "cbdsl: 1\nkind: program\nname: {name}\nrobot: dexter\n"

@@ -10,8 +10,8 @@ import pytest
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.cli.ignores import apply_suppressions
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.rendering import render
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.rendering import render
 from cbdsl.yaml_text.library import Library, shipped
 
 BAD = Path(__file__).parent / "bad"

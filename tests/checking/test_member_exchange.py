@@ -11,8 +11,8 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 

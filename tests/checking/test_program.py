@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.program import check_program
-from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.program.controller import AlongNormals, Literal, Relative
 from cbdsl.yaml_text.library import Library
 

@@ -9,8 +9,8 @@ import pytest
 
 from cbdsl.api.load import load
 from cbdsl.cli.attendance import TerminalPerson, attend
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import UsageError
 from tests.backends.conftest import URDF, sightless
 
 

@@ -14,9 +14,9 @@ import pytest
 from cbdsl.api.calibration import read_calibration
 from cbdsl.api.run_request import read_request
 from cbdsl.backends.cameras.camera_system import camera_errors
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument, CalibrationOrigin
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.sensing.forward import rotation_of
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.writer import write

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cbdsl.cli.explanation import page
-from cbdsl.errors.catalogue import catalogue
+from cbdsl.diagnostics.catalogue import catalogue
 from tests.cli.test_main import ROOT, cb
 
 

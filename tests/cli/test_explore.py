@@ -15,8 +15,8 @@ import pytest
 
 from cbdsl.api.explored_actions import read_action
 from cbdsl.checking.document import check_document
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_learn import cb

@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.cli.learning_progress import LearningProgress
 from cbdsl.cli.learning_tasks import Supervision
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.training.learning_task import LearningTask
 from cbdsl.training.trial_loop import journal_file
 from tests.training.tasks import made_tasks

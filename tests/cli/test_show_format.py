@@ -10,7 +10,7 @@ import pytest
 from cbdsl.cli.show import show
 from tests.cli.test_main import cb
 
-WEDGE = Path("cbdsl/errors/codes/wedge.obj").resolve()
+WEDGE = Path("cbdsl/diagnostics/codes/wedge.obj").resolve()
 
 #: Arguments of each command of ``cb show``.
 ASKED = {

@@ -16,7 +16,7 @@ import pytest
 
 from cbdsl.cli.findings import FORMATS, check_paths
 from cbdsl.cli.json_format import VERSION
-from cbdsl.errors.catalogue import catalogue
+from cbdsl.diagnostics.catalogue import catalogue
 from cbdsl.yaml_text.library import shipped
 from tests.cli.test_main import BAD, HEAVY, ROOT, cb
 
@@ -232,7 +232,7 @@ def test_a_comment_silences_one_finding(tmp_path: Path, text: str, wanted: list[
 
 def test_a_silenced_error_still_keeps_a_program_from_running(tmp_path: Path) -> None:
     from cbdsl.checking.program import check_program
-    from cbdsl.errors.errors import DiagnosticsError
+    from cbdsl.diagnostics.errors import DiagnosticsError
 
     text = HEAD + IDLE.replace("head,", "hed,") + " # cb: ignore CB501 not yet" + REST
     assert codes(tmp_path, text) == []

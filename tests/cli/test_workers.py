@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.cli.workers import require_workers, warn_of_open_scheduler
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from tests.cli.test_main import cb
 
 

@@ -13,10 +13,10 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.document import Document
 from cbdsl.documents.json_schema import common_values, json_schema
 from cbdsl.documents.kinds import models
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.types.unit import UNITS
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.repair.mending import mend

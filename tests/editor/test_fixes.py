@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.editor.fixes import Fix, fix, fixed
-from cbdsl.errors.diagnostic import Diagnostic, Place
 
 TEXT = "a: {potential: sprung, feedback: haed}\nb: sprung sprung\r\n"
 

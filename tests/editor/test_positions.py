@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.errors.lines import lines_of
+from cbdsl.diagnostics.lines import lines_of
 from tests.conftest import ROOT
 from tests.editor.client import Client
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.coloring import colored_words
 from cbdsl.editor.cursor import cursor
@@ -17,7 +18,6 @@ from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
 from cbdsl.editor.names import choices
 from cbdsl.editor.rename import renaming
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.reader import formatted_text
 from tests.conftest import ROOT
 

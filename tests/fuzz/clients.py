@@ -11,6 +11,7 @@ from pathlib import Path
 
 from cbdsl.api.explored_actions import read_action
 from cbdsl.cli.assignments import read_assignments
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.coloring import colored_words
 from cbdsl.editor.cursor import cursor
@@ -20,7 +21,6 @@ from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
 from cbdsl.editor.names import choices
 from cbdsl.editor.rename import renaming
-from cbdsl.errors.errors import UsageError
 from cbdsl.reporting.live.requests import Requests
 from cbdsl.reporting.live.server import RequestError
 from cbdsl.reporting.live.transport import Transport

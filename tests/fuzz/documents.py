@@ -9,9 +9,9 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.cli.text_format import text
 from cbdsl.cli.validation_report import ValidationReport
+from cbdsl.diagnostics.catalogue import catalogue
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.kinds import KINDS
-from cbdsl.errors.catalogue import catalogue
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library, shipped
 from tests.conftest import ROOT
 from tests.fuzz.entry_point import EntryPoint

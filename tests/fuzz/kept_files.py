@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.runtime.line_journal import JournalError, require_same, rows_of

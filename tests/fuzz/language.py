@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from itertools import product
 
-from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.language.parser import CompositionError, parse
 from cbdsl.types.quantity_slip import quantities_in, quantity_problem, slip_in
 from cbdsl.types.state import ANY, PREDICATES, STATE, closest_first, matches, overlap, split

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.document import Section
 from cbdsl.documents.json_schema import properties
-from cbdsl.errors.errors import UsageError
 from cbdsl.learning.constants import read_constants
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.learner import LEARNERS, Learner, LearnerClass, first_line, replay

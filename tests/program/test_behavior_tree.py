@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 
 import pytest
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.program.behavior_tree import LEAVES, behavior_tree
 from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.state import matches

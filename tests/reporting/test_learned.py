@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
-from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.reporting.learned import find_learned, read_learned
 from cbdsl.reporting.trial_groups import measured, trial_groups
 from cbdsl.yaml_text.reader import read

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.reporting.recorded import find_recordings, read_recording
 
 

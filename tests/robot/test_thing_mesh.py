@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.robot.thing_mesh import read_thing_mesh
 
 _CORNERS = "v 1 0 0\nv 3 0 0\nv 1 4 0\nv 1 0 6\n"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.diagnostics.errors import DiagnosticsError
 from tests.robots.small_robot import Hinge, SmallRobot, chain, write_robot
 
 SLIDE = Hinge("prismatic", '<limit lower="0" upper="0.04" effort="50" velocity="3"/>')

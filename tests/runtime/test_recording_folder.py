@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
 from tests.full_disk import no_file_beyond
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.document import check_document
+from cbdsl.diagnostics.diagnostic import Severity
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.diagnostic import Severity
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_main import cb

@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.training.provenance import versions
 from tests.conftest import ROOT
 from tests.test_docs import blocks
@@ -211,7 +211,7 @@ def certificates(folder: Path) -> dict[str, str]:
 LEARN = """
 import sys
 from pathlib import Path
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.training.cluster import run_on_cluster
 from tests.training.tasks import made_tasks
 from tests.training.notes import Notes

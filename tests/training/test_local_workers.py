@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.training.local_workers import run_on_workers
 from tests.training.notes import Notes, episodes, until
 from tests.training.tasks import made_tasks, outcome, run_here

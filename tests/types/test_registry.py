@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.types.registry import PluginError, Registry
 from tests.plugins.installed import on_path, write_package
 

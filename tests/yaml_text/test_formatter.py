@@ -11,8 +11,8 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.document import Document
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.composer import LOADER, SyntaxFaultError
 from cbdsl.yaml_text.formatter import comments, formatted
 from cbdsl.yaml_text.reader import formatted_text, read_sound_parts

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.yaml_text.library import Library
 
 

@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cbdsl.checking.document import check_document
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.library import shipped
 from cbdsl.yaml_text.reader import read, read_document
 

@@ -9,9 +9,9 @@ from typing import NamedTuple, Protocol
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.drivers.sample import Command, Sample
 from cbdsl.backends.engines import extra_advice
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.robot.driver_kind import DRIVERS
 
 

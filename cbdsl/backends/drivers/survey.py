@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from cbdsl.backends.drivers.link import Endpoint
-from cbdsl.errors.nearest import suggestion
+from cbdsl.diagnostics.nearest import suggestion
 
 
 class StreamProblem(NamedTuple):

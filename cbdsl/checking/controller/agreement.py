@@ -7,9 +7,9 @@ from cbdsl.checking.controller.comparison import Comparison, compare, compared_w
 from cbdsl.checking.controller.influence import is_measured, movers, moves
 from cbdsl.checking.controller.options import check_options, misplaced
 from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents import program as written
-from cbdsl.errors.counting import count
-from cbdsl.errors.diagnostic import Place
 from cbdsl.program.controller import Reference
 from cbdsl.types.casts import FEATURES
 from cbdsl.types.potential import POTENTIALS, PotentialType

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.diagnostics.counting import count
 from cbdsl.documents import program as written
-from cbdsl.errors.counting import count
 from cbdsl.program.controller import Ball, Box, Field, Literal, Reference
 from cbdsl.types.potential import PotentialType
 from cbdsl.types.resource import EffectorConfiguration, Resource, StereoPosition

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents import program as written
-from cbdsl.errors.errors import UsageError
 from cbdsl.program.controller import Modifier
 from cbdsl.types.modifier import MODIFIERS, ModifierType
 from cbdsl.types.resource import Resource

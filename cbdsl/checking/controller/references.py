@@ -6,7 +6,7 @@ import math
 import re
 from typing import NamedTuple
 
-from cbdsl.errors.counting import count
+from cbdsl.diagnostics.counting import count
 from cbdsl.program.controller import AlongNormals, Literal
 from cbdsl.types.resource import FingerForces, NetForces, Resource, palms_of
 from cbdsl.types.unit import QuantityError, dimensions_of, is_quantity, read_quantity

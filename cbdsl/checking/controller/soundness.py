@@ -9,8 +9,8 @@ from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.reach import check_reach
 from cbdsl.checking.robot.constants import check_signs
 from cbdsl.checking.robot.limits import limit_details
+from cbdsl.diagnostics.counting import count
 from cbdsl.documents import program as written
-from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal, Reference
 from cbdsl.types.modifier import declared
 from cbdsl.types.resource import EffectorConfiguration, Resource

@@ -22,8 +22,8 @@ from cbdsl.checking.controller.options import (
 from cbdsl.checking.controller.relative import check_relative
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents import program as written
-from cbdsl.errors.diagnostic import Place
 from cbdsl.program.controller import (
     Controller,
     Field,

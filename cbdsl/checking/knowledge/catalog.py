@@ -8,11 +8,11 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.counting import count
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.counting import count
 from cbdsl.robot.pair_names import pair_resource
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step

@@ -10,9 +10,9 @@ from cbdsl.checking.knowledge.model import examine_model
 from cbdsl.checking.knowledge.states import check_states
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.counting import count
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
-from cbdsl.errors.counting import count
 from cbdsl.language.parser import CompositionError, parse
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram

@@ -6,9 +6,9 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.counting import count
 from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.counting import count
 from cbdsl.program.binding import density_source
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import NOVEL, configuration_of

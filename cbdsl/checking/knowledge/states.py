@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from cbdsl.checking.findings import Findings
-from cbdsl.errors.counting import count
-from cbdsl.errors.diagnostic import Place
+from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.types.state import ANY, PREDICATES, matches, overlap, split
 from cbdsl.yaml_text.source_map import SourceMap
 

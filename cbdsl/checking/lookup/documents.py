@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_name, kind_of
-from cbdsl.errors.diagnostic import Place
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.unknown import UNKNOWN
 

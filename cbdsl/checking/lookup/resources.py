@@ -8,8 +8,8 @@ from typing import Any
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.scope import Scope, parameters_in
-from cbdsl.errors.diagnostic import Place
-from cbdsl.errors.nearest import nearest_name
+from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.nearest import nearest_name
 from cbdsl.robot.resources import CYCLOPEAN, NOVEL
 from cbdsl.yaml_text.source_map import SourceMap, Step
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 
 from cbdsl.checking.findings import Findings
-from cbdsl.errors.diagnostic import Place
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.yaml_text.source_map import SourceMap, Step
 from cbdsl.yaml_text.unknown import UNKNOWN, Declared
 

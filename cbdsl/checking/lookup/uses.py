@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.counting import some
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.counting import some
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource_type import TYPES
 from cbdsl.yaml_text.loaded import Loaded

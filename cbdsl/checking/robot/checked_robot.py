@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple, Self
 
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.diagnostic import Place
 from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.casts import RIGID_HOLD, Chain

@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable, Iterator
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.limits import is_of_another_kind
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.robot.driver_addresses import addresses
 from cbdsl.robot.driver_kind import DRIVERS
 from cbdsl.robot.urdf import UrdfModel

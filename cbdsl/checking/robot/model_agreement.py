@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.counting import some
 from cbdsl.documents.robot import Coupling, RobotDocument
-from cbdsl.errors.counting import some
 from cbdsl.robot.plausibility import flat_shapes, odd_inertias, odd_numbers
 from cbdsl.robot.urdf import Mimic, UrdfError, UrdfJoint, UrdfModel
 from cbdsl.yaml_text.loaded import Loaded

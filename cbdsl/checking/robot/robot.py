@@ -16,10 +16,10 @@ from cbdsl.checking.robot.limits import is_of_another_kind, limit_details
 from cbdsl.checking.robot.model_agreement import check_bodies, check_mimics, note_rests
 from cbdsl.checking.robot.names import check_names
 from cbdsl.checking.robot.settings import check_settings
+from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents.contents import is_file
 from cbdsl.documents.robot import Effector, RobotDocument
-from cbdsl.errors.counting import count
-from cbdsl.errors.diagnostic import Place
 from cbdsl.robot.chains import root
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.contents import is_file, is_folder
 from cbdsl.documents.form import MOST_PIECES, MeshForm
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 

@@ -13,10 +13,10 @@ from cbdsl.checking.session import Session
 from cbdsl.checking.stage.mesh import check_meshes, extents_of
 from cbdsl.checking.stage.presentation import check_presentations, idle_keys
 from cbdsl.checking.stage.scene import check_scenes
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents.form import BallForm, BoxForm, ComposedForm, Form, MeshForm, OpenBoxForm
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cbdsl.errors.counting import count
+from cbdsl.diagnostics.counting import count
 from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, TextLine, Vertex
 from cbdsl.reporting.drawing.pictogram import in_words
 from cbdsl.reporting.drawing.policy_transitions import Decision, PolicyTransitions

@@ -7,8 +7,8 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.policy import PolicyDocument
-from cbdsl.errors.errors import UsageError
 from cbdsl.types.state import ANY, PREDICATES
 
 #: Arcs of a larger share are drawn, as in the figures of Chapter 4.

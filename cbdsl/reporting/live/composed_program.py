@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.reader import formatted_text

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cbdsl.errors.nearest import suggestion
+from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram
 from cbdsl.reporting.live.server import RequestError
 from cbdsl.reporting.live.transport import IdleError, Transport

@@ -13,8 +13,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Thread
 from typing import Any
 
-from cbdsl.errors.errors import UsageError
-from cbdsl.errors.reason import reason
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
 from cbdsl.reporting.live.feed import Feed, FullError
 
 #: Only address that the server listens on.

@@ -11,7 +11,7 @@ import mujoco as mj
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.errors.counting import count
+from cbdsl.diagnostics.counting import count
 from cbdsl.robot.mjcf.body_frame import BodyFrame, placed
 from cbdsl.robot.urdf import UrdfError
 

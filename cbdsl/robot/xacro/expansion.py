@@ -14,7 +14,7 @@ from typing import Any
 
 import xacro
 
-from cbdsl.errors.nearest import suggestion
+from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.xacro.library_parts import LibraryParts

@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator
 from itertools import groupby
 
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.wording import diagnostic
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.wording import diagnostic
 
 _MARKER = re.compile(r"(?:<{7}|\|{7}|>{7})(?: .*)?\Z|={7}\Z")
 _FIRST, _LAST = "<<<<<<<", ">>>>>>>"

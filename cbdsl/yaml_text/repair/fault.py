@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from cbdsl.errors.counting import count
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.wording import diagnostic
+from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.wording import diagnostic
 from cbdsl.types.quantity_slip import quantity_problem
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.comma import decimal_comma

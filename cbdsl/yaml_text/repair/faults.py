@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.nearest import nearest_name
-from cbdsl.errors.wording import diagnostic
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.nearest import nearest_name
+from cbdsl.diagnostics.wording import diagnostic
 from cbdsl.yaml_text.repair.fault import Fault, diagnose
 from cbdsl.yaml_text.repair.form import form
 from cbdsl.yaml_text.repair.shape import SchemaShape

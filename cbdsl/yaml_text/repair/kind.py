@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.diagnostics.wording import diagnostic
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, models
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.fault import describe, not_allowed
 from cbdsl.yaml_text.source_map import SourceMap

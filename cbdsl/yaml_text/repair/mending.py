@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from itertools import islice
 
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.errors.lines import lines_of
-from cbdsl.errors.wording import diagnostic
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.lines import lines_of
+from cbdsl.diagnostics.wording import diagnostic
 from cbdsl.yaml_text.characters import invisible_in, without_invisible
 from cbdsl.yaml_text.composer import (
     Composed,

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 from pydantic import BaseModel
 
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.wording import diagnostic
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.wording import diagnostic
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TypeVar
 
+from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.wording import diagnostic
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_name
-from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.composer import Composed
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.repair.kind import identify

@@ -14,11 +14,11 @@ from typing import Any, Generic, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.nearest import nearest_name
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_of
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.errors.nearest import nearest_name
 from cbdsl.yaml_text.broken import Broken
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node

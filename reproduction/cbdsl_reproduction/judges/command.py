@@ -188,7 +188,7 @@ def _require_writable(out: Path) -> None:
         UsageError: The folder cannot be created.
     """
     from cbdsl import UsageError
-    from cbdsl.errors.reason import reason
+    from cbdsl.diagnostics.reason import reason
 
     try:
         out.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ import pytest
 
 from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.program import check_program
-from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.program.binding import internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.resource import GaussianSample

@@ -9,10 +9,10 @@ import pytest
 from cbdsl.checking.document import check_document
 from cbdsl.checking.lookup.documents import for_robot
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.catalogue import catalogue
+from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.catalogue import catalogue
-from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.yaml_text.library import Library
 
 PROGRAM = (

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.reporting.recorded import Recorded
 from tests.cli.test_main import cb
 

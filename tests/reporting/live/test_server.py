@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.message import message
 from cbdsl.reporting.live.requests import Requests

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.form import form
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.library import Library, shipped
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library, shipped
 from cbdsl.yaml_text.repair.mending import mend
 

@@ -4,9 +4,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from cbdsl.diagnostics.entry import Entry
 from cbdsl.documents.document import Document, Duration, Name
 from cbdsl.documents.kind import Kind
-from cbdsl.errors.entry import Entry
 
 
 class PlaylistDocument(Document):

@@ -7,9 +7,9 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.errors.diagnostic import Diagnostic, Place, Related, Severity
-from cbdsl.errors.rendering import render
-from cbdsl.errors.wording import diagnostic
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Related, Severity
+from cbdsl.diagnostics.rendering import render
+from cbdsl.diagnostics.wording import diagnostic
 
 PLACE = Place("a.yaml", 2, 9, 13)
 

@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from cbdsl.errors.diagnostic import Severity
-from cbdsl.errors.entry import Entry
-from cbdsl.errors.examples import example
+from cbdsl.diagnostics.diagnostic import Severity
+from cbdsl.diagnostics.entry import Entry
+from cbdsl.diagnostics.examples import example
 
 _FOLDER = Path(__file__).with_name("codes")
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.backends.backend import BackendError, find_backend
-from cbdsl.errors.distributions import require_unmixed
-from cbdsl.errors.errors import UsageError
+from cbdsl.diagnostics.distributions import require_unmixed
+from cbdsl.diagnostics.errors import UsageError
 
 
 def install(folder: Path, name: str, version: str, files: Mapping[str, str]) -> None:

@@ -15,10 +15,10 @@ from cbdsl.checking.reward import check_rewarded
 from cbdsl.checking.safety_net import FAILED_CHECK, check_safely
 from cbdsl.checking.session import Session
 from cbdsl.cli.ignores import apply_suppressions
+from cbdsl.diagnostics.catalogue import catalogue, hundred
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.entry import Entry
 from cbdsl.documents.kinds import entries
-from cbdsl.errors.catalogue import catalogue, hundred
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.entry import Entry
 from cbdsl.yaml_text.library import Library
 
 ENTRIES = entries()

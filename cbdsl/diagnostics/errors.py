@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Self
 
-from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.nearest import suggestion
+from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.nearest import suggestion
 
 
 class DiagnosticsError(Exception):

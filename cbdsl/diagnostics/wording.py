@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from cbdsl.errors.diagnostic import Diagnostic, Place, Related
-from cbdsl.errors.legible_text import legible
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Related
+from cbdsl.diagnostics.legible_text import legible
 
 if TYPE_CHECKING:
-    from cbdsl.errors.entry import Entry
+    from cbdsl.diagnostics.entry import Entry
 
 
 def diagnostic(
@@ -33,7 +33,7 @@ def diagnostic(
         related: Other places, each with a message.
         details: Values that fill the placeholders of the entry's message.
     """
-    from cbdsl.errors.catalogue import hundred  # only a fault needs it
+    from cbdsl.diagnostics.catalogue import hundred  # only a fault needs it
 
     entry = hundred(code)[code] if isinstance(code, str) else code
     return Diagnostic(

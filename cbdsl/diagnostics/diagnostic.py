@@ -3,7 +3,7 @@
 from enum import Enum
 from typing import NamedTuple
 
-from cbdsl.errors.nearest import nearest_name
+from cbdsl.diagnostics.nearest import nearest_name
 
 
 class Severity(Enum):

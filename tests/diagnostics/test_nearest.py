@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.errors.errors import UsageError
-from cbdsl.errors.nearest import suggestion
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.nearest import suggestion
 
 
 @pytest.mark.parametrize(

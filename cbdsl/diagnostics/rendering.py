@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from cbdsl.errors.diagnostic import Diagnostic, Place, Severity
-from cbdsl.errors.legible_text import seen
-from cbdsl.errors.lines import lines_of
+from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Severity
+from cbdsl.diagnostics.legible_text import seen
+from cbdsl.diagnostics.lines import lines_of
 
 # No section of a document has more keys.
 _MOST_ALLOWED = 16

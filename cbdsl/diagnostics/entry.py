@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from cbdsl.errors.diagnostic import Severity
+from cbdsl.diagnostics.diagnostic import Severity
 
 
 @dataclass(frozen=True)
