@@ -8,9 +8,8 @@ from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 ROOT = Path(__file__).parents[1]
 SCRIPT = ROOT / "robots" / "make_dexter.py"

@@ -23,11 +23,9 @@ from typing import Any
 
 import numpy as np
 from contacts import shown, touching
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.proportion import exact_interval
-
-Floats = NDArray[np.float64]
 
 STAGE, PROGRAM = "noisy_right", "reachtouch"
 #: Targets of the calibrated robot: share of rewards, and rewards without contact.

@@ -44,9 +44,11 @@ from pathlib import Path
 import numpy as np
 from ours import PATH_STAGES, ROOT, DexterCycle, TwoArms, law_with_hessians
 from peer_process import RemotePeer, remote_peers
-from peers import PEERS, PERIOD, Floats, Peer, Scene, load
+from peers import PEERS, PERIOD, Peer, Scene, load
 from resting_peers import GAIN, LINKS, TARGET, TURN, remote_rest_of, rest_of, settle
 from stopwatch import Stopwatch
+
+from cbdsl.numeric.arrays import Floats
 
 DOCUMENTS = Path(__file__).parent / "two_arms"
 

@@ -21,10 +21,9 @@ from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from ours import Rows, law
 
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 SIZES = (3, 7, 1)
 JOINTS = 14

@@ -20,11 +20,9 @@ from concurrent.futures import ProcessPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.proportion import exact_interval
-
-Floats = NDArray[np.float64]
 
 TARGET = 0.95
 FORCE, TOLERANCE, WAY, CLOSE = 3.0, 0.5, 0.10, 0.005  # N, N, m, m

@@ -30,7 +30,7 @@ import numpy as np
 from cbdsl.control.field import HarmonicField
 from cbdsl.control.grid import FREE, Grid
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 
 GOAL = np.full(3, 0.31)
 # The first is for symmetric matrices, and by far the better one here; the other is SciPy's default.

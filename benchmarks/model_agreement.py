@@ -23,14 +23,14 @@ from queue import Empty
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from public_models import proposed
+
+from cbdsl.numeric.arrays import Floats
 
 if TYPE_CHECKING:
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.robot.urdf import UrdfModel
 
-Floats = NDArray[np.float64]
 Placements = dict[str, Floats]
 Placing = Callable[[Floats], Placements]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from arm_mount import TODAY, ArmMount, Floats
+from arm_mount import TODAY, ArmMount
 from numpy.typing import NDArray
 
 from cbdsl.control.law import Law, LawSettings
@@ -17,6 +17,7 @@ from cbdsl.control.level import Level
 from cbdsl.control.localizability import seen_by
 from cbdsl.control.manipulability import of_jacobian
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import heading, within_view
 from cbdsl.sensing.kinematics import Kinematics
 

@@ -14,9 +14,9 @@ from cbdsl.control.composition import compose
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.level import Level
 from cbdsl.control.plan import ControllerPlan
-from cbdsl.control.signal import Floats
 from cbdsl.control.stack import TICKS, Stack
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.episode import resources_of

@@ -15,7 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from peers import Floats, Scene, load
+from peers import Scene, load
+
+from cbdsl.numeric.arrays import Floats
 
 
 class RemotePeer:

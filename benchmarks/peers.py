@@ -15,9 +15,8 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 GOAL = np.array([0.45, -0.3, 0.2])  # m
 PERIOD = 1 / 60  # s

@@ -22,14 +22,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from cbdsl.api.open_robot import OpenRobot, open_robot
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.proportion import exact_interval
-
-Floats = NDArray[np.float64]
 
 STACKS = ("p", "r", "pr", "rp", "pq", "prq", "zhq", "zhrq", "zyxrq")
 STILL, NEAR, TURNED = 0.02, 2e-3, math.radians(0.5)  # deg a tick, m, rad

@@ -21,7 +21,9 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-from peers import PERIOD, Floats
+from peers import PERIOD
+
+from cbdsl.numeric.arrays import Floats
 
 LINKS = (0.3, 0.25, 0.2)  # m
 TARGET = np.array([0.9, 0.4, 0.0])  # m

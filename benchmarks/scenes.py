@@ -32,12 +32,12 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.api.shipped import shipped_robot
 from cbdsl.backends.backend import embody
 from cbdsl.checking.program import check_program
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner, Tick
@@ -47,8 +47,6 @@ from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.signals import Signals
 from cbdsl.yaml_text.library import Library, shipped
-
-Floats = NDArray[np.float64]
 
 _TOP = -0.42  # of the table, m
 _COLORS = {"hue_1": [1, 0, 0], "hue_7": [0, 0.4, 1]}

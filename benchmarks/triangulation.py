@@ -20,18 +20,16 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.api.shipped import shipped_robot
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library, shipped
-
-Floats = NDArray[np.float64]
 
 # Edge of the table to beyond its middle, both halves, the table's top to above the hands' ready
 # posture, m. An object that would reach into the table is put on it.

@@ -26,7 +26,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio  # noqa: TID251 -- as Pink's users do
 from ours import law_with_hessians
-from peers import PERIOD, Floats
+from peers import PERIOD
+
+from cbdsl.numeric.arrays import Floats
 
 RANGES = ((0.3, 0.9), (0.9, 0.999), (0.999, 1.02), (1.02, 1.6))
 TICKS = 600

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.engines import MODULES, remedy
 from cbdsl.backends.quiet import quiet_stderr
@@ -17,11 +16,10 @@ from cbdsl.diagnostics.distributions import require_unmixed
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.sensing.observation import Observation
 from cbdsl.types.registry import PluginError, Registry
-
-Floats = NDArray[np.float64]
 
 #: Kinds of cameras that a run may choose.
 CAMERAS = ("rendered", "ideal")

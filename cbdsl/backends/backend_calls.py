@@ -8,15 +8,13 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import Backend, BackendError, ResumableBackend, name_of
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Observation
-
-Floats = NDArray[np.float64]
 
 
 class BackendCalls:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError, embody
 from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
@@ -24,11 +23,11 @@ from cbdsl.backends.staging.sampler import ScenarioSampler
 from cbdsl.backends.staging.shutter import Shutter
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.observation import Loads, Observation
 
-Floats = NDArray[np.float64]
 SomeEngine = TypeVar("SomeEngine", bound=Engine)
 
 # Number of ticks for which load cell noise is drawn at a time, if it has its own generator.

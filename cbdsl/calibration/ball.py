@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 # Distance by which a fingertip must be nearer to a camera to hide e times as much of the ball, m.
 _NEARER = 0.005

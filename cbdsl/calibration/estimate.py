@@ -17,8 +17,7 @@ from cbdsl.calibration.hand_view import FINGERS, HandView
 from cbdsl.calibration.missing_motion import lacking
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import Camera, Correction
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 #: Fewest views by each camera: it has six unknowns, and each view gives two numbers.
 LEAST_VIEWS = 12

@@ -7,13 +7,11 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.runtime.episode import Tick
 from cbdsl.sensing.kinematics import Kinematics
-
-Floats = NDArray[np.float64]
 
 #: Number of fingertips that determine a ball's centre.
 FINGERS = 3

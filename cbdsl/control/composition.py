@@ -20,7 +20,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.second_order import (
@@ -29,12 +28,9 @@ from cbdsl.control.second_order import (
     least_resisted,
     newton_step,
 )
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.numeric.compiled import compiled, compiled_once, compiled_sum
 from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
-
-Booleans = NDArray[np.bool_]
-Integers = NDArray[np.int64]
 
 # Rows count as dependent if their remainder is rounding of the Jacobian. Lower levels would be free
 # to disturb rows that a larger tolerance ignores.

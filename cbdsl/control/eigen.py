@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
 
 # Sweeps converge quadratically; further ones do not reduce rounding errors.

@@ -21,10 +21,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.control.grid import BORDER, FREE, Booleans, Grid, Vertex
+from cbdsl.control.grid import BORDER, FREE, Grid, Vertex
 from cbdsl.control.multigrid import Multigrid, neighbour_sum
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.signal import Floats, SignalError
+from cbdsl.control.signal import SignalError
+from cbdsl.numeric.arrays import Booleans, Floats
 
 # Largest residual at a vertex, as a share of 1 - phi there. Next to the flattest saddles of a
 # thousand cells, neighbours differ by a hundred times that share.

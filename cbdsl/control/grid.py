@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Booleans, Floats
 
-Booleans = NDArray[np.bool_]
 Owners = NDArray[np.int32]
 Vertex = tuple[int, ...]
 

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from cbdsl.control.field import HarmonicField
-from cbdsl.control.grid import Booleans, Grid
+from cbdsl.control.grid import Grid
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Potential, potential
 from cbdsl.control.setting import Setting
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Booleans, Floats
 from cbdsl.program.controller import Controller
 
 # Share of a cell by which obstacles may move without a new solution of the field.

@@ -13,16 +13,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.control.potential import call_at
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import cross, dot
 from cbdsl.sensing.curvature import BENDING, bend_carried, bend_row
-
-Integers = NDArray[np.int64]
-Records = NDArray[Any]
 
 
 @compiled

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.control.composition import Booleans, compose
+from cbdsl.control.composition import compose
 from cbdsl.control.level import Level
-from cbdsl.control.signal import Floats, SignalError, require_finite
+from cbdsl.control.signal import SignalError, require_finite
 from cbdsl.control.stack import Stack
+from cbdsl.numeric.arrays import Booleans, Floats
 
 # Share of its displacement below which a level counts as stuck.
 _STUCK = 0.02

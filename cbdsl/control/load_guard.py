@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.control.composition import Booleans, Integers, compose
+from cbdsl.control.composition import compose
 from cbdsl.control.level import LevelArrays
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
 

@@ -21,7 +21,7 @@ import numpy as np
 from cbdsl.control.composition import jacobi_svd
 from cbdsl.control.potential import Potential, Rule, potential
 from cbdsl.control.setting import Setting
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, copy, dot, fill, norm
 from cbdsl.program.controller import Controller

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.grid import Booleans
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Booleans, Floats
 
 Values = NDArray[Any]
 """Single or double precision."""

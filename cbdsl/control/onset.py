@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import copy
 

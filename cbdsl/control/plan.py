@@ -12,10 +12,8 @@ from numpy.typing import NDArray
 from cbdsl.control.onset import ONSET, OnsetForm
 from cbdsl.control.potential import Potential, address_of
 from cbdsl.control.predicate import PREDICATE, ROOM, reset, room_of
-from cbdsl.control.signal import Floats
 from cbdsl.control.tick import SLOT, reset_slot
-
-Integers = NDArray[np.int64]
+from cbdsl.numeric.arrays import Floats, Integers
 
 
 class SlotForm(NamedTuple):

@@ -26,7 +26,7 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import Function, compiled_once
 
 _VECTOR, _MATRIX = types.float64[::1], types.float64[:, ::1]

@@ -5,14 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.types.state import Predicate
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 
 PREDICATES = tuple(Predicate)
 _INACTIVE, _UNDEFINED, _TRANSIENT, _QUIESCENT = range(4)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import add, copy, dot, norm, scale
 from cbdsl.program.controller import Controller

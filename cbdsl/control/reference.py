@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.control.composition import Booleans, Integers, compose
+from cbdsl.control.composition import compose
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.load_guard import give_way
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.numeric.compiled import compiled, compiled_once
 
 #: Outcomes of a move: the references have moved; the levels' Hessians are needed first; a number is

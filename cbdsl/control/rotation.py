@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once
 
 

@@ -24,14 +24,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.control.eigen import diagonalize
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, copy, dot, fill, norm
-
-Integers = NDArray[np.int64]
 
 # A level resists a direction if its curvature, relative to the remaining displacement, is above
 # this, m or rad: far below a link's length, and far above the effect of an encoder's resolution.

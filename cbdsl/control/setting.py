@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.kinematics import Frame
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from cbdsl.control.potential import Potential, potential
 from cbdsl.control.rotation import align, log_between
 from cbdsl.control.setting import Setting
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.program.controller import AlongNormals, Controller
 

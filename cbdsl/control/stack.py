@@ -8,7 +8,8 @@ import numpy as np
 
 from cbdsl.control.composition import extrapolate_half_tick
 from cbdsl.control.level import Level, LevelArrays
-from cbdsl.control.signal import Floats, SignalError
+from cbdsl.control.signal import SignalError
+from cbdsl.numeric.arrays import Floats
 
 #: Number of ticks that are kept.
 TICKS = 3

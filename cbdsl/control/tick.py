@@ -11,7 +11,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.control.hessian import has_hessian, write_hessian
 from cbdsl.control.level import LevelArrays
@@ -20,17 +19,13 @@ from cbdsl.control.potential import Rule, call_at
 from cbdsl.control.predicate import note, note_undefined, require_settled, reset
 from cbdsl.control.rate import displace
 from cbdsl.control.reference import NEEDS_HESSIANS, NOT_FINITE, move
-from cbdsl.control.signal import Floats
 from cbdsl.control.stack import TICKS
+from cbdsl.numeric.arrays import Booleans, Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import copy, dot, fill, norm, scale
 from cbdsl.sensing.fingertip import add_contact
 from cbdsl.sensing.forward import place_point
 from cbdsl.sensing.refresh import DEFINED, UNDEFINED, displace_value, refresh
-
-Integers = NDArray[np.int64]
-Booleans = NDArray[np.bool_]
-Records = NDArray[Any]
 
 # Largest growth of a stride in a tick, and its smallest factor.
 _LONGER, _SHORTEST = 1.05, 0.2

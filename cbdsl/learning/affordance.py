@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.learning.action_outcome import ActionOutcome, FeatureForm
 from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.numeric.affordance import AffordanceModel, deviation_of
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 
 @dataclass

@@ -6,12 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cbdsl.numeric.affordance import AffordanceModel
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 # Share of a Gaussian's samples within the recognition distance.
 _BELIEVED = 0.999

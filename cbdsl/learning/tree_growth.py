@@ -18,10 +18,10 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.types.decision_tree import Leaf, Split, Tree
 
 Answer = TypeVar("Answer")
-Floats = NDArray[np.float64]
 
 # Decimals of thresholds; further ones are not significant.
 _DECIMALS = 4

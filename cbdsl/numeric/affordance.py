@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.sample_statistics import SampleStatistics
 
-Floats = NDArray[np.float64]
 Measure = Literal["sum", "trace", "determinant", "spread"]
 
 # Significant deviations in a robot's workspace, for priors, by unit.

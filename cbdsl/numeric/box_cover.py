@@ -5,13 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.numeric.compiled import compiled_once
-
-Floats = NDArray[np.float64]
-Cells = NDArray[np.bool_]
-Counts = NDArray[np.int64]
 
 # Number of cells along the longest extent.
 _CELLS = 32
@@ -40,23 +36,25 @@ def cover(triangles: Floats, most: int) -> Cover:
     """
     low: Floats = triangles.reshape(-1, 3).min(axis=0)
     extent: Floats = triangles.reshape(-1, 3).max(axis=0) - low
-    counts: Counts = np.maximum(np.round(_CELLS * extent / float(extent.max())), 1).astype(np.int64)
+    counts: Integers = np.maximum(np.round(_CELLS * extent / float(extent.max())), 1).astype(
+        np.int64
+    )
     size = extent / counts
     inside = _inside((triangles - low) / size, counts)
     left, boxes = inside.copy(), []
     for _ in range(most):
-        box: Counts = np.array(_largest(left), dtype=np.int64)
+        box: Integers = np.array(_largest(left), dtype=np.int64)
         if not box[3:].all():
             break
-        first: Counts = box[:3]
-        edges: Counts = box[3:]
+        first: Integers = box[:3]
+        edges: Integers = box[3:]
         left[tuple(slice(a, a + n) for a, n in zip(first, edges, strict=True))] = False
         boxes.append((low + (first + edges / 2) * size, edges * size))
     uncovered, cells = int(left.sum()), int(inside.sum())
     return Cover(np.array(boxes).reshape(-1, 2, 3), 1 - uncovered / max(1, cells))
 
 
-def _inside(triangles: Floats, counts: Counts) -> Cells:
+def _inside(triangles: Floats, counts: Integers) -> Booleans:
     """Return the cells with centres inside, by the parity of crossings of a ray along z."""
     met = np.zeros((*counts, 1), np.int64).squeeze(3)
     for triangle in triangles:
@@ -75,12 +73,12 @@ def _inside(triangles: Floats, counts: Counts) -> Cells:
         heights = a[2] + shares @ np.array([b[2] - a[2], c[2] - a[2]])
         for column, row, height in zip(columns[hit], rows[hit], heights[hit], strict=True):
             met[column, row, max(0, int(np.ceil(height - 0.5))) :] += 1
-    odd: Cells = met % 2 == 1
+    odd: Booleans = met % 2 == 1
     return odd
 
 
 @compiled_once
-def _largest(free: Cells) -> tuple[int, int, int, int, int, int]:
+def _largest(free: Booleans) -> tuple[int, int, int, int, int, int]:
     """Return the largest box of free cells: its first cell, and its cells along x, y and z."""
     columns, rows, layers = free.shape
     best, widest = 0, (0, 0, 0, 0, 0, 0)

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 _STEPS = 64
 # Squared distances, and gains of a step in them, that count as zero, m^2.

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-Floats = NDArray[np.float64]
-Faces = NDArray[np.intp]
+from cbdsl.numeric.arrays import Floats, Rows
 
 # Number of a hull's corners beyond which contacts cost more without becoming better.
 _MOST = 128
@@ -33,7 +31,7 @@ def hull_corners(points: Floats) -> Floats:
     return few
 
 
-def hull_faces(corners: Floats) -> Faces:
+def hull_faces(corners: Floats) -> Rows:
     """Return the corners' indices of a hull's triangles, shape (n, 3), in no particular order."""
     return np.asarray(ConvexHull(corners).simplices, dtype=np.intp)
 

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled, compiled_sum
-
-Floats = NDArray[np.float64]
 
 
 @compiled

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.numeric.affordance import AffordanceModel, deviation_of
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.types.resource import AFFORDS, AffordanceProbability, Origin, Resource
 from cbdsl.types.resource_type import PROBABILITY
-
-Floats = NDArray[np.float64]
 
 
 def affordance_resource(

@@ -8,9 +8,8 @@ from typing import NamedTuple
 from xml.sax.saxutils import escape
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 _PAD, _TITLE, _FOOT = 16, 46, 62
 # Distinguishable without colour vision (Okabe and Ito).

@@ -12,7 +12,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.reporting.landscape import Floats, Landscape
+from cbdsl.numeric.arrays import Floats
+from cbdsl.reporting.landscape import Landscape
 from cbdsl.reporting.learned import InternalModel, Joint
 
 _PLOT = 360.0

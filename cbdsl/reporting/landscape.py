@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.reporting.learned import InternalModel
-
-Floats = NDArray[np.float64]
 
 #: Number of evaluated angles of a joint.
 POINTS = 181

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.reporting.model import DrawnLink
 
-Doubles = NDArray[np.float64]
 
-
-def placed(link: DrawnLink, positions: Doubles) -> tuple[Doubles, Doubles]:
+def placed(link: DrawnLink, positions: Floats) -> tuple[Floats, Floats]:
     """Return the position and the quaternion of a link in the frame of its parent.
 
     Args:
@@ -30,20 +28,20 @@ def placed(link: DrawnLink, positions: Doubles) -> tuple[Doubles, Doubles]:
     return place, turn
 
 
-def product(first: Doubles, second: Doubles) -> Doubles:
+def product(first: Floats, second: Floats) -> Floats:
     """Return the product of two quaternions, the rotation by ``second`` followed by ``first``."""
     vector = first[3] * second[:3] + second[3] * first[:3] + np.cross(first[:3], second[:3])
     return np.array([*vector, first[3] * second[3] - first[:3] @ second[:3]])
 
 
-def inverse(turn: Doubles) -> Doubles:
+def inverse(turn: Floats) -> Floats:
     """Return the inverse of a unit quaternion."""
-    conjugate: Doubles = turn * np.array([-1.0, -1.0, -1.0, 1.0])
+    conjugate: Floats = turn * np.array([-1.0, -1.0, -1.0, 1.0])
     return conjugate
 
 
-def turned(turn: Doubles, vector: Doubles) -> Doubles:
+def turned(turn: Floats, vector: Floats) -> Floats:
     """Return a vector, shape (3,), rotated by a unit quaternion."""
     twice = 2.0 * np.cross(turn[:3], vector)
-    result: Doubles = vector + turn[3] * twice + np.cross(turn[:3], twice)
+    result: Floats = vector + turn[3] * twice + np.cross(turn[:3], twice)
     return result

@@ -22,8 +22,8 @@ from typing import Any
 import cv2
 import numpy as np
 from mcap.writer import Writer
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.transition import title_of
 from cbdsl.reporting.link_pose import placed
 from cbdsl.reporting.mcap_schemas import SCHEMAS
@@ -37,7 +37,6 @@ Json = dict[str, Any]
 WORLD = "world"
 _NANO = 1_000_000_000
 _INFO = 2
-_DOUBLES = NDArray[np.float64]
 
 
 def write_mcap(recorded: Recorded, target: Path) -> int:
@@ -112,7 +111,7 @@ class _Messages:
                 transforms.append(_transform(time, WORLD, frame, pose[:3], pose[3:]))
         return {"transforms": transforms}
 
-    def _scene(self, tick: int) -> _DOUBLES:
+    def _scene(self, tick: int) -> Floats:
         scene = self._arrays["scene"]
         return scene[tick] if len(scene) else np.zeros((0, 7))
 
@@ -162,7 +161,7 @@ def _stamp(time: float) -> Json:
     return {"sec": nanoseconds // _NANO, "nsec": nanoseconds % _NANO}
 
 
-def _numbers(values: _DOUBLES) -> list[float | None]:
+def _numbers(values: Floats) -> list[float | None]:
     """Return values, with ``None`` for undefined ones, because JSON has no NaN."""
     return [None if math.isnan(value) else float(value) for value in values]
 

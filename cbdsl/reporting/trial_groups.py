@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.reporting.interquartile import (
     Band,
     Center,
@@ -18,8 +18,6 @@ from cbdsl.reporting.interquartile import (
     running_mean,
 )
 from cbdsl.reporting.learned import Learned
-
-Floats = NDArray[np.float64]
 
 #: Numbers of episodes in the smoothing window.
 WINDOWS = (1, 5, 10)

@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
-
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
+from cbdsl.numeric.arrays import Booleans, Floats
 
 
 class Joints:

@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Triangles = NDArray[np.intp]
+from cbdsl.numeric.arrays import Floats, Rows
 
 #: Largest size of a file for the reader, bytes.
 MOST_BYTES = 100_000_000
@@ -21,7 +19,7 @@ class MeshError(ValueError):
 
 
 class Mesh(NamedTuple):
-    """Triangles of a mesh.
+    """Rows of a mesh.
 
     Attributes:
         corners: Positions of the corners, m, shape (corners, 3).
@@ -29,7 +27,7 @@ class Mesh(NamedTuple):
     """
 
     corners: Floats
-    triangles: Triangles
+    triangles: Rows
 
 
 def read_mesh_file(file: Path, scale: Sequence[float]) -> Mesh:

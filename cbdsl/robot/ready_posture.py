@@ -7,11 +7,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import Numbers, UrdfJoint, UrdfModel, Vector
-
-_Floats = NDArray[np.float64]
 
 # Candidate angles: step, and largest absolute value. The outer part of a joint's range is excluded.
 _STEP = math.radians(15)
@@ -37,12 +35,12 @@ _AWAY = 0.02
 class _Frame(NamedTuple):
     """Frame in the root's: rotation, shape (3, 3), and position, m, shape (3,)."""
 
-    rotation: _Floats
-    position: _Floats
+    rotation: Floats
+    position: Floats
 
-    def placed(self, vector: _Floats) -> _Floats:
+    def placed(self, vector: Floats) -> Floats:
         """Return a vector of this frame in the root's, m."""
-        place: _Floats = self.position + self.rotation @ vector
+        place: Floats = self.position + self.rotation @ vector
         return place
 
 
@@ -58,8 +56,8 @@ class _Hinge(NamedTuple):
 
     joint: UrdfJoint
     origin: _Frame
-    axis: _Floats
-    cross: _Floats
+    axis: Floats
+    cross: Floats
 
     def moved(self, frame: _Frame, position: float) -> _Frame:
         """Return the frame of its child, from its own (Rodrigues' formula)."""
@@ -165,7 +163,7 @@ class ReadyPosture:
             - _AWAY * turns
         )
 
-    def _jacobian(self, hinges: Sequence[_Hinge], frames: Sequence[_Frame]) -> _Floats:
+    def _jacobian(self, hinges: Sequence[_Hinge], frames: Sequence[_Frame]) -> Floats:
         """Return the motions of the tip by joint: translation, in parts of the length, and turn.
 
         Returns:
@@ -182,7 +180,7 @@ class ReadyPosture:
             return along
         return np.hstack([along, np.where(slides, 0.0, axes)])
 
-    def _crowded(self, points: _Floats) -> float:
+    def _crowded(self, points: Floats) -> float:
         """Return the overlap of parts of the chain, in parts of its length."""
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         along = np.concatenate([[0.0], np.cumsum(steps)])
@@ -191,13 +189,13 @@ class ReadyPosture:
         apart = np.linalg.norm(points[first] - points[second], axis=1) / self.length
         return float(np.maximum(0.0, _CLEARANCE - apart)[far].sum())
 
-    def _underground(self, points: _Floats) -> float:
+    def _underground(self, points: Floats) -> float:
         if not self._floor:
             return 0.0
         below = _CLEARANCE * self.length
         return float(np.maximum(0.0, below - points[-2:, 2]).sum()) / self.length
 
-    def _points(self, positions: Sequence[float]) -> _Floats:
+    def _points(self, positions: Sequence[float]) -> Floats:
         """Return the positions of the joints and the tip, m, shape (n + 1, 3)."""
         return np.array([frame.position for frame in self._frames(positions)[1]])
 
@@ -263,6 +261,6 @@ def _hinge(joint: UrdfJoint) -> _Hinge:
     return _Hinge(joint, origin, axis, np.cross(axis, np.eye(3)).T)
 
 
-def _vector(point: _Floats) -> Vector:
+def _vector(point: Floats) -> Vector:
     x, y, z = point.tolist()
     return x, y, z

@@ -8,13 +8,12 @@ from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.mesh_file import find_mesh
 from cbdsl.robot.ready_posture import at_first
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
 
-Floats = NDArray[np.float64]
 LinkPair = tuple[str, str]
 
 # Contact margin of engines before shapes overlap, m.

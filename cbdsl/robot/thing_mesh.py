@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.contents import is_file
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.triangles import read_triangles
-
-Floats = NDArray[np.float64]
 
 # Smallest volume relative to the cube of the longest extent; smaller meshes count as flat.
 _LEAST = 1e-6

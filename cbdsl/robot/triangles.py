@@ -8,13 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.contents import contents
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 #: Largest number of triangles of a mesh, and its longest and shortest extent, m.
 MOST, LONGEST, SHORTEST = 200_000, 2.0, 0.001

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.stack import Stack
 from cbdsl.control.tick import RESTED, UNSOUND, tick
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.program.checked import NO_GUARDS, Guards
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.controller_run import ControllerRun
@@ -21,9 +21,6 @@ from cbdsl.runtime.load_guards import LoadGuards
 from cbdsl.sensing.signal_rows import Selection
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.potential import POTENTIALS
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # Controllers, each with the names of its peers.
 _Acting = tuple[tuple[ControllerRun, tuple[str, ...]], ...]

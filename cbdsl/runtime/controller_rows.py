@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.control.rotation import exp
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.reading import Reading, flattened, transform
@@ -21,8 +21,6 @@ from cbdsl.types.resource import (
     Source,
     palms_of,
 )
-
-Floats = NDArray[np.float64]
 
 
 class ControllerRows(NamedTuple):

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.control.plan import ControllerPlan, SlotForm
 from cbdsl.control.predicate import PREDICATES, restart, settings_of
@@ -16,6 +15,7 @@ from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import SignalError, require_finite
 from cbdsl.control.tick import error_bound
+from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.program.controller import Controller, Relative
 from cbdsl.runtime.controller_rows import anchor_of, bind_rows
 from cbdsl.runtime.preparation import Preparation
@@ -28,9 +28,6 @@ from cbdsl.types.resource import (
     StereoPosition,
 )
 from cbdsl.types.state import Predicate
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class Evaluation(NamedTuple):

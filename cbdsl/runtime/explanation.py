@@ -7,16 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.control.law import LevelReport, Step
 from cbdsl.control.level import Level
+from cbdsl.numeric.arrays import Floats
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
-
-Floats = NDArray[np.float64]
 
 #: Holder of a level whose freedom is taken by joints at their limits.
 LIMITS = "joint limits"

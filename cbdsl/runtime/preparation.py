@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.control.field import NoPathError
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Potential
 from cbdsl.control.signal import require_finite
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Ball, Controller, Modifier, Relative
 from cbdsl.runtime.controller_rows import ControllerRows
 from cbdsl.sensing.density import Sampler
@@ -20,7 +20,6 @@ from cbdsl.sensing.signals import Signals
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.resource import Resource
 
-Floats = NDArray[np.float64]
 Change = Callable[[Floats, Floats, float, Mapping[str, float]], Floats]
 
 

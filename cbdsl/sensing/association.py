@@ -26,14 +26,12 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Regions
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.sighting import Sighting
 from cbdsl.sensing.stereo import cross_rays
-
-Floats = NDArray[np.float64]
 
 # Least ratio of the sizes of an object in two cameras, which see different sides of a box.
 _ALIKE = 0.65

@@ -6,13 +6,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import sight, sighting_jacobian
 from cbdsl.sensing.channels import Region
-
-Floats = NDArray[np.float64]
 
 # Least ratio of the axes of a blob with an orientation: a ball appears as an ellipse of ratio 1.07
 # in a corner of the image, and pixels turn a small ball into an ellipse of ratio 1.1.

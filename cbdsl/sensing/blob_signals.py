@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.blob import blob_of
 from cbdsl.sensing.constellation import constellation_of
 from cbdsl.sensing.observation import Observation
@@ -24,8 +24,6 @@ from cbdsl.types.resource import (
     StereoOffset,
     StereoSignal,
 )
-
-Floats = NDArray[np.float64]
 
 
 class _Motion(NamedTuple):

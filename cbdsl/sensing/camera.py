@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
-
-Floats = NDArray[np.float64]
 
 
 def sight(camera: Camera, column: float, row: float) -> Floats:

@@ -6,17 +6,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Contact
+from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.numeric.vector import copy
 from cbdsl.sensing.forward import place_link
 from cbdsl.sensing.kinematics import Kinematics
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Booleans = NDArray[np.bool_]
 
 _GRAVITY = 9.81
 

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Channels
-
-Image = NDArray[np.uint8]
+from cbdsl.numeric.arrays import Image
 
 #: Largest number of regions of one channel in an image; smaller ones are omitted.
 MOST_REGIONS = 6

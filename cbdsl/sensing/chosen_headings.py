@@ -6,10 +6,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from typing import Generic, NamedTuple, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import heading, heading_jacobian
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
@@ -17,7 +15,6 @@ from cbdsl.sensing.reading import CameraHeading, Reading, mean
 from cbdsl.sensing.vision import Vision
 from cbdsl.types.resource import MarkHeading, NovelHeading, Resource
 
-Floats = NDArray[np.float64]
 Chosen = TypeVar("Chosen", NovelHeading, MarkHeading)
 
 

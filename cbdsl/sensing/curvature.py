@@ -15,16 +15,12 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import cross
 from cbdsl.sensing.forward import bend_point, multiply, place_point, twist_of
 from cbdsl.sensing.refresh import CONTACT, HEADING, MIXTURE, TIP, stand_off
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Records = NDArray[Any]
 
 #: Kinds of rows whose Jacobians change with the joint positions.
 BENDING = (TIP, MIXTURE, HEADING, CONTACT)

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.uniform import UniformSampler
 from cbdsl.types.resource import GaussianSample, KernelSample
-
-Floats = NDArray[np.float64]
 
 # A density may lie mostly outside the limits; then the nearest configuration is used.
 _MOST_DRAWS = 1000

@@ -7,14 +7,13 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.camera import within_view
 from cbdsl.sensing.kinematics import Frame, Kinematics
 
-Floats = NDArray[np.float64]
 Ball = tuple[Floats, float]
 """A centre, m, world frame, shape (3,), and a radius, m."""
 

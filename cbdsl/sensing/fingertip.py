@@ -10,12 +10,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.numeric.vector import add, cross, norm, scale
-
-Floats = NDArray[np.float64]
 
 
 @compiled_once

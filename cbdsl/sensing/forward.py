@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import copy, cross, fill
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Records = NDArray[Any]
 
 #: A moving joint, parents first: its parent frame, its column among the actuated joints and its
 #: ratio to that joint, its placement in the parent's frame, its axis there, and whether it is

@@ -9,15 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.forward import place_point
 from cbdsl.sensing.kinematics import Point
 from cbdsl.sensing.memory import PositionMemory
-
-Floats = NDArray[np.float64]
-
-Integers = NDArray[np.int64]
-Booleans = NDArray[np.bool_]
 
 # Largest error of a remembered position, m.
 _OFF = 0.03

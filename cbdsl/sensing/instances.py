@@ -19,17 +19,14 @@ import math
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cbdsl.documents.robot import Regions
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.association import Meeting, Pair, meet, pair
 from cbdsl.sensing.channels import Region
 from cbdsl.sensing.field_of_view import FieldOfView
 from cbdsl.sensing.memory import BESIDE, PositionMemory
 from cbdsl.sensing.sighting import Sighting
 
-Floats = NDArray[np.float64]
 Sightings = Sequence[Sequence[Sighting]]
 
 # A new object beside others is accepted if two successive images show it within this distance, m.

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pinocchio
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UNLIMITED, UrdfError, UrdfInertial, UrdfLink
 from cbdsl.robot.urdf_reader import read_urdf
@@ -29,9 +29,6 @@ from cbdsl.sensing.forward import (
     turn_link,
 )
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Booleans = NDArray[np.bool_]
 Vector = tuple[float, float, float]
 Answer = TypeVar("Answer")
 

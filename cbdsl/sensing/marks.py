@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections import Counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import sight
 from cbdsl.sensing.channels import Region
 from cbdsl.sensing.chosen_headings import ChosenHeadings
 from cbdsl.types.resource import MarkHeading
-
-Floats = NDArray[np.float64]
 
 # Largest share of the object's area; a larger region is the object itself or behind it.
 _LARGEST = 0.5

@@ -21,13 +21,11 @@ from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Regions
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.association import look_alike
-
-Floats = NDArray[np.float64]
 
 #: A line of sight leads to another object if its distance from the remembered position exceeds the
 #: object's radius plus this, m.

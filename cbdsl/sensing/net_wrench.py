@@ -9,14 +9,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled_once
-from cbdsl.sensing.forward import Records, move_point, place_point
+from cbdsl.sensing.forward import move_point, place_point
 from cbdsl.sensing.kinematics import Kinematics
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class Fingertips(NamedTuple):

@@ -11,14 +11,12 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import heading, heading_jacobian, sight
 from cbdsl.sensing.chosen_headings import ChosenHeadings
 from cbdsl.sensing.forward import rotation_of
 from cbdsl.types.resource import GaussianSample, NovelHeading
-
-Floats = NDArray[np.float64]
 
 # Distance in standard deviations beyond which the background's density is negligible.
 _FAR = 3.0

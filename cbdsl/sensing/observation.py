@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.sensing.channels import Regions
 
-Floats = NDArray[np.float64]
-Image = NDArray[np.uint8]
 Cell = tuple[str, str]
 
 

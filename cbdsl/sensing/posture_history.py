@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 # Time for which postures are kept, s; images must arrive with less delay.
 _KEPT = 1.5

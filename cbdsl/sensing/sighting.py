@@ -5,13 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.channels import Region
 from cbdsl.sensing.stereo import Ray
-
-Floats = NDArray[np.float64]
 
 
 class Sighting(NamedTuple):

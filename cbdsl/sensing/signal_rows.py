@@ -6,13 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Integers
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.refresh import READ, WRITTEN
 from cbdsl.sensing.table import Form, SignalTable
 
-Integers = NDArray[np.int64]
 Reader = Callable[[], Reading | None]
 
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.blob_signals import BlobSignals
 from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.declared_sensor import sensor_reader
@@ -75,8 +75,6 @@ from cbdsl.types.resource import (
 )
 from cbdsl.types.resource_type import ORIENTATION, POSITION
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Reader = Callable[[], Reading | None]
 
 

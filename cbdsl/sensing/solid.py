@@ -19,13 +19,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.channels import Region
 from cbdsl.sensing.kinematics import Frame
-
-Floats = NDArray[np.float64]
 
 # Expected square of a vertical semi-axis per square of half the height.
 _UPRIGHT = 1.2

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.solid import Silhouette, Solid
 from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.vision import Vision
 from cbdsl.types.resource import Resource, SolidSignal
-
-Floats = NDArray[np.float64]
 
 
 class SolidSignals:

@@ -6,11 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
-
-Floats = NDArray[np.float64]
 
 
 class Ray(NamedTuple):

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import JointTorques
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
-
-Floats = NDArray[np.float64]
 
 
 class Strain:

@@ -12,14 +12,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.channels import Extent
 from cbdsl.sensing.kinematics import Frame
-
-Floats = NDArray[np.float64]
 
 # Nearest and farthest plane below the cameras, and step between planes, m: an outline's image moves
 # by at most a pixel a step.

@@ -8,11 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.sensing.reading import CameraHeading, Reading
 from cbdsl.sensing.refresh import DEFINED, PART, READABLE, ROW, UNDEFINED
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class RowPart(NamedTuple):

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.kinematics import Frame, Kinematics, Point
 from cbdsl.sensing.table import RowPart
-
-Floats = NDArray[np.float64]
 
 
 class Tips:

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import LoadCell, RobotDocument
+from cbdsl.numeric.arrays import Booleans, Floats
 from cbdsl.sensing.cell_zeros import CellZeros
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.net_wrench import Fingertips, net_wrench
@@ -17,9 +17,6 @@ from cbdsl.sensing.reading import Reading, stacked
 from cbdsl.sensing.table import RowPart
 from cbdsl.sensing.tips import Tips
 from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
-
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
 
 _ORIGIN = np.zeros(3)
 _PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}

@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera, RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import heading, line_of_sight
 from cbdsl.sensing.channels import ChannelFilter, Region, Regions
 from cbdsl.sensing.field_of_view import FieldOfView
@@ -19,8 +19,6 @@ from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.posture_history import PostureHistory
 from cbdsl.sensing.sighting import Sighting
 from cbdsl.sensing.stereo import Ray, triangulate
-
-Floats = NDArray[np.float64]
 
 # Largest rotation of a still camera between images, rad: a 25th of a pixel, so that no edge of a
 # resting object moves by enough pixels to be a region.

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.sensing.camera import (
     direction,
@@ -30,7 +30,6 @@ from cbdsl.sensing.vision import SeenHeading, Vision
 from cbdsl.types.casts import CAMERA, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
 from cbdsl.types.resource import Heading, Headings, StereoPosition
 
-Floats = NDArray[np.float64]
 Step = Callable[[Any], Any]
 Thing = tuple[str, int]
 """Channel, and number of an object in it."""

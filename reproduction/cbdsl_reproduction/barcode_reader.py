@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Image
 from cbdsl.sensing.channels import bin_mask
-from cbdsl.sensing.observation import Image
 from cbdsl_reproduction.barcode import Barcode
 
 Floats = NDArray[np.float64]

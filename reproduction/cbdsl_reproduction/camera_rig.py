@@ -14,7 +14,7 @@ from cbdsl.backends.cameras.view import View
 from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.sensing.observation import Image
+from cbdsl.numeric.arrays import Image
 from cbdsl.yaml_text.library import Library, shipped
 from cbdsl_reproduction.barcode import SIZE
 from cbdsl_reproduction.barcode_trial import FOCAL_LENGTH

@@ -18,8 +18,8 @@ from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.control.manipulability import of_jacobian
 from cbdsl.control.potential import Potential
 from cbdsl.control.range import between
-from cbdsl.control.signal import Floats
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.proportion import TAIL
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.types.policy import WrittenPolicy

@@ -11,10 +11,9 @@ import numpy as np
 
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.control.localizability import seen_by
-from cbdsl.control.signal import Floats
 from cbdsl.documents.form import BoxForm
+from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.runtime.episode import Tick
-from cbdsl.sensing.observation import Image
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Headings, NetForces
 from cbdsl_reproduction.barcode import Barcode

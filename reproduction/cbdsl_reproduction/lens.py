@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cbdsl.sensing.observation import Image
+from cbdsl.numeric.arrays import Image
 
 
 @dataclass(frozen=True)

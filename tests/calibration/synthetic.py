@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.calibration.ball import image
 from cbdsl.calibration.hand_view import HandView
 from cbdsl.documents.model import Kernel, ModelDocument
 from cbdsl.documents.robot import Correction, RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.forward import rotation_of
 from cbdsl.sensing.kinematics import Frame, Kinematics
-
-Floats = NDArray[np.float64]
 
 RADIUS = 0.07
 #: Centre of the ball in the frame of the palm, m.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cbdsl.control.rotation import exp
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from tests.control.evaluation import Signal
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.control.potential import Potential, Rule, interpreted
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.reading import flattened
 from cbdsl.types.potential import POTENTIALS
 

@@ -9,7 +9,7 @@ import numpy as np
 from cbdsl.control.field import HarmonicField
 from cbdsl.control.grid import FREE, Grid
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import pytest
 
 from cbdsl.control.composition import compose, extrapolate_half_tick
 from cbdsl.control.level import LevelArrays
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 
 FREE = 1e300
 

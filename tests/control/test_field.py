@@ -8,7 +8,7 @@ import pytest
 from cbdsl.control.field import HarmonicField, NoPathError
 from cbdsl.control.grid import Grid
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from tests.control.scenes import SCENES, Scene, cluttered, cube
 
 FIELDS = {name: scene.field() for name, scene in SCENES.items()}

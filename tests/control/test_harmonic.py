@@ -17,7 +17,7 @@ from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Potential
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller, Field, Quiescence
 from cbdsl.types.resource import EffectorConfiguration, Origin, Resource
 from cbdsl.types.resource_type import configuration

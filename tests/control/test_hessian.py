@@ -12,10 +12,10 @@ from cbdsl.control.hessian import has_hessian, write_hessian
 from cbdsl.control.plan import ControllerPlan, SlotForm
 from cbdsl.control.potential import Potential
 from cbdsl.control.rotation import exp
-from cbdsl.control.signal import Floats
 from cbdsl.control.spring import along_axes, spring
 from cbdsl.control.tick import SLOT
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading

@@ -10,7 +10,7 @@ import pytest
 
 from cbdsl.control.localizability import seen_by
 from cbdsl.control.rotation import exp
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import heading, sighting_jacobian
 from cbdsl.sensing.kinematics import Frame
 from tests.control.evaluation import Evaluation, Signal, evaluate

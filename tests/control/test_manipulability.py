@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.control.manipulability import of_jacobian
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from tests.control.chain import Chain
 from tests.control.evaluation import Evaluation, evaluate
 from tests.control.test_registry import curved, manipulator

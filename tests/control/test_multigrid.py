@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.control.grid import Booleans
 from cbdsl.control.multigrid import Multigrid, neighbour_sum
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Booleans, Floats
 
 SHAPES = [(12,), (33,), (13, 18), (9, 9, 12), (3, 20), (4, 4, 4)]
 

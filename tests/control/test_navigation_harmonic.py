@@ -14,7 +14,7 @@ from cbdsl.control.field import HarmonicField
 from cbdsl.control.grid import Grid
 from cbdsl.control.harmonic import Harmonic
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.types.potential import POTENTIALS, Condition
 from tests.control.test_harmonic import prepared
 

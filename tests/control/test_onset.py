@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.control.onset import ONSET, OnsetForm, note_load, restart_onset
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 
 PERIOD = 1 / 60

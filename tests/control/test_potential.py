@@ -10,8 +10,8 @@ import pytest
 
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
-from cbdsl.control.signal import Floats
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.camera import heading, sighting_jacobian
 from cbdsl.sensing.kinematics import Frame, Kinematics

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl.control.rate import bounds_of, displace
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller, Quiescence
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import EffectorConfiguration, Origin, Resource

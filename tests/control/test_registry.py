@@ -10,8 +10,8 @@ import pytest
 from cbdsl.control.potential import Potential, Rule
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
-from cbdsl.control.signal import Floats
 from cbdsl.control.spring import spring
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller, Quiescence
 from cbdsl.sensing.camera import heading, sighting_jacobian
 from cbdsl.sensing.kinematics import Frame

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from cbdsl.learning.q_learning import QLearning
+from cbdsl.numeric.arrays import Floats
 
-Floats = NDArray[np.float64]
 GAMMA = 0.8
 
 

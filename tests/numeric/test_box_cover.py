@@ -6,11 +6,9 @@ import itertools
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.box_cover import cover
-
-Floats = NDArray[np.float64]
 
 
 def cuboid(low: tuple[float, ...], high: tuple[float, ...], *, inward: bool = False) -> Floats:

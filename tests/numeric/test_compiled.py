@@ -12,8 +12,8 @@ from numba import njit, types
 from numba.experimental import function_type
 
 from cbdsl.control.potential import address_of, call_at, potential
-from cbdsl.control.signal import Floats
 from cbdsl.numeric import compiled
+from cbdsl.numeric.arrays import Floats
 
 INNER = """
 from cbdsl.numeric.compiled import compiled

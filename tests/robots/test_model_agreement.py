@@ -11,15 +11,13 @@ import numpy as np
 import pinocchio
 import pybullet
 import pytest
-from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.robot import BulletRobot
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.mujoco.robot_spec import body_name, make_robot_spec
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf_reader import read_urdf
 from tests.robots.small_robot import Hinge, SmallRobot, chain, write_robot
-
-Floats = NDArray[np.float64]
 
 NARROW = '<limit lower="{}" upper="{}" effort="50" velocity="3"/>'
 UNNAMED = {

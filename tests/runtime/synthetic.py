@@ -9,15 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.sensing.camera import sight
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.sensing.observation import Image, Observation
-
-Floats = NDArray[np.float64]
+from cbdsl.sensing.observation import Observation
 
 GREY, RED = (128, 128, 128), (255, 0, 0)
 

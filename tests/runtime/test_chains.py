@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cbdsl.cli.program_text import casts_text
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.rotation import log
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller
 from cbdsl.robot.resources import resources
@@ -38,7 +38,6 @@ from cbdsl.types.resource import (
 from tests.conftest import ROOT, Checked
 from tests.sensing.test_visual_signals import between, facing, feel
 
-Floats = NDArray[np.float64]
 STEP = 1e-6
 CHOSEN = NovelHeading, MarkHeading
 PROGRAMS = [

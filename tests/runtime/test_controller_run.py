@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cbdsl.control.level import Level
 from cbdsl.control.plan import ControllerPlan
@@ -28,7 +27,6 @@ from tests.conftest import Checked
 from tests.runtime.conftest import TABLE_BALL, made_stage
 from tests.runtime.synthetic import Ball, SyntheticBackend, World
 
-Floats = NDArray[np.float64]
 PERIOD = 1 / 60
 
 

@@ -9,9 +9,9 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.signal import Floats
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Box, Controller, Field
 from cbdsl.runtime.episode import Runner, Tick

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import Backend, embody
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Regions, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.instance_names import instance_names, parse_instance
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.field_of_view import FieldOfView
@@ -27,7 +27,6 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from tests.sensing.test_sighting import sighting
 
-Floats = NDArray[np.float64]
 RED = "hue_1"
 LEFT, RIGHT = np.array([0.6, 0.07, -0.36]), np.array([0.62, -0.08, -0.37])
 AHEAD, AWAY = {"pan": 0.0, "tilt": 1.15}, {"pan": 1.2, "tilt": 0.3}

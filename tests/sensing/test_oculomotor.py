@@ -7,16 +7,15 @@ from functools import partial
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cbdsl.control.localizability import seen_by
 from cbdsl.control.rotation import exp
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import direction, heading, heading_jacobian, sighting_jacobian
 from cbdsl.sensing.kinematics import Frame
 from cbdsl.sensing.stereo import Ray, triangulate
 from tests.control.evaluation import Signal, evaluate
 
-Floats = NDArray[np.float64]
 Cameras = tuple[Frame, Frame]
 
 POINTS = 100

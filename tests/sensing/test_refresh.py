@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cbdsl.control.rotation import log
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
@@ -26,7 +26,6 @@ from cbdsl.types.resource import (
 )
 from cbdsl.yaml_text.library import Library, shipped
 
-Floats = NDArray[np.float64]
 LIBRARY = Library(shipped())
 STEP = 1e-6
 RADIUS, STANDOFF = 0.05, (0.03, 0.02, 0.2)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pybullet as p
-from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.composed import create_composed
 from cbdsl.backends.bullet.robot import BulletRobot
@@ -18,10 +17,10 @@ from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.observation import Cell
 
-Floats = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
 _KINDS = {"ball": p.GEOM_SPHERE, "box": p.GEOM_BOX, "cylinder": p.GEOM_CYLINDER}

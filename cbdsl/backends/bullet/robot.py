@@ -7,16 +7,14 @@ from itertools import combinations
 
 import numpy as np
 import pybullet as p
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.links import matching_links
 from cbdsl.backends.staging.pose import rotations
 from cbdsl.documents.robot import RobotDocument, Simulation
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
-
-Floats = NDArray[np.float64]
 
 # Torque of servos without a limit, N m; the simulator has no infinite torque.
 _STRONGEST = 1e6

@@ -10,7 +10,7 @@ import pybullet as p
 from cbdsl.backends.cameras import light
 from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.engine import Engine
-from cbdsl.sensing.observation import Image
+from cbdsl.numeric.arrays import Image
 
 _BACKGROUND = 199
 

@@ -7,16 +7,13 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
+from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.sensing.channels import Regions
-from cbdsl.sensing.observation import Image
-
-Floats = NDArray[np.float64]
 
 
 class Exposure(NamedTuple):

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Booleans, Integers
 from cbdsl.numeric.compiled import compiled
-
-Booleans = NDArray[np.bool_]
-Integers = NDArray[np.int64]
 
 
 @compiled

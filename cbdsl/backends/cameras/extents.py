@@ -7,13 +7,10 @@ from collections.abc import Callable
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.solids import HALVES, POSITION, ROTATION
+from cbdsl.numeric.arrays import Booleans, Floats
 from cbdsl.sensing.channels import GRID, Extent
-
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
 
 _NEAREST = 0.02
 """Least distance ahead of a camera at which an object is visible, m."""

@@ -25,13 +25,11 @@ from cbdsl.backends.staging.solids import POSITION, Walls
 from cbdsl.documents.form import Spot
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
+from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.channels import FILLING, MOST_REGIONS, Extent, Moments, Region, Regions
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
 
 # Lines of sight in each direction across an object: its area is then accurate within a percent.
 _SAMPLES = 20

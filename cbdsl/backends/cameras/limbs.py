@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfModel, UrdfShape
-
-Floats = NDArray[np.float64]
 
 # Joints at the end of an arm whose links are wide, and often in front of the cameras.
 _WRIST = 3

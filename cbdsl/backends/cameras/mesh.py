@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.mesh_reader import Mesh
-
-Floats = NDArray[np.float64]
 
 _SIDES = 48
 _SPLITS = 3

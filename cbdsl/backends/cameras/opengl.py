@@ -16,11 +16,9 @@ from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.pose import rotations
 from cbdsl.backends.staging.solids import POSITION, ROTATION
 from cbdsl.backends.staging.world_state import Part
+from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.urdf import UrdfModel, UrdfShape
-from cbdsl.sensing.observation import Image
-
-Floats = NDArray[np.float64]
 
 BACKGROUND = (0.78, 0.78, 0.78)
 # Colour of links without a colour in the model.

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.sensing.observation import Image
+from cbdsl.numeric.arrays import Image
 
 # Rows and columns by which an image may be shifted on the sheet.
 _ROOM = 64

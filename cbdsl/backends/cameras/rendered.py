@@ -14,7 +14,7 @@ from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
-from cbdsl.sensing.observation import Image
+from cbdsl.numeric.arrays import Image
 
 
 class RenderedCameras(CameraSystem):

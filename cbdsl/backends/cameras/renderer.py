@@ -8,8 +8,8 @@ from typing import Literal, Protocol
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.engine import Engine
+from cbdsl.numeric.arrays import Image
 from cbdsl.robot.urdf import UrdfModel
-from cbdsl.sensing.observation import Image
 
 
 class Renderer(Protocol):

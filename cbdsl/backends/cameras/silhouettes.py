@@ -18,17 +18,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.cameras.components import keep_largest
 from cbdsl.backends.cameras.ray import Triple, direction_at, entered, met_rows
 from cbdsl.backends.cameras.solid_view import VIEW, Window, view_of, views_before
 from cbdsl.backends.staging.solids import WIDTH, attach
+from cbdsl.numeric.arrays import Booleans, Floats, Rows
 from cbdsl.numeric.compiled import compiled, compiled_once
 
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
-Booleans = NDArray[np.bool_]
 Patch = tuple[float, float, float, float]
 
 #: Patch of a whole surface.

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.solids import BALL, CYLINDER, into
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
 
-Floats = NDArray[np.float64]
 Window = tuple[float, float, float, float]
 
 #: Number of values that describe a view.

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 NEAREST, FARTHEST = 0.05, 10.0
 

@@ -22,11 +22,11 @@ from cbdsl.backends.staging.context import choose_context
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.sensing.channels import Regions
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.sensing.observation import Image, Loads, Observation
+from cbdsl.sensing.observation import Loads, Observation
 
-Floats = NDArray[np.float64]
 Opener = Callable[[RobotDocument, str | None], Sequence[DriverLink]]
 
 # Longest wait until a robot is ready, s; then every reason against it is reported.

@@ -12,9 +12,8 @@ from cbdsl.backends.drivers.limiter import JointLimits
 from cbdsl.backends.drivers.sample import JointSample
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
-
-Floats = NDArray[np.float64]
 
 # A joint that exceeds its limit by less counts as standing at the limit, rad or m.
 _SOFTNESS = 0.05

@@ -19,9 +19,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 
 class JointLimits(NamedTuple):

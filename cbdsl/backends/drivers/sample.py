@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from cbdsl.sensing.channels import Regions
 
-Floats = NDArray[np.float64]
-
 
 class JointSample(NamedTuple):
     """Joint states.

@@ -15,7 +15,6 @@ from enum import Enum
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.drivers.joint_limits import joint_limits
 from cbdsl.backends.drivers.joint_watch import JointWatch
@@ -34,10 +33,9 @@ from cbdsl.backends.drivers.sample import (
 from cbdsl.backends.drivers.sensor_watch import SensorWatch
 from cbdsl.backends.drivers.survey import StreamProblem
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.description import description_problems
 from cbdsl.robot.urdf import UrdfModel
-
-Floats = NDArray[np.float64]
 
 # A reference is at its measured position, rad or m; and the most steps on the way there.
 _SETTLED, _MOST_STEPS = 1e-4, 20

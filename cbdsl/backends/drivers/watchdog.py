@@ -13,11 +13,9 @@ from __future__ import annotations
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.drivers.limiter import JointLimits, Limiter
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 # Time for which references are repeated after a hold, s.
 _HOLDING = 1.0

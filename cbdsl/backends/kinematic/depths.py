@@ -4,14 +4,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cbdsl.backends.staging.solids import BALL, CYLINDER, into
+from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled, compiled_once
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
 
 
 @compiled

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.hands import FingertipContact, Hands
 from cbdsl.backends.kinematic.manipulation import Manipulation
@@ -14,11 +13,10 @@ from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.observation import Cell
-
-Floats = NDArray[np.float64]
 
 
 class KinematicEngine(Engine):

@@ -7,14 +7,11 @@ from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.hands import FingertipContact, Hands
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import GRAVITY
-
-Floats = NDArray[np.float64]
 
 #: Force per depth of a fingertip, N/m. With it the force controllers of the robot file settle
 #: within a few control ticks; the softness of a real fingertip would need faster ones.

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.cameras.limbs import solid_shapes
 from cbdsl.backends.kinematic.depths import depths
@@ -17,12 +16,11 @@ from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfLink, UrdfModel
 
-Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
-Columns = NDArray[np.intp]
 
 # Friction of links without a surface in the robot file, as of PyBullet's bodies.
 _FRICTION = 0.5
@@ -45,7 +43,7 @@ class Fingertip(NamedTuple):
     centre: Floats
     radius: float
     friction: float
-    joints: Columns
+    joints: Rows
 
 
 @dataclass(frozen=True)

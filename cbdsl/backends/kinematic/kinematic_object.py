@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.solids import POSITION, ROTATION, placed
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 
 class KinematicObject:

@@ -5,17 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
 from cbdsl.backends.kinematic.hands import FingertipContact, Hands
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.staging.scenario import GRAVITY
+from cbdsl.numeric.arrays import Booleans, Floats
 from cbdsl.numeric.compiled import compiled_once
-
-Floats = NDArray[np.float64]
-Booleans = NDArray[np.bool_]
 
 # Depth of a fingertip beyond which the joints of its finger are held back, m.
 _DEEPEST = 0.02

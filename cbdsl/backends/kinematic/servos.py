@@ -6,14 +6,12 @@ Joints carry links: both move in one compiled call.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.tree import Booleans, Rows, Tree, place
+from cbdsl.backends.kinematic.tree import Tree, place
+from cbdsl.numeric.arrays import Booleans, Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
-
-Floats = NDArray[np.float64]
 
 
 class Servos:

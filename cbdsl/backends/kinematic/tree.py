@@ -9,19 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.displacement import displacement
 from cbdsl.backends.staging.pose import Pose
+from cbdsl.numeric.arrays import Booleans, Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.numeric.vector import copy, dot
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 from cbdsl.sensing.forward import multiply, place_point, rotate
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
-Booleans = NDArray[np.bool_]
 
 
 class Tree:

@@ -7,14 +7,12 @@ from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.shape import Wall
 from cbdsl.backends.staging.solids import WIDTH, Walls
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 # Distance to a floor within which an object stands on it, m.
 _CLOSE = 1e-3

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.lerobot.robot import METHODS, LeRobot, robot_name
@@ -18,11 +17,10 @@ from cbdsl.backends.staging.context import choose_context
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
-
-Floats = NDArray[np.float64]
 
 # Distance beyond a limit that is an error of the encoder or of its zero, rad or m.
 _ENCODER_ERROR = 0.05

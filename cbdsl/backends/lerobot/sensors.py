@@ -6,15 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.robot.joints import Joints
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.sensing.observation import Image, Loads, Observation
+from cbdsl.sensing.observation import Loads, Observation
 
-Floats = NDArray[np.float64]
 Values = Mapping[str, Any]
 
 _WRENCH = tuple(f"{kind}.{axis}" for kind in ("force", "torque") for axis in "xyz")

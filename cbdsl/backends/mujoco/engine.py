@@ -24,11 +24,10 @@ from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.observation import Cell
-
-Floats = NDArray[np.float64]
 
 # Largest distance of objects that touch, m.
 _TOUCHING = 1e-4

@@ -6,15 +6,12 @@ from typing import Any
 
 import mujoco as mj
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.mujoco.robot_spec import body_name
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.observation import Cell
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
 
 _FIELDS = (
     mj.mjtConDataField.mjCONDATA_FORCE,

@@ -17,8 +17,8 @@ from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Image
 from cbdsl.robot.urdf import UrdfModel, UrdfShape
-from cbdsl.sensing.observation import Image
 
 _KINDS = {
     "ball": mj.mjtGeom.mjGEOM_SPHERE,

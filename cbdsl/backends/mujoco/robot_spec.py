@@ -8,7 +8,6 @@ from typing import Any
 
 import mujoco as mj
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.mujoco.contact import ContactSettings
@@ -20,8 +19,6 @@ from cbdsl.backends.staging.scenario import GRAVITY
 from cbdsl.documents.robot import Coupling, MujocoSection, RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfInertial, UrdfJoint, UrdfModel
-
-Floats = NDArray[np.float64]
 
 # Lighter bodies are given this mass, kg, and moment of inertia, kg m^2.
 _LEAST_MASS, _LEAST_INERTIA = 1e-4, 1e-8

@@ -7,17 +7,14 @@ from typing import Any
 
 import mujoco as mj
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.mujoco.first_posture import FirstPosture
 from cbdsl.backends.mujoco.world import StepArrays
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
 
 # Torque per speed that an explicit step tolerates, as a share of inertia over timestep.
 _STEEPEST = 0.5

@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import mujoco as mj
-import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.mujoco.contact import ContactSettings
 from cbdsl.backends.mujoco.geometry import add_solids
@@ -14,9 +12,8 @@ from cbdsl.backends.mujoco.robot_spec import compile_spec, wxyz
 from cbdsl.backends.mujoco.soft_shape import soft_shapes
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfModel
-
-Floats = NDArray[np.float64]
 
 # Number of values of a free body's position and of its velocity.
 _POSE, _TWIST = 7, 6

@@ -6,11 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.ros2 import messages as msg
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 # Silence after which a writer loses its ownership of a controller, s.
 _OWNED = 1.0

@@ -6,16 +6,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.load_cells import LEVER
 from cbdsl.backends.staging.scenario import GRAVITY
 from cbdsl.documents.robot import Contact
+from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.urdf import UrdfLink
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
 
 # Number of ticks for which drift is drawn at a time.
 _AHEAD = 64

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.span import draw
 from cbdsl.documents.context import Context
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
-
-Floats = NDArray[np.float64]
 
 
 def choose_context(stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:

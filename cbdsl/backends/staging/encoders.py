@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
-
-Floats = NDArray[np.float64]
 
 
 class Encoders:

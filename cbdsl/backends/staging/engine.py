@@ -5,16 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cbdsl.backends.staging.appearance import parts_of
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.world_state import Part
+from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Cell
-
-Floats = NDArray[np.float64]
 
 #: Least distance from the robot of an object that is put back, m.
 ROOM = 0.03

@@ -7,13 +7,12 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Contact
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.observation import Cell, Loads
 
-Floats = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
 #: Errors of the torques per error of the forces, m: about the radius of a fingertip.

@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfOrigin
-
-Floats = NDArray[np.float64]
 
 _X, _Y, _Z = np.eye(3)
 

@@ -9,7 +9,6 @@ from graphlib import CycleError, TopologicalSorter
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.conflict import Conflict, find_conflict
@@ -21,7 +20,6 @@ from cbdsl.documents.context import Context, Motion, PlaceSection, Presentation
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 
-Floats = NDArray[np.float64]
 _Entry = TypeVar("_Entry")
 
 # Largest number of scenes that are drawn until one fits.

@@ -6,15 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.context import Displacement, Scatter
 from cbdsl.documents.stage import Surface
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 #: Acceleration of falling things, m/s^2.
 GRAVITY = 9.81

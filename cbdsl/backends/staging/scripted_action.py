@@ -6,13 +6,11 @@ import math
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.fall import Fall
 from cbdsl.backends.staging.scenario import Movement
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 
 class ScriptedAction(Protocol):

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.span import draw
@@ -28,14 +27,12 @@ from cbdsl.documents.form import (
     Spot,
     TubeForm,
 )
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.box_cover import cover
 from cbdsl.numeric.convex import Convex
 from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.thing_mesh import changed, read_thing_mesh
 from cbdsl.robot.urdf import UrdfOrigin
-
-Floats = NDArray[np.float64]
-
 
 # Number of boxes that the wall of a tube consists of.
 _SIDES = 12

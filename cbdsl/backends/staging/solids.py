@@ -10,14 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
+from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.intp]
 
 BALL, BOX, CYLINDER = 0.0, 1.0, 2.0
 _NUMBERS = {"ball": BALL, "box": BOX, "cylinder": CYLINDER}

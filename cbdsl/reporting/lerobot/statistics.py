@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.reporting.lerobot.frames import Frames
 
-Doubles = NDArray[np.float64]
 Row = dict[str, Any]
 
 _QUANTILES = {"q01": 0.01, "q10": 0.1, "q50": 0.5, "q90": 0.9, "q99": 0.99}
@@ -25,7 +25,7 @@ class Statistics:
     """Statistics of the frames of any number of episodes."""
 
     def __init__(self) -> None:
-        self._numbers: dict[str, list[Doubles]] = {}
+        self._numbers: dict[str, list[Floats]] = {}
         self._histograms: dict[str, NDArray[np.int64]] = {}
         self._frames = 0
 
@@ -56,7 +56,7 @@ def _histogram(images: NDArray[np.uint8]) -> NDArray[np.int64]:
     return np.stack([np.bincount(channel, minlength=256) for channel in channels])
 
 
-def _of_numbers(values: Doubles) -> Row:
+def _of_numbers(values: Floats) -> Row:
     row: Row = {
         "min": values.min(axis=0).tolist(),
         "max": values.max(axis=0).tolist(),

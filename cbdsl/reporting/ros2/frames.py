@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.reporting.link_pose import Doubles, placed, product
+from cbdsl.numeric.arrays import Floats
+from cbdsl.reporting.link_pose import placed, product
 from cbdsl.reporting.model import DrawnLink
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.ros2.message import header, make, quaternion, vector
@@ -45,9 +46,9 @@ def moving_frames(recorded: Recorded, links: Sequence[DrawnLink], tick: int, tim
     return make("tf2_msgs/TFMessage", transforms=frames)
 
 
-def world_turns(links: Sequence[DrawnLink], positions: Doubles) -> dict[str, Doubles]:
+def world_turns(links: Sequence[DrawnLink], positions: Floats) -> dict[str, Floats]:
     """Return the orientation of each link in the world as a quaternion, by name."""
-    turns: list[Doubles] = []
+    turns: list[Floats] = []
     for link in links:
         _, turn = placed(link, positions)
         turns.append(turn if link.parent < 0 else product(turns[link.parent], turn))
@@ -64,14 +65,12 @@ def object_frame(name: str) -> str:
     return f"object/{name}"
 
 
-def _link_frame(
-    links: Sequence[DrawnLink], link: DrawnLink, positions: Doubles, time: float
-) -> Any:
+def _link_frame(links: Sequence[DrawnLink], link: DrawnLink, positions: Floats, time: float) -> Any:
     parent = WORLD if link.parent < 0 else links[link.parent].name
     return _frame(time, parent, link.name, *placed(link, positions))
 
 
-def _frame(time: float, parent: str, child: str, place: Doubles, turn: Doubles) -> Any:
+def _frame(time: float, parent: str, child: str, place: Floats, turn: Floats) -> Any:
     transform = make(
         "geometry_msgs/Transform", translation=vector(place), rotation=quaternion(turn)
     )
@@ -81,7 +80,7 @@ def _frame(time: float, parent: str, child: str, place: Doubles, turn: Doubles) 
     )
 
 
-def _rotation(rotation: Sequence[float]) -> Doubles:
+def _rotation(rotation: Sequence[float]) -> Floats:
     """Return the quaternion of a rotation vector, rad, shape (3,)."""
     angle = math.hypot(*rotation)
     axis = np.array(rotation) / (angle or 1.0)

@@ -7,7 +7,7 @@ from typing import Any
 
 from rosbags.typesys import Stores, get_typestore
 
-from cbdsl.reporting.link_pose import Doubles
+from cbdsl.numeric.arrays import Floats
 
 #: Definitions of the types. The types of these modules are the same in later distributions.
 TYPES = get_typestore(Stores.ROS2_HUMBLE)
@@ -32,11 +32,11 @@ def header(time: float, frame: str) -> Any:
     return make("std_msgs/Header", stamp=stamp(time), frame_id=frame)
 
 
-def vector(values: Sequence[float] | Doubles, kind: str = "Vector3") -> Any:
+def vector(values: Sequence[float] | Floats, kind: str = "Vector3") -> Any:
     """Return three numbers as a ``Vector3`` or a ``Point``."""
     return make(f"geometry_msgs/{kind}", **dict(zip("xyz", map(float, values), strict=True)))
 
 
-def quaternion(values: Sequence[float] | Doubles) -> Any:
+def quaternion(values: Sequence[float] | Floats) -> Any:
     """Return four numbers (x, y, z, w) as a quaternion."""
     return make("geometry_msgs/Quaternion", **dict(zip("xyzw", map(float, values), strict=True)))

@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import mujoco as mj
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 
 class BodyFrame(NamedTuple):

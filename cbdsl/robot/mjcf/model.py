@@ -9,13 +9,11 @@ from typing import Any, NamedTuple
 
 import mujoco as mj
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.diagnostics.counting import count
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.mjcf.body_frame import BodyFrame, placed
 from cbdsl.robot.urdf import UrdfError
-
-Floats = NDArray[np.float64]
 
 # Gravity of stages, and the largest difference without a remark, m/s^2.
 _GRAVITY, _GRAVITY_TOLERANCE = 9.81, 0.05

@@ -7,15 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cbdsl.backends.cameras.silhouettes import SHAPE, WHOLE, silhouettes
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import WIDTH, placed
+from cbdsl.numeric.arrays import Floats
 from tests.backends.kinematic.shapes import SHAPES, inside, turned
-
-Floats = NDArray[np.float64]
 
 LENS = (418.5, 320.0, 240.0)
 HERE, AHEAD = np.zeros(3), np.eye(3)

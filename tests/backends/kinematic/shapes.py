@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
-
-Floats = NDArray[np.float64]
+from cbdsl.numeric.arrays import Floats
 
 SHAPES = {
     "ball": SolidShape.ball(0.07),

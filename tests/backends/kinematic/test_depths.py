@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.depths import depths
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.solids import placed
+from cbdsl.numeric.arrays import Floats
 from tests.backends.kinematic.shapes import SHAPES, inside, turned
-
-Floats = NDArray[np.float64]
 
 
 def one(solid: Floats, point: Floats, radius: float = 0.0) -> Floats:

@@ -4,16 +4,14 @@ from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
-
-Floats = NDArray[np.float64]
 
 
 class IdealBackend:

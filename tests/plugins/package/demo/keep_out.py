@@ -6,7 +6,7 @@ import numpy as np
 
 from cbdsl.control.potential import Potential, potential
 from cbdsl.control.setting import Setting
-from cbdsl.control.signal import Floats
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller
 from cbdsl.types.potential import Condition, Navigation, PotentialType
 

@@ -4,8 +4,8 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cbdsl.numeric.arrays import Floats
 from cbdsl.types.modifier import ModifierType
 
 ORBIT = ModifierType(
@@ -15,8 +15,6 @@ ORBIT = ModifierType(
     options={"radius": "length", "period": "time"},
     implementation="demo.orbit:orbit",
 )
-
-Floats = NDArray[np.float64]
 
 
 def orbit(reference: Floats, feedback: Floats, time: float, options: Mapping[str, float]) -> Floats:
