@@ -15,7 +15,8 @@ by the square of a step. It is withheld from the levels below, as the rows of J 
 null spaces alone would let a lower level move along it, and the level above would move back: both
 would oscillate for ever.
 
-Source: the hierarchical Newton method of Pfeiffer, Escande and Rabaud (2018), with the displacement
+Source: the hierarchical Newton method of Pfeiffer, Escande, Gergondet and Kheddar (2023,
+arXiv 2303.04428), with the displacement
 of one tick in place of the whole error. If a level achieves its request, nothing changes.
 """
 
