@@ -30,10 +30,10 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.program_run import ProgramRun
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision import Vision
 from cbdsl.yaml_text.library import Library

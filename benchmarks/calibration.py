@@ -43,7 +43,7 @@ def judge_body(body: int, seeds: Sequence[int], backend_name: str) -> dict[str, 
     from cbdsl.calibration.estimate import CalibrationError, estimate
     from cbdsl.calibration.watching import watch
     from cbdsl.documents.calibration import with_corrections
-    from cbdsl.sensing.kinematics import Kinematics
+    from cbdsl.kinematics.kinematics import Kinematics
 
     shown = read_request("show_ball", None, None, {}, body=body, uncalibrated=True)
     robot, urdf = shown.robot, shown.urdf
@@ -76,7 +76,7 @@ def judge_body(body: int, seeds: Sequence[int], backend_name: str) -> dict[str, 
 
 def errors_of(true: Any, correction: Any) -> dict[str, float]:
     """Return errors of position, mm, and rotation, deg, before and after calibration."""
-    from cbdsl.sensing.forward import rotation_of
+    from cbdsl.kinematics.forward import rotation_of
 
     found = rotation_of(np.array(correction.rotation))
     return {
@@ -125,8 +125,8 @@ def table_errors(robot: Any, true: Mapping[str, Any], believed: Any, model: Any)
 
 def episodes(request: Any, robot: Any, backend: Any, seeds: Iterable[int]) -> Any:
     """Return outcomes of episodes: seed, reward, and the number of fingertips on the object."""
+    from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.runtime.episode import Runner
-    from cbdsl.sensing.kinematics import Kinematics
 
     runner = Runner(robot, Kinematics(robot, request.urdf), request.program, backend)
     for seed in seeds:

@@ -34,11 +34,11 @@ from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.program_run import ProgramRun
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision import Vision
 from cbdsl.yaml_text.library import Library

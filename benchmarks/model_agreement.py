@@ -78,7 +78,7 @@ def by_pinocchio(robot: RobotDocument, model: UrdfModel) -> Placing:
 
 def by_kinematics(robot: RobotDocument, model: UrdfModel) -> Placing:
     """Return placements of the robot's kinematics."""
-    from cbdsl.sensing.kinematics import Kinematics
+    from cbdsl.kinematics.kinematics import Kinematics
 
     kinematics = Kinematics(robot, model.path)
 

@@ -17,9 +17,9 @@ from cbdsl.control.level import Level
 from cbdsl.control.localizability import seen_by
 from cbdsl.control.manipulability import of_jacobian
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import heading, within_view
-from cbdsl.sensing.kinematics import Kinematics
 
 SIDES = "left", "right"
 #: The Jacobians that a manipulability of both arms may be of.

@@ -31,8 +31,8 @@ from cbdsl.backends.backend import embody
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 
 PROGRAM = "bimanualtouch_printed"

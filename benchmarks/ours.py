@@ -16,12 +16,12 @@ from cbdsl.control.level import Level
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.stack import TICKS, Stack
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.program_run import ProgramRun
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Loads, Observation
 from cbdsl.sensing.signals import Signals
 from cbdsl.yaml_text.library import Library

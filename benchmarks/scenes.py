@@ -37,13 +37,13 @@ from cbdsl.api.shipped import shipped_robot
 from cbdsl.backends.backend import embody
 from cbdsl.checking.program import check_program
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.sensing.camera import within_view
 from cbdsl.sensing.instances import Instances
-from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.signals import Signals
 from cbdsl.yaml_text.library import Library, shipped

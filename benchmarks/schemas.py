@@ -34,6 +34,7 @@ from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.learner import ASSIMILATE
 from cbdsl.numeric.proportion import exact_interval
@@ -42,7 +43,6 @@ from cbdsl.program.schema import Ranking
 from cbdsl.program.schema_policy import Features, SchemaPolicy
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import EpisodeResult, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.trial import Trial
 from cbdsl.types.decision_tree import decide

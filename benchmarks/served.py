@@ -108,8 +108,8 @@ def run(request: RunRequest, cameras: str, where: str, seed: int) -> dict[str, A
     from cbdsl.backends.backend import embody
     from cbdsl.backends.drivers.backend import DrivenBackend
     from cbdsl.backends.drivers.person import Consent
+    from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
-    from cbdsl.sensing.kinematics import Kinematics
 
     backend: Any
     if where == "served":

@@ -14,8 +14,8 @@ from hypothesis import settings
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from tests.conftest import ROOT
 
 STEP = 1e-6

@@ -17,10 +17,10 @@ from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.channels import Region
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from tests.conftest import Checked
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from cbdsl.calibration.estimate import Estimate
     from cbdsl.calibration.watch_journal import WatchJournal
     from cbdsl.documents.calibration import CalibrationDocument, CalibrationOrigin
-    from cbdsl.sensing.kinematics import Kinematics
+    from cbdsl.kinematics.kinematics import Kinematics
 
 
 @dataclass(frozen=True)

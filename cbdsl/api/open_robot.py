@@ -12,9 +12,9 @@ from cbdsl.api.shared_body import BodyEpisode, SharedBody
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
+    from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.program.transition import Transition
     from cbdsl.runtime.episode import EpisodeResult, Runner, Tick, TickListener
-    from cbdsl.sensing.kinematics import Kinematics
     from cbdsl.types.policy import Policy
 
 
@@ -206,7 +206,7 @@ def open_robot(
     from cbdsl.backends.backend import embody
     from cbdsl.backends.backend_calls import closing_backend
     from cbdsl.backends.engines import default_engine
-    from cbdsl.sensing.kinematics import Kinematics
+    from cbdsl.kinematics.kinematics import Kinematics
 
     request = program if isinstance(program, RunRequest) else load(program)
     if persistent:

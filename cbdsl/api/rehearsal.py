@@ -25,9 +25,9 @@ def rehearse(request: RunRequest, seed: int = 0) -> None:
     """
     from cbdsl.backends.backend import embody
     from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.numeric.compiled import load_kept
     from cbdsl.runtime.episode import Runner
-    from cbdsl.sensing.kinematics import Kinematics
 
     with contextlib.suppress(UsageError):
         simulated = embody("kinematic", request.robot, request.urdf)

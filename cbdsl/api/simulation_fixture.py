@@ -14,9 +14,9 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library, shipped
 

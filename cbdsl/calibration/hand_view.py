@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.runtime.episode import Tick
-from cbdsl.sensing.kinematics import Kinematics
 
 #: Number of fingertips that determine a ball's centre.
 FINGERS = 3

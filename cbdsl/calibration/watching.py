@@ -12,9 +12,9 @@ from cbdsl.calibration.hand_view import FINGERS, HandView, ViewRecorder
 from cbdsl.calibration.watch_journal import WatchJournal
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner
-from cbdsl.sensing.kinematics import Kinematics
 
 
 def require_sight_and_touch(robot: RobotDocument) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cbdsl.documents.robot import Effector, RobotDocument
-from cbdsl.robot.ready_posture import PLACING, ReadyPosture
+from cbdsl.kinematics.ready_posture import PLACING, ReadyPosture
 from cbdsl.robot.urdf import UrdfError, UrdfModel, Vector
 from cbdsl.robot.urdf_reader import read_urdf
 

@@ -80,7 +80,7 @@ def _refuse_options_of_one(context: typer.Context) -> None:
 def _run(task: PairTask, request: RunRequest, cameras: str | None, *, as_json: bool) -> None:
     from cbdsl.cli.exploration_progress import ExplorationProgress
     from cbdsl.cli.simulation import simulation
-    from cbdsl.sensing.kinematics import Kinematics
+    from cbdsl.kinematics.kinematics import Kinematics
 
     with simulation(request, task.backend, cameras=cameras) as (body, _):
         progress = ExplorationProgress(task.count, as_json=as_json, looks_ahead=False)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from cbdsl.backends.backend import Backend
     from cbdsl.cli.recorder import Recorder
     from cbdsl.documents.stage import StageDocument
+    from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.program.transition import Transition
     from cbdsl.reporting.live.live_view import LiveView
     from cbdsl.runtime.episode import (
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
         TransitionListener,
     )
     from cbdsl.runtime.recording import Recording
-    from cbdsl.sensing.kinematics import Kinematics
 
 Stage = Annotated[
     str | None,

@@ -13,7 +13,7 @@ from cbdsl.backends.engines import default_engine
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
-    from cbdsl.sensing.kinematics import Kinematics
+    from cbdsl.kinematics.kinematics import Kinematics
 
 BackendName = Annotated[
     str,
@@ -67,7 +67,7 @@ def simulation(
         from cbdsl.backends.backend import embody, find_backend
         from cbdsl.backends.backend_calls import closing_backend
         from cbdsl.cli.compilation import told_of_compilation
-        from cbdsl.sensing.kinematics import Kinematics
+        from cbdsl.kinematics.kinematics import Kinematics
 
         find_backend(backend)
     with told_of_compilation():

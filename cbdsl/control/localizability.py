@@ -22,11 +22,11 @@ import numpy as np
 
 from cbdsl.control.potential import Potential, Rule, potential
 from cbdsl.control.setting import Setting
+from cbdsl.kinematics.kinematics import Frame
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, copy, dot, norm
 from cbdsl.program.controller import Controller
-from cbdsl.sensing.kinematics import Frame
 from cbdsl.sensing.stereo import cross_rays
 
 # Smallest height above the baseline, in baselines; on it phi has no bound and no gradient.

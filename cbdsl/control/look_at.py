@@ -13,8 +13,8 @@ import math
 import numpy as np
 
 from cbdsl.control.potential import Potential, potential
-from cbdsl.control.rotation import align
 from cbdsl.control.setting import Setting
+from cbdsl.kinematics.rotation import align
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.kinematics.kinematics import Frame
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.kinematics import Frame
 
 
 class Setting(NamedTuple):

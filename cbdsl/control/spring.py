@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.potential import Potential, potential
-from cbdsl.control.rotation import align, log_between
 from cbdsl.control.setting import Setting
+from cbdsl.kinematics.rotation import align, log_between
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.program.controller import AlongNormals, Controller

@@ -20,11 +20,11 @@ from cbdsl.control.predicate import note, note_undefined, require_settled, reset
 from cbdsl.control.rate import displace
 from cbdsl.control.reference import NEEDS_HESSIANS, NOT_FINITE, move
 from cbdsl.control.stack import TICKS
+from cbdsl.kinematics.forward import place_point
 from cbdsl.numeric.arrays import Booleans, Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import copy, dot, fill, norm, scale
 from cbdsl.sensing.fingertip import add_contact
-from cbdsl.sensing.forward import place_point
 from cbdsl.sensing.refresh import DEFINED, UNDEFINED, displace_value, refresh
 
 # Largest growth of a stride in a tick, and its smallest factor.

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.control.rotation import exp
+from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.sensing.chain import require_executed

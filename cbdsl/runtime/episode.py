@@ -19,12 +19,12 @@ from cbdsl.control.signal import SignalError
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stayed_far
 from cbdsl.runtime.program_run import ProgramRun
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.sensor_faults import SensorError
 from cbdsl.sensing.signals import Signals

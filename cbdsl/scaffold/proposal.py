@@ -14,8 +14,8 @@ from typing import NamedTuple
 from cbdsl.diagnostics.counting import count, some
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.legible_text import legible, seen
+from cbdsl.kinematics.ready_posture import ReadyPosture, at_first
 from cbdsl.robot.chains import chains, root
-from cbdsl.robot.ready_posture import ReadyPosture, at_first
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
 from cbdsl.robot.tip_frame import tip_offset
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported, unsupported_joints

@@ -9,7 +9,7 @@ from cbdsl.robot.semantic_groups import SemanticGroup
 from cbdsl.robot.urdf import UrdfError, UrdfModel
 
 if TYPE_CHECKING:
-    from cbdsl.robot.self_contacts import LinkPair, SelfContacts
+    from cbdsl.kinematics.self_contacts import LinkPair, SelfContacts
 
 #: Postures of an effector by name; the first is its start posture.
 Postures = dict[str, tuple[float, ...]]
@@ -42,7 +42,7 @@ def start_contacts(
         postures: Postures by effector, preferred one first; the order of an SRDF is kept.
     """
     try:
-        from cbdsl.robot.self_contacts import SelfContacts
+        from cbdsl.kinematics.self_contacts import SelfContacts
 
         contacts = SelfContacts(model)
     except ImportError:

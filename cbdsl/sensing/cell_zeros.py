@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from cbdsl.documents.robot import Contact
+from cbdsl.kinematics.forward import place_link
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.numeric.vector import copy
-from cbdsl.sensing.forward import place_link
-from cbdsl.sensing.kinematics import Kinematics
 
 _GRAVITY = 9.81
 

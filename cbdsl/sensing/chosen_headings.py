@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from typing import Generic, NamedTuple, TypeVar
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import heading, heading_jacobian
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import CameraHeading, Reading, mean
 from cbdsl.sensing.vision import Vision

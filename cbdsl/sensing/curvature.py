@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from cbdsl.kinematics.forward import bend_point, multiply, place_point, twist_of
 from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import cross
-from cbdsl.sensing.forward import bend_point, multiply, place_point, twist_of
 from cbdsl.sensing.refresh import CONTACT, HEADING, MIXTURE, TIP, stand_off
 
 #: Kinds of rows whose Jacobians change with the joint positions.

@@ -9,10 +9,10 @@ from collections.abc import Iterable
 import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.camera import within_view
-from cbdsl.sensing.kinematics import Frame, Kinematics
 
 Ball = tuple[Floats, float]
 """A centre, m, world frame, shape (3,), and a radius, m."""

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.kinematics.forward import place_point
+from cbdsl.kinematics.kinematics import Point
 from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.numeric.compiled import compiled_once
-from cbdsl.sensing.forward import place_point
-from cbdsl.sensing.kinematics import Point
 from cbdsl.sensing.memory import PositionMemory
 
 # Largest error of a remembered position, m.

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.controller import Standoff
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.refresh import CONFIGURATION, LENGTH, MANIPULATOR, MIXTURE, TIP
 from cbdsl.sensing.signal_rows import SignalRows

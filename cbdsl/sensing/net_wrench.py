@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cbdsl.kinematics.forward import move_point, place_point
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled_once
-from cbdsl.sensing.forward import move_point, place_point
-from cbdsl.sensing.kinematics import Kinematics
 
 
 class Fingertips(NamedTuple):

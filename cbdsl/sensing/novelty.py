@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cbdsl.kinematics.forward import rotation_of
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import heading, heading_jacobian, sight
 from cbdsl.sensing.chosen_headings import ChosenHeadings
-from cbdsl.sensing.forward import rotation_of
 from cbdsl.types.resource import GaussianSample, NovelHeading
 
 # Distance in standard deviations beyond which the background's density is negligible.

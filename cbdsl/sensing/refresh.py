@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from cbdsl.kinematics.forward import multiply, place_point, twist_of
 from cbdsl.numeric.arrays import Booleans, Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import add, cross, fill, norm
-from cbdsl.sensing.forward import multiply, place_point, twist_of
 
 #: Kinds of rows by the source of their numbers: written by Python; joint positions; a tip; the
 #: Jacobian of tips; a weighted sum of other rows; the forces along the normals of load cells; a row

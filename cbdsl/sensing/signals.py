@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.blob_signals import BlobSignals
 from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.declared_sensor import sensor_reader
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematic_rows import KinematicRows
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.marks import Marks
 from cbdsl.sensing.novelty import Novelty
 from cbdsl.sensing.observation import Observation

@@ -21,9 +21,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.documents.robot import Camera
+from cbdsl.kinematics.kinematics import Frame
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.channels import Region
-from cbdsl.sensing.kinematics import Frame
 
 # Expected square of a vertical semi-axis per square of half the height.
 _UPRIGHT = 1.2

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from cbdsl.documents.robot import JointTorques
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 
 

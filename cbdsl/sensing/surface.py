@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.documents.robot import Camera
+from cbdsl.kinematics.kinematics import Frame
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.channels import Extent
-from cbdsl.sensing.kinematics import Frame
 
 # Nearest and farthest plane below the cameras, and step between planes, m: an outline's image moves
 # by at most a pixel a step.

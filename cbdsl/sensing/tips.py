@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics, Point
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.kinematics import Frame, Kinematics, Point
 from cbdsl.sensing.table import RowPart
 
 

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from cbdsl.documents.robot import LoadCell, RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Booleans, Floats
 from cbdsl.sensing.cell_zeros import CellZeros
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.net_wrench import Fingertips, net_wrench
 from cbdsl.sensing.observation import Cell, Loads
 from cbdsl.sensing.reading import Reading, stacked

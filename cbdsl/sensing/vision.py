@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.documents.robot import Camera, RobotDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import heading, line_of_sight
 from cbdsl.sensing.channels import ChannelFilter, Region, Regions
 from cbdsl.sensing.field_of_view import FieldOfView
 from cbdsl.sensing.instances import Instances
-from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.posture_history import PostureHistory

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.sensing.camera import (
@@ -19,7 +20,6 @@ from cbdsl.sensing.camera import (
 )
 from cbdsl.sensing.chain import MANIPULATOR, carry
 from cbdsl.sensing.hold import Content, Hold, find_hold, held_jacobian
-from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.reading import CameraHeading, Reading, mean, stacked
 from cbdsl.sensing.stereo import Ray, triangulate

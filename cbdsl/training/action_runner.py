@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from cbdsl.backends.backend import Backend, BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.action_outcome import NOOP, ActionOutcome
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import EpisodeError, EpisodeResult, Runner, Tick
 from cbdsl.runtime.episode_watcher import EpisodeWatcher
 from cbdsl.runtime.feature_reader import FeatureReader
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.explorable import Explorable
 from cbdsl.types.resource import Resource
 

@@ -8,13 +8,13 @@ from typing import Protocol
 from cbdsl.backends.backend import Backend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
 from cbdsl.runtime.episode_watcher import EpisodeWatcher
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Tip
 

@@ -11,7 +11,7 @@ from cbdsl.backends.backend import Backend, embody
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.digest import digest
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.training.trial_loop import TrialObserver
 
 Workplace = tuple[Backend, Kinematics]

@@ -11,9 +11,9 @@ from cbdsl.documents.document import Section
 from cbdsl.documents.policy import Provenance
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode_watcher import EpisodeWatcher
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.journal import require_usable
 from cbdsl.training.provenance import TrialSetting, provenance_of

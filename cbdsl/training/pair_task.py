@@ -16,13 +16,13 @@ from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.policy import Identity
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.action_outcome import NOOP, ActionOutcome
 from cbdsl.learning.catalog_exploration import CatalogConstants
 from cbdsl.learning.exploration import ExplorationStep
 from cbdsl.learning.pair_exploration import PairExploration
 from cbdsl.runtime.episode import EpisodeError, Runner
 from cbdsl.runtime.line_journal import LineJournal
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.explorable_pair import ExplorablePair
 from cbdsl.training.exploration_task import (
     ExplorationObserver,

@@ -19,10 +19,10 @@ from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library, shipped
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.experiment import Result, RunSettings

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.api.shipped import shipped_robot
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl_reproduction.claim import at_least, at_most, below
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings

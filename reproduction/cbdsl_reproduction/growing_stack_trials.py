@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.api.simulation_fixture import simulation_fixture
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Resource
 from cbdsl_reproduction.constellation_trials import CHANNELS, STAGE

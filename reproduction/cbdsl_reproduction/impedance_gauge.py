@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.rotation import log
+from cbdsl.kinematics.rotation import log
 from cbdsl.learning.impedance import AXES, KINDS, ImpedanceProfile, ImpedanceTest
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Relative

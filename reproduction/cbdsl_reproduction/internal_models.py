@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cbdsl.api.shipped import shipped_robot
 from cbdsl.documents.model import Gaussian, Kernel
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import Claim, above, below
 from cbdsl_reproduction.estimate import estimate

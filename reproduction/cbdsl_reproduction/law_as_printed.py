@@ -20,8 +20,8 @@ from cbdsl.control.manipulability import of_jacobian
 from cbdsl.control.potential import Potential, Rule
 from cbdsl.control.range import between
 from cbdsl.control.spring import spring
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.tips import Tips
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above, at_least

@@ -20,6 +20,7 @@ from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.allocation_tree import TriedContext
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.learner import ASSIMILATE
@@ -28,7 +29,6 @@ from cbdsl.program.schema import Ranking
 from cbdsl.program.schema_policy import Features, SchemaPolicy
 from cbdsl.reporting.drawing.schema_graph import schema_graph
 from cbdsl.reporting.drawing.svg import svg
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.trial import Trial
 from cbdsl.types.decision_tree import Split, Tree, decide, splits

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.localizability import seen_by
+from cbdsl.kinematics.kinematics import Frame
 from cbdsl.numeric.arrays import Image
 from cbdsl.sensing.camera import heading
-from cbdsl.sensing.kinematics import Frame
 from cbdsl_reproduction.barcode import SIZE, barcodes
 from cbdsl_reproduction.barcode_trial import FOCAL_LENGTH
 from cbdsl_reproduction.camera_rig import FINENESS, CameraRig, Placement, camera_rig

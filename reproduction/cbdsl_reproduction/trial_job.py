@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 
 from cbdsl.backends.backend import Backend
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.training.trial_loop import TrialObserver
 from cbdsl.yaml_text.writer import write_text
 from cbdsl_reproduction.experiment import Experiment, RunSettings

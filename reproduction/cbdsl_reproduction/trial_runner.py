@@ -20,12 +20,12 @@ from cbdsl.documents.policy import Provenance
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.action_outcome import ActionOutcome
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.exploration import ExplorationStep
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.exploration_task import exploration_journal
 from cbdsl.training.journal import Journal

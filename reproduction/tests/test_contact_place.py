@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 from cbdsl_reproduction.contact_place import contact_places, on_ball

@@ -12,7 +12,7 @@ from cbdsl.documents.context import PlaceSection
 from cbdsl.documents.form import BoxForm
 from cbdsl.documents.model import Gaussian, Kernel
 from cbdsl.documents.stage import StageDocument
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.internal_models import (
     Expectation,

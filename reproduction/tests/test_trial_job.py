@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.backends.backend import find_backend
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.trial_loop import NullObserver
 from cbdsl_reproduction.experiment import Experiment, RunSettings

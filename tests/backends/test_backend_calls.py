@@ -15,8 +15,8 @@ from cbdsl.backends.backend_calls import closing_backend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import EpisodeResult, Runner
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from tests.conftest import Checked
 from tests.runtime.synthetic import SyntheticBackend

@@ -12,9 +12,9 @@ import pytest
 
 from cbdsl.backends.backend import Backend, embody
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.joints import Joints
 from cbdsl.runtime.episode import DeadlineError, Runner
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from tests.backends.conftest import SELF_CONTAINED, sightless, stage_named
 from tests.conftest import Checked

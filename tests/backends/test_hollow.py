@@ -9,10 +9,10 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.convex import Convex, gap
 from cbdsl.sensing.channels import ChannelFilter
 from tests.backends.conftest import URDF, Simulated, made_stage, run, stage_named

@@ -12,11 +12,11 @@ import pytest
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.staging.appearance import parts_of
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.convex import Convex, gap
 from cbdsl.runtime.recording import drawn
 from cbdsl.sensing.channels import ChannelFilter

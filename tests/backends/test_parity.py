@@ -18,10 +18,10 @@ from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.runtime.episode import EpisodeResult, Runner
 from cbdsl.sensing.channels import ChannelFilter
-from cbdsl.sensing.kinematics import Kinematics
 from tests.conftest import Checked
 
 StageNamed = Callable[[str], StageDocument]

@@ -11,8 +11,8 @@ import pytest
 from cbdsl.backends.backend import BackendError, ResumableBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
-from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import (
     BACKENDS,
     URDF,

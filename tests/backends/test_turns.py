@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.pose import Pose
 from tests.backends.conftest import Simulated, made_stage
 
 TABLE = {"form": {"shape": "box", "size": [2, 2, 0.1]}, "position": [1.5, 0, -0.45]}

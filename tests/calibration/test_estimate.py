@@ -10,9 +10,9 @@ import pytest
 from cbdsl.calibration.estimate import LEAST_VIEWS, CalibrationError, estimate
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.forward import rotation_of
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.forward import rotation_of
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.stereo import Ray, triangulate
 from cbdsl.yaml_text.library import Library
 from tests.calibration.synthetic import IN_HAND, ShownBall, draw_corrections, frame_of

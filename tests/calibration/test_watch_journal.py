@@ -13,8 +13,8 @@ from cbdsl.calibration.watch_journal import WatchJournal
 from cbdsl.calibration.watching import watch
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.line_journal import JournalError
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import Checked
 

@@ -17,7 +17,7 @@ from cbdsl.backends.cameras.camera_system import camera_errors
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument, CalibrationOrigin
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.forward import rotation_of
+from cbdsl.kinematics.forward import rotation_of
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.writer import write
 from tests.cli.test_main import cb

@@ -14,7 +14,7 @@ from cbdsl.checking.session import Session
 from cbdsl.documents.form import BoxForm
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.robot.ready_posture import ReadyPosture
+from cbdsl.kinematics.ready_posture import ReadyPosture
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library, shipped
 from tests.cli.test_main import cb

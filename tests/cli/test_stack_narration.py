@@ -12,8 +12,8 @@ import pytest
 from cbdsl.cli.narration import narrate
 from cbdsl.cli.stack_narration import StackNarration
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
-from cbdsl.sensing.kinematics import Kinematics
 from tests.conftest import Checked
 from tests.runtime.conftest import made_stage, on_table
 from tests.runtime.synthetic import SyntheticBackend

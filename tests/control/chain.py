@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.control.rotation import exp
+from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from tests.control.evaluation import Signal
 

@@ -11,12 +11,12 @@ import pytest
 from cbdsl.control.hessian import has_hessian, write_hessian
 from cbdsl.control.plan import ControllerPlan, SlotForm
 from cbdsl.control.potential import Potential
-from cbdsl.control.rotation import exp
 from cbdsl.control.spring import along_axes, spring
 from cbdsl.control.tick import SLOT
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.refresh import (

@@ -8,8 +8,8 @@ import pytest
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library, shipped
 
 STACKS = 10_000

@@ -18,9 +18,9 @@ from cbdsl.control.localizability import seen_by
 from cbdsl.control.look_at import look_at
 from cbdsl.control.manipulability import of_jacobian
 from cbdsl.control.range import between
-from cbdsl.control.rotation import exp
 from cbdsl.control.signal import SignalError
 from cbdsl.control.spring import spring
+from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from cbdsl.types.potential import POTENTIALS, Condition
 from tests.control.chain import Chain

@@ -11,10 +11,10 @@ import pytest
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.camera import heading, sighting_jacobian
-from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource_type import HEADING, TYPES, ResourceType, configuration

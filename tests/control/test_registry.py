@@ -11,10 +11,10 @@ from cbdsl.control.potential import Potential, Rule
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.control.spring import spring
+from cbdsl.kinematics.kinematics import Frame
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller, Quiescence
 from cbdsl.sensing.camera import heading, sighting_jacobian
-from cbdsl.sensing.kinematics import Frame
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import EffectorConfiguration, Origin, Resource
 from cbdsl.types.resource_type import TYPES, ResourceType, configuration

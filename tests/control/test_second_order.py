@@ -9,8 +9,8 @@ import pytest
 
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
-from cbdsl.control.rotation import exp, log
 from cbdsl.control.stack import TICKS, Stack
+from cbdsl.kinematics.rotation import exp, log
 from cbdsl.numeric.arrays import Floats
 from tests.control.chain import Chain
 

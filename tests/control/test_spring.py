@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.control.rotation import exp
 from cbdsl.control.spring import along_axes, circular, spring
+from cbdsl.kinematics.rotation import exp
 from tests.control.evaluation import Signal, evaluate
 
 EYE = np.eye(3)

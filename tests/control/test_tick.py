@@ -18,13 +18,13 @@ from cbdsl.control.potential import Potential, Rule, interpreted, potential
 from cbdsl.control.predicate import PREDICATE, PREDICATES, settings_of
 from cbdsl.control.range import between
 from cbdsl.control.rate import bounds_of, displace
-from cbdsl.control.rotation import exp
 from cbdsl.control.spring import spring
 from cbdsl.control.stack import Stack
 from cbdsl.control.tick import IDLE, MOVED, RESTED, SEARCH, TRACK, UNSOUND, _stride, tick
+from cbdsl.kinematics.forward import JOINT
+from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller
-from cbdsl.sensing.forward import JOINT
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.refresh import WRITTEN
 from cbdsl.sensing.table import Form, SignalTable

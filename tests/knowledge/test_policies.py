@@ -20,8 +20,8 @@ from cbdsl.documents.policy import POLICY, PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import EpisodeResult, Runner
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT, Checked
 

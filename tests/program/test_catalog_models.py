@@ -16,11 +16,11 @@ from cbdsl.checking.session import Session
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.affordance import deviation_of
 from cbdsl.program.catalog_models import models_of
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.backends.conftest import stage_named
 

@@ -8,11 +8,11 @@ import pytest
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.learned_policy import LearnedPolicy
 from cbdsl.program.own_policy import own_policy
 from cbdsl.runtime.episode import EpisodeResult, Runner
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.policy import WrittenPolicy
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked

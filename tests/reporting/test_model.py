@@ -9,12 +9,12 @@ import numpy as np
 import pybullet_data
 import pytest
 
-from cbdsl.backends.staging.pose import rotations
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.pose import rotations
 from cbdsl.reporting.link_shape import LinkShape
 from cbdsl.reporting.model import DrawnLink, read_links
 from cbdsl.robot.urdf_reader import parse_urdf
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 

@@ -16,11 +16,11 @@ import pytest
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import Recorded, read_recording
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.recording import Recording
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 from tests.reporting.browser import CHROMIUM, Page, browser

@@ -11,8 +11,8 @@ from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import EpisodeResult, Runner
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 
 CONTROL = """

@@ -12,9 +12,9 @@ from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
-from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 from tests.runtime.synthetic import SyntheticBackend

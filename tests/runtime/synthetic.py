@@ -12,9 +12,9 @@ import numpy as np
 
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.sensing.camera import sight
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 
 GREY, RED = (128, 128, 128), (255, 0, 0)

@@ -15,9 +15,9 @@ import pytest
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from tests.conftest import Checked
 
 pytestmark = pytest.mark.slow

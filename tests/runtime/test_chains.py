@@ -11,8 +11,9 @@ import pytest
 
 from cbdsl.cli.program_text import casts_text
 from cbdsl.control.plan import ControllerPlan
-from cbdsl.control.rotation import log
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
+from cbdsl.kinematics.rotation import log
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller
@@ -21,7 +22,6 @@ from cbdsl.runtime.controller_rows import bind_rows
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.sensing.camera import heading
 from cbdsl.sensing.chain import CastError
-from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision import SeenHeading
 from cbdsl.types.casts import CASTS, chains_of

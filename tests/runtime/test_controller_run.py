@@ -13,6 +13,7 @@ import pytest
 from cbdsl.control.level import Level
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Literal
 from cbdsl.robot.resources import resources
@@ -20,7 +21,6 @@ from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetForces, Tip
 from tests.conftest import Checked

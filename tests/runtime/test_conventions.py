@@ -13,8 +13,8 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 
 GO = """\

@@ -13,8 +13,8 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.cli.main import main
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import DeadlineError, EpisodeError, EpisodeResult, Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from tests.conftest import Checked
 from tests.runtime.synthetic import SyntheticBackend, World

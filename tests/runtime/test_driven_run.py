@@ -10,6 +10,7 @@ import pytest
 
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime import actuation as actuation_module
@@ -18,7 +19,6 @@ from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.program_run import ProgramRun
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 from tests.conftest import Checked

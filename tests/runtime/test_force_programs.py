@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from cbdsl.api.run_request import read_request
 from cbdsl.api.simulation_fixture import simulation_fixture
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.cli.simulation import simulation
+from cbdsl.kinematics.pose import Pose
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner, Tick
 

@@ -13,9 +13,9 @@ from cbdsl.checking.program import check_program
 from cbdsl.cli.stack_narration import StackNarration
 from cbdsl.documents.robot import JointTorques, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import Guards
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.strain import Strain
 from cbdsl.yaml_text.library import Library

@@ -10,12 +10,12 @@ import pytest
 from cbdsl.control.load_guard import JOINT_PACE, PACE
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import Guards
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.load_guards import LoadGuards
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 from tests.runtime.test_relative import CELLS, PERIOD, POSITION, controller

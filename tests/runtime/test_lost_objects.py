@@ -8,8 +8,8 @@ import pytest
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
-from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 

@@ -15,11 +15,11 @@ from cbdsl.checking.session import Session
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema_policy import SchemaPolicy
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 
 SCHEMA = """\

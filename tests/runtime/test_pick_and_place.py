@@ -11,9 +11,9 @@ import pytest
 
 from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 

@@ -9,13 +9,13 @@ import pytest
 
 from cbdsl.checking.program import check_program
 from cbdsl.control.plan import ControllerPlan
-from cbdsl.control.rotation import exp
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.rotation import exp
 from cbdsl.program.controller import Controller
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 

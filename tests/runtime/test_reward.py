@@ -9,11 +9,11 @@ import pytest
 
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.program_run import ProgramRun
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.policy import Policy

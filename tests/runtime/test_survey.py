@@ -11,8 +11,8 @@ import pytest
 from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 

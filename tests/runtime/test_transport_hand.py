@@ -11,11 +11,11 @@ from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Box, Controller, Field
 from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.resource import Resource
 from tests.conftest import Checked
 from tests.runtime.conftest import Play

@@ -12,7 +12,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_main import cb
-from tests.robot.test_self_contacts import two_arms
+from tests.kinematics.test_self_contacts import two_arms
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ import pytest
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 
 #: Edge, and by how much the position may be off, m; volumes, over the box's own.

@@ -8,8 +8,8 @@ import pytest
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.backends.staging.encoders import Encoders
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.cell_zeros import CellZeros
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from tests.backends.conftest import URDF, made_stage
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.camera import heading
 from cbdsl.sensing.chosen_headings import _Lines
 from cbdsl.sensing.curvature import BENDING, bend_row
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.refresh import CONTACT, HEADING, TIP
 from cbdsl.sensing.signals import Signals

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.density import DensitySampler
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import GaussianSample, KernelSample, Origin, Resource
 from cbdsl.types.resource_type import POSITION

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.sensing.field_of_view import FieldOfView
-from cbdsl.sensing.kinematics import Frame, Kinematics
 
 FAR = np.array([0.0, 0.0, 50.0])
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import Regions, RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.hold import Content, Hold, find_hold, held_jacobian
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table import records_of

@@ -15,15 +15,15 @@ import pytest
 
 from cbdsl.backends.backend import Backend, embody
 from cbdsl.backends.kinematic.backend import KinematicBackend
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Regions, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.instance_names import instance_names, parse_instance
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.field_of_view import FieldOfView
 from cbdsl.sensing.instances import Instances
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from tests.sensing.test_sighting import sighting
 

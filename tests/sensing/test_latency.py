@@ -10,8 +10,8 @@ import pytest
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import Regions, RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals

@@ -11,10 +11,10 @@ import pytest
 
 import cbdsl
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.mark_names import parse_mark
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.channels import Moments, Region
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.marks import is_mark
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.camera import direction, heading
 from cbdsl.sensing.channels import Moments, Region
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.novelty import centring
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals

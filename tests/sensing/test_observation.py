@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.observation import Loads
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from cbdsl.control.localizability import seen_by
-from cbdsl.control.rotation import exp
+from cbdsl.kinematics.kinematics import Frame
+from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.camera import direction, heading, heading_jacobian, sighting_jacobian
-from cbdsl.sensing.kinematics import Frame
 from cbdsl.sensing.stereo import Ray, triangulate
 from tests.control.evaluation import Signal, evaluate
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 
 FLEXION = ["right_finger_1", "right_finger_2", "right_finger_3"]

@@ -11,9 +11,9 @@ import pytest
 from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.pair_names import pair_resource
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
 

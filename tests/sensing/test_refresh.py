@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from cbdsl.control.rotation import log
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.rotation import log
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals

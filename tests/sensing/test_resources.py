@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument, Sensor
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.robot.source_kind import SOURCES
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.affordance import AffordanceModel
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.sensor_faults import SensorError

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import Camera, RobotDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.pair_names import pair_resource
 from cbdsl.robot.resources import SOLID_PARTS, resources
 from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.channels import Moments, Region
-from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.solid import Silhouette, Solid
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked

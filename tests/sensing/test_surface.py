@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.channels import Extent, connected_regions
-from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.surface import LevelSurface, SurfaceSampler, SurfaceView, find_height
 

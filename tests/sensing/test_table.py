@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.refresh import WRITTEN
 from cbdsl.sensing.signals import Signals

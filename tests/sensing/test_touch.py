@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
 from cbdsl.types.resource import NetLoad

@@ -11,9 +11,9 @@ import pytest
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.channels import ChannelFilter, Moments, Region
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from tests.runtime.conftest import made_stage
 from tests.runtime.synthetic import RED, Ball, SyntheticBackend

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.camera import heading
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Cell, Observation
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision import SeenHeading

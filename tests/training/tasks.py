@@ -12,8 +12,8 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.constants import AccommodateConstants
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.learning_task import LearningTask
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT

@@ -11,12 +11,12 @@ import pytest
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.action_outcome import ActionOutcome
 from cbdsl.learning.model_exploration import ModelConstants, ModelExploration
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import EpisodeResult
 from cbdsl.runtime.feature_reader import FeatureReader
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.explorable import OPEN, Explorable, explorable, with_marks
 from tests.backends.conftest import stage_named

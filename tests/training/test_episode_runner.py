@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner, moved
 from cbdsl.types.policy import WrittenPolicy
 from tests.conftest import Checked

@@ -12,10 +12,10 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.feature_reader import FeatureReader
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.explorable import Explorable, explorable, other_hues
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked

@@ -12,11 +12,11 @@ from cbdsl.backends.bullet.composed import create_composed
 from cbdsl.backends.bullet.robot import BulletRobot
 from cbdsl.backends.staging.engine import ROOM, Engine
 from cbdsl.backends.staging.load_cells import ContactPoint, sum_wrenches
-from cbdsl.backends.staging.pose import Pose, rotations
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.pose import Pose, rotations
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.observation import Cell

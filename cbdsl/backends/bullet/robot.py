@@ -10,8 +10,8 @@ import pybullet as p
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.links import matching_links
-from cbdsl.backends.staging.pose import rotations
 from cbdsl.documents.robot import RobotDocument, Simulation
+from cbdsl.kinematics.pose import rotations
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel

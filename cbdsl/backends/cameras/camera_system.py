@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.backends.staging.engine import Engine
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.sensing.channels import Regions
 

@@ -18,13 +18,13 @@ from cbdsl.backends.cameras.palette import Palette
 from cbdsl.backends.cameras.region_errors import RegionErrors
 from cbdsl.backends.cameras.silhouettes import SHAPE, WHOLE, silhouettes, unhidden
 from cbdsl.backends.staging.engine import Engine
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import POSITION, Walls
 from cbdsl.documents.form import Spot
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.channel_names import channel_names

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfModel, UrdfShape
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 
 NEAREST, FARTHEST = 0.05, 10.0

@@ -22,9 +22,9 @@ from cbdsl.backends.staging.context import choose_context
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.sensing.channels import Regions
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Loads, Observation
 
 Opener = Callable[[RobotDocument, str | None], Sequence[DriverLink]]

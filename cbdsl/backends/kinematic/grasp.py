@@ -10,8 +10,8 @@ import numpy as np
 
 from cbdsl.backends.kinematic.hands import FingertipContact, Hands
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import GRAVITY
+from cbdsl.kinematics.pose import Pose
 
 #: Force per depth of a fingertip, N/m. With it the force controllers of the robot file settle
 #: within a few control ticks; the softness of a real fingertip would need faster ones.

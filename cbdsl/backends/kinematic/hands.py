@@ -14,8 +14,8 @@ from cbdsl.backends.kinematic.depths import depths
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfLink, UrdfModel

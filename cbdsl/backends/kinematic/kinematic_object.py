@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.solids import POSITION, ROTATION, placed
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 
 

@@ -10,14 +10,14 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from cbdsl.backends.staging.displacement import displacement
-from cbdsl.backends.staging.pose import Pose
+from cbdsl.kinematics.displacement import displacement
+from cbdsl.kinematics.forward import multiply, place_point, rotate
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Booleans, Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.numeric.vector import copy, dot
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
-from cbdsl.sensing.forward import multiply, place_point, rotate
 
 
 class Tree:

@@ -17,9 +17,9 @@ from cbdsl.backends.staging.context import choose_context
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 
 # Distance beyond a limit that is an error of the encoder or of its zero, rad or m.

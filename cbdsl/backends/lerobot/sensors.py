@@ -9,9 +9,9 @@ import numpy as np
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.robot.joints import Joints
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Loads, Observation
 
 Values = Mapping[str, Any]

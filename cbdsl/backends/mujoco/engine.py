@@ -20,10 +20,10 @@ from cbdsl.backends.mujoco.servos import MujocoServos
 from cbdsl.backends.mujoco.window import Window
 from cbdsl.backends.mujoco.world import MujocoWorld
 from cbdsl.backends.staging.engine import ROOM, Engine
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel

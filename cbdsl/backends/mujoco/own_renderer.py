@@ -14,9 +14,9 @@ from cbdsl.backends.cameras import light
 from cbdsl.backends.cameras.view import FARTHEST, NEAREST, View
 from cbdsl.backends.mujoco.offscreen_context import OffscreenContext
 from cbdsl.backends.staging.engine import Engine
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Image
 from cbdsl.robot.urdf import UrdfModel, UrdfShape
 

@@ -12,11 +12,11 @@ import numpy as np
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.mujoco.contact import ContactSettings
 from cbdsl.backends.mujoco.geometry import add_shape
-from cbdsl.backends.staging.displacement import displacement
 from cbdsl.backends.staging.links import matching_links
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import GRAVITY
 from cbdsl.documents.robot import Coupling, MujocoSection, RobotDocument
+from cbdsl.kinematics.displacement import displacement
+from cbdsl.kinematics.pose import Pose
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfInertial, UrdfJoint, UrdfModel
 

@@ -20,10 +20,10 @@ from cbdsl.backends.ros2.regions_text import write_regions
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import load_kept
 from cbdsl.robot.joints import Joints
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}

@@ -9,7 +9,6 @@ import numpy as np
 
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.fall import FALLEN
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.sampler import ScenarioSampler
 from cbdsl.backends.staging.scenario import PlacedThing, Scenario
 from cbdsl.backends.staging.scripted_action import (
@@ -21,6 +20,7 @@ from cbdsl.backends.staging.scripted_action import (
 )
 from cbdsl.documents.context import Context
 from cbdsl.documents.stage import WorldSection
+from cbdsl.kinematics.pose import Pose
 
 # Distance from its place beyond which an object counts as moved, m.
 _MOVED = 0.02

@@ -12,13 +12,13 @@ import numpy as np
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.conflict import Conflict, find_conflict
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import Movement, PlacedThing, Scenario, SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.span import draw
 from cbdsl.documents.context import Context, Motion, PlaceSection, Presentation
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.pose import Pose
 
 _Entry = TypeVar("_Entry")
 

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.context import Displacement, Scatter
 from cbdsl.documents.stage import Surface
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 
 #: Acceleration of falling things, m/s^2.

@@ -11,7 +11,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.span import draw
 from cbdsl.documents.form import (
     MOST_PIECES,
@@ -27,6 +26,7 @@ from cbdsl.documents.form import (
     Spot,
     TubeForm,
 )
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.box_cover import cover
 from cbdsl.numeric.convex import Convex

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled
 

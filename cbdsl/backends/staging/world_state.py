@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
-from cbdsl.backends.staging.pose import Pose
+from cbdsl.kinematics.pose import Pose
 from cbdsl.robot.mesh_reader import Mesh
 
 

@@ -10,9 +10,9 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.cameras.view import View
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.pose import Pose
 from tests.backends.conftest import made_stage
 
 CAMERA = Camera(link="left_camera", width=400, height=300, focal_length=800)

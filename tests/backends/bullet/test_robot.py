@@ -12,9 +12,9 @@ import pytest
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.robot import BulletRobot
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import URDF
 
 

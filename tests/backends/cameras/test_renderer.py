@@ -13,9 +13,9 @@ from cbdsl.backends.cameras import opengl
 from cbdsl.backends.cameras.opengl import OpenGLRenderer
 from cbdsl.backends.cameras.renderer import make_renderer
 from cbdsl.backends.cameras.view import View
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.pose import Pose
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
 from tests.backends.conftest import BACKENDS, URDF, Simulated, made_stage, stage_named, with_vision

@@ -14,10 +14,10 @@ from cbdsl.backends.cameras.selection import make_cameras
 from cbdsl.cli.main import main
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.channels import Region, Regions
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.backends.conftest import URDF, stage_named
 from tests.conftest import Checked

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.cameras.silhouettes import SHAPE, WHOLE, silhouettes
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import WIDTH, placed
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from tests.backends.kinematic.shapes import SHAPES, inside, turned
 

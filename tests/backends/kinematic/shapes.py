@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 
 SHAPES = {

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.kinematic.depths import depths
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.solids import placed
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from tests.backends.kinematic.shapes import SHAPES, inside, turned
 

@@ -12,10 +12,10 @@ import pytest
 from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
 from cbdsl.backends.kinematic.hands import Fingertip, FingertipContact
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.stage import Surface
+from cbdsl.kinematics.pose import Pose
 
 RADIUS, MASS, FRICTION = 0.05, 0.3, 0.8
 UP = np.array([0.0, 0.0, 1.0])

@@ -7,8 +7,8 @@ import pytest
 
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import LIBRARY, ROOT
 
 

@@ -7,10 +7,10 @@ import pytest
 
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.stage import Surface
+from cbdsl.kinematics.pose import Pose
 
 PERIOD = 1 / 60
 SHAPES = {

@@ -16,10 +16,10 @@ from cbdsl.backends.backend import BackendError
 from cbdsl.backends.lerobot.backend import LeRobotBackend
 from cbdsl.backends.lerobot.rescaled import DEGREES, Rescaled, Scale
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
-from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import robot_named, stage_named
 from tests.backends.lerobot.device import Device, Time, backend_of, cameras
 from tests.conftest import ROOT, Checked

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.mujoco.backend import MujocoBackend
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.stage import Fixture, Surface
+from cbdsl.kinematics.pose import Pose
 from tests.backends.conftest import made_stage
 
 TOP = -0.42

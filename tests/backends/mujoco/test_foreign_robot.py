@@ -10,11 +10,11 @@ import pytest
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.mujoco.backend import MujocoBackend
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument, Surface
+from cbdsl.kinematics.pose import Pose
 
 STAGE = StageDocument.model_validate(
     {"cbdsl": 1, "kind": "stage", "name": "empty", "robot": "own", "contexts": {"empty": {}}}

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.mujoco.backend import MujocoBackend
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Surface
+from cbdsl.kinematics.pose import Pose
 from tests.backends.conftest import URDF, made_stage, sightless
 
 TIP = "right_finger_3_tip"

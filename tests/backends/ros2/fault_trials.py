@@ -207,8 +207,8 @@ class Trial:
         from cbdsl.backends.drivers.backend import DrivenBackend
         from cbdsl.backends.drivers.person import Consent
         from cbdsl.checking.program import check_program
+        from cbdsl.kinematics.kinematics import Kinematics
         from cbdsl.runtime.episode import Runner
-        from cbdsl.sensing.kinematics import Kinematics
         from cbdsl.yaml_text.library import Library
 
         program = check_program("sixaxis_reach", {}, Library(ROOT))
@@ -346,8 +346,8 @@ def warm() -> None:
     """Import and compile everything before the first fork, without a thread of DDS."""
     from cbdsl.backends.ros2 import guard, link, server  # noqa: F401
     from cbdsl.checking.program import check_program
+    from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.runtime.episode import Runner
-    from cbdsl.sensing.kinematics import Kinematics
     from cbdsl.yaml_text.library import Library
 
     document, urdf = robot()

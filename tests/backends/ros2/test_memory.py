@@ -17,8 +17,8 @@ from cbdsl.backends.drivers.sample import Command
 from cbdsl.backends.drivers.views import with_views
 from cbdsl.backends.ros2.link import Ros2Link
 from cbdsl.backends.ros2.server import RobotServer, simulated_robot
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
-from cbdsl.sensing.kinematics import Kinematics
 
 pytestmark = pytest.mark.slow
 # Growth that is no leak, bytes: caches of interpreters, and the history of an open search.

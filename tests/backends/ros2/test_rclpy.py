@@ -56,8 +56,8 @@ def reach(seed: int) -> str:
     from cbdsl.backends.drivers.backend import DrivenBackend
     from cbdsl.backends.drivers.person import Consent
     from cbdsl.checking.program import check_program
+    from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.runtime.episode import Runner
-    from cbdsl.sensing.kinematics import Kinematics
     from cbdsl.yaml_text.library import Library
     from tests.conftest import ROOT
 

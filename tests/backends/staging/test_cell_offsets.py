@@ -7,8 +7,8 @@ import pytest
 
 from cbdsl.backends.staging.cell_offsets import CellOffsets
 from cbdsl.documents.robot import Contact
+from cbdsl.kinematics.forward import rotation_of
 from cbdsl.robot.urdf import UrdfInertial, UrdfLink, UrdfOrigin
-from cbdsl.sensing.forward import rotation_of
 
 TIP = UrdfLink("tip", (), (), UrdfInertial(0.02, (0.0,) * 6, UrdfOrigin(xyz=(0.01, 0.0, 0.0))))
 NOTHING = np.zeros((1, 6))

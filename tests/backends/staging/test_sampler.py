@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.sampler import ScenarioSampler
 from cbdsl.backends.staging.scenario import Scenario, SceneObject
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.convex import gap
 from tests.backends.conftest import Simulated, made_stage, run, stage_named
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.form import BallForm, BoxForm, CylinderForm
+from cbdsl.kinematics.pose import Pose
 
 FORMS = {
     "ball": {"shape": "ball", "radius": [0.04, 0.06]},

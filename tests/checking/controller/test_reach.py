@@ -9,8 +9,8 @@ import pytest
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import shipped
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cbdsl.checking.controller.references import LiteralError, read_literal
-from cbdsl.control.rotation import exp
+from cbdsl.kinematics.rotation import exp
 from cbdsl.program.controller import Literal
 from cbdsl.types.resource import Origin, Resource, Tip
 from cbdsl.types.resource_type import ORIENTATION, POSE

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
 from tests.conftest import Checked
 from tests.runtime.conftest import made_stage, on_table
 from tests.runtime.synthetic import SyntheticBackend

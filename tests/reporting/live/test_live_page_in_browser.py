@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, composed_program
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.live_page import live_page
@@ -24,7 +25,6 @@ from cbdsl.reporting.live.server import LiveServer
 from cbdsl.reporting.live.transport import Transport
 from cbdsl.runtime.composer import Composer
 from cbdsl.runtime.episode import EpisodeResult
-from cbdsl.sensing.kinematics import Kinematics
 from tests.conftest import ROOT
 from tests.reporting.browser import CHROMIUM, Page, browser
 from tests.reporting.conftest import Shown

@@ -8,9 +8,9 @@ import numpy as np
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 
 

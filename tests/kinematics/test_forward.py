@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.sensing.kinematics import Kinematics
-from tests.sensing.test_kinematics import LINKS
+from cbdsl.kinematics.kinematics import Kinematics
+from tests.kinematics.test_kinematics import LINKS
 
 OFFSET = (0.02, -0.01, 0.07)
 STEP = 1e-6

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.backends.staging.pose import Pose, rotations
+from cbdsl.kinematics.pose import Pose, rotations
 
 component = st.floats(-1, 1)
 quaternions = (

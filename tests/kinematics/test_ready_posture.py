@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio
 import pytest
 
+from cbdsl.kinematics.ready_posture import ReadyPosture, at_first
 from cbdsl.robot.chains import Chain, chains
-from cbdsl.robot.ready_posture import ReadyPosture, at_first
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
 from tests.robot.test_chains import MODELS

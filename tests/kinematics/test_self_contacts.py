@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.robot.self_contacts import SelfContacts
+from cbdsl.kinematics.self_contacts import SelfContacts
 from cbdsl.robot.urdf_reader import read_urdf
 
 LINK = """

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cbdsl.kinematics.ready_posture import at_first
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.mesh_file import find_mesh
-from cbdsl.robot.ready_posture import at_first
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
 
 LinkPair = tuple[str, str]

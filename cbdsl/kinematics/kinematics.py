@@ -12,11 +12,7 @@ import numpy as np
 import pinocchio
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.numeric.arrays import Booleans, Floats, Integers
-from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UNLIMITED, UrdfError, UrdfInertial, UrdfLink
-from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.sensing.forward import (
+from cbdsl.kinematics.forward import (
     JOINT,
     bend_point,
     move_point,
@@ -28,6 +24,10 @@ from cbdsl.sensing.forward import (
     rotation_of,
     turn_link,
 )
+from cbdsl.numeric.arrays import Booleans, Floats, Integers
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.urdf import UNLIMITED, UrdfError, UrdfInertial, UrdfLink
+from cbdsl.robot.urdf_reader import read_urdf
 
 Vector = tuple[float, float, float]
 Answer = TypeVar("Answer")

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.control.rotation import align, exp, log
+from cbdsl.kinematics.rotation import align, exp, log
 from cbdsl.numeric.arrays import Floats
 
 ANGLES = (0.0, 1e-12, 1e-8, 1e-5, 1e-3, 0.1, 1.0, 2.0, 3.0, 3.14, np.pi - 1e-5, np.pi - 1e-9)

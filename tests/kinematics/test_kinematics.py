@@ -9,8 +9,8 @@ import pytest
 
 from cbdsl.documents.calibration import with_corrections
 from cbdsl.documents.robot import Correction, RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.urdf import UrdfError
-from cbdsl.sensing.kinematics import Kinematics
 
 LINKS = ["right_palm", "left_palm", "left_camera", "right_finger_1_tip", "left_finger_2_tip"]
 STEP = 1e-6

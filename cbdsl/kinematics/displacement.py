@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from cbdsl.backends.staging.pose import Pose
+from cbdsl.kinematics.pose import Pose
 from cbdsl.robot.urdf import UrdfJoint
 
 
