@@ -56,7 +56,8 @@ class Reader(NamedTuple):
 
     Attributes:
         sound: Files without faults.
-        read: Function that reads a file's content in a folder, and returns whether it has findings.
+        read: Function that reads a file's content in a folder, and returns whether it has
+            diagnostics.
     """
 
     sound: tuple[bytes, ...]
@@ -68,7 +69,7 @@ class Measured(NamedTuple):
 
     Attributes:
         files: Number of files.
-        faulty: Number of files with findings.
+        faulty: Number of files with diagnostics.
         slowest: Processor time of the slowest file, s.
         slowest_file: Number of that file.
     """

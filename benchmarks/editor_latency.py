@@ -53,7 +53,7 @@ def main() -> int:
     gc.set_threshold(100_000)  # as cb does
     buffers, times, walls = Buffers(Path.cwd()), [], []
     buffers.change(path, text)
-    buffers.findings(path)
+    buffers.diagnostics(path)
     place = text.index(f"  c{options.controllers // 2}:")
     for stroke in range(options.keystrokes):
         typed = TYPED[: 1 + stroke % len(TYPED)]
@@ -61,7 +61,7 @@ def main() -> int:
         # Processor time excludes other work of the machine.
         began, started = time.process_time(), time.perf_counter()
         buffers.change(path, changed)
-        buffers.findings(path)
+        buffers.diagnostics(path)
         times.append(1000 * (time.process_time() - began))
         walls.append(1000 * (time.perf_counter() - started))
     worst = float(np.percentile(times, 95))

@@ -1,7 +1,7 @@
 """Writes docs/reference.md: everything that programs, documents and ``cb`` are made of.
 
 Run ``python docs/make_reference.py`` after a change of types, potentials, units, documents,
-commands, findings or Dexter. Equal code gives an equal page.
+commands, diagnostics or Dexter. Equal code gives an equal page.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ Rows = Iterable[Sequence[object]]
 
 def page() -> str:
     """Return the page."""
-    made = (_types, _potentials, _dexter, _units, _commands, _learners, _documents, _findings)
+    made = (_types, _potentials, _dexter, _units, _commands, _learners, _documents, _diagnostics)
     return "\n".join([_HEAD, *(part() for part in made)])
 
 
@@ -350,14 +350,14 @@ def _named(definition: str, kind: str) -> str:
     return "name" if definition == "Name" else "quantity"
 
 
-def _findings() -> str:
+def _diagnostics() -> str:
     by_code = sorted(entries().values(), key=lambda entry: entry.code)
-    rows = ((_finding(entry), entry.title, entry.severity.value) for entry in by_code)
+    rows = ((_diagnostic(entry), entry.title, entry.severity.value) for entry in by_code)
     words = "`cb explain CODE` explains one, with an example.\n"
     return _section(2, "Findings", words, _table(("code", "diagnostic", "severity"), rows))
 
 
-def _finding(entry: Entry) -> str:
+def _diagnostic(entry: Entry) -> str:
     kind = "" if entry.severity.value == "error" else f" ({entry.severity.value})"
     return f"[{entry.code}](diagnostics.md#{anchor(f'{entry.code}: {entry.title}{kind}')})"
 

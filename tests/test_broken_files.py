@@ -1,4 +1,4 @@
-"""Random broken files of all readers: findings, in bounded time and memory."""
+"""Random broken files of all readers: diagnostics, in bounded time and memory."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 A page is a session in a folder of its own. The language of a block defines its purpose:
 
-* ``yaml`` is a document: written to the session's folder, it has no findings.
+* ``yaml`` is a document: written to the session's folder, it has no diagnostics.
 * ``python`` and ``toml`` with a file's name are files that later commands or tests use.
 * ``python`` without is run, in one session a page; ``text`` behind it is its output.
 * ``sh`` are ``cb`` commands, one a line.
@@ -11,7 +11,7 @@ A page is a session in a folder of its own. The language of a block defines its 
 Comments before a block modify its use. Every block that is not run has one.
 
 * ``<!-- file: PATH -->``: file that the block is written to.
-* ``<!-- findings: CODE CODE -->``: diagnostics of the document.
+* ``<!-- diagnostics: CODE CODE -->``: diagnostics of the document.
 * ``<!-- not run: WHY -->``: the block is not executed.
 * ``<!-- not compared: WHY -->``: the text varies between runs.
 
@@ -157,7 +157,7 @@ class Session:
 
     def _yaml(self, block: Block, slow: bool, follows: Block | None) -> None:
         file = self._file(block)
-        codes = {finding.code for finding in check_document(file)}
+        codes = {diagnostic.code for diagnostic in check_document(file)}
         assert codes == set(block.marks.get("findings", "").split()), file
 
     def _python(self, block: Block, slow: bool, follows: Block | None) -> None:

@@ -342,7 +342,7 @@ def test_mesh_of_a_stage_by_any_path_is_read_as_a_mesh_alone(
     assert changed != stage
     (inner / "football.yaml").write_text(changed, encoding="utf-8")
     found = check_document(inner / "football.yaml", Session(Library(ROOT), {}))
-    assert found and not any("1234" in finding.message for finding in found)
+    assert found and not any("1234" in diagnostic.message for diagnostic in found)
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,7 @@ class Finding(NamedTuple):
     message: str
 
 
-def findings(source: str) -> list[Finding]:
+def diagnostics(source: str) -> list[Finding]:
     """Return the faults of a module, except for faults between several modules."""
     tree = ast.parse(source)
     return sorted({*identifiers(tree), *prose(tree, source), *openings(tree), *signatures(tree)})
@@ -126,7 +126,7 @@ def sources() -> dict[str, str]:
 
 @pytest.mark.parametrize("file", sources())
 def test_a_module_keeps_to_the_words(file: str) -> None:
-    faults = findings((ROOT / file).read_text("utf-8"))
+    faults = diagnostics((ROOT / file).read_text("utf-8"))
     assert [f"{file}:{line}: {message}" for line, message in faults] == []
 
 
@@ -193,7 +193,7 @@ def test_no_class_name_has_two_owners() -> None:
     ],
 )
 def test_a_fault_is_seen(source: str, fault: str) -> None:
-    assert any(fault in message for _, message in findings(source))
+    assert any(fault in message for _, message in diagnostics(source))
 
 
 @pytest.mark.parametrize(
@@ -211,7 +211,7 @@ def test_a_fault_is_seen(source: str, fault: str) -> None:
     ],
 )
 def test_others_names_endings_and_compiled_functions_pass(source: str) -> None:
-    assert findings(source) == []
+    assert diagnostics(source) == []
 
 
 def test_a_class_name_with_two_owners_is_seen() -> None:

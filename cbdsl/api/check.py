@@ -1,4 +1,4 @@
-"""``cbdsl.check``: findings in documents."""
+"""``cbdsl.check``: diagnostics in documents."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ if TYPE_CHECKING:
 
 
 def check(*documents: str | Path, values: Mapping[str, str] | None = None) -> list[Diagnostic]:
-    """Return all findings in documents and in the documents they refer to; causes come first.
+    """Return all diagnostics in documents and in the documents they refer to; causes come first.
 
     Args:
         documents: Files or names, as for ``cb validate``.
         values: Values of programs' parameters, by name.
 
     Returns:
-        Findings, each once; empty if there are none. ``is_error`` separates errors from warnings.
+        Diagnostics, each once; empty if there are none. ``is_error`` separates errors from
+        warnings.
 
     Raises:
         UsageError: No document has such a name.
@@ -30,7 +31,7 @@ def check(*documents: str | Path, values: Mapping[str, str] | None = None) -> li
     library = Library()
     session = Session(library, dict(values or {}))
     files = [file for word in documents for file in library.locate_any(str(word))]
-    findings: dict[Diagnostic, None] = {}
+    diagnostics: dict[Diagnostic, None] = {}
     for file in files:
-        findings.update(dict.fromkeys(check_safely(file, session)))
-    return list(findings)
+        diagnostics.update(dict.fromkeys(check_safely(file, session)))
+    return list(diagnostics)

@@ -88,7 +88,7 @@ def recorded_actions(
     channels that had no action, so that it has to search for those again.
 
     Args:
-        catalog: Catalog without findings.
+        catalog: Catalog without diagnostics.
         stage: Stage on which the actions will run.
 
     Returns:

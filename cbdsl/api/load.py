@@ -32,7 +32,7 @@ def load(
         values: Values of the program's parameters, by name, as written in documents.
 
     Raises:
-        DiagnosticsError: A document has errors; its ``diagnostics`` are the findings.
+        DiagnosticsError: A document has errors; its ``diagnostics`` list them.
         UsageError: There is no such document, or the documents do not fit each other.
     """
     from cbdsl.api.run_request import read_request

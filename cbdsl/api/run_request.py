@@ -187,28 +187,28 @@ def _as_schema(
     """Return a program that is allocated by a schema."""
     from cbdsl.api.clean import require_clean
     from cbdsl.checking.cause_order import causes_first
-    from cbdsl.checking.findings import Findings
     from cbdsl.checking.program import examine_program
     from cbdsl.checking.schema import checked_schema
     from cbdsl.checking.session import Session
+    from cbdsl.diagnostics.diagnostics import Diagnostics
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.documents.schema import SchemaDocument
 
     file = _locate(SchemaDocument, name, program_file, library)
     require_clean(file, library)
-    loaded, findings = library.read(file, SchemaDocument), Findings()
+    loaded, diagnostics = library.read(file, SchemaDocument), Diagnostics()
     if loaded.document.program != program.name:
         raise UsageError(
             f"{file}: this schema is of program '{loaded.document.program}', not '{program.name}'"
         )
     session = Session(library)
 
-    def examine(path: Path, with_: Mapping[str, str], own: Findings) -> CheckedProgram | None:
+    def examine(path: Path, with_: Mapping[str, str], own: Diagnostics) -> CheckedProgram | None:
         return examine_program(path, with_, session, own)
 
-    checked = checked_schema(loaded, session, findings, examine, values)
+    checked = checked_schema(loaded, session, diagnostics, examine, values)
     if checked is None:
-        raise DiagnosticsError(causes_first(findings.sorted(), library))
+        raise DiagnosticsError(causes_first(diagnostics.sorted(), library))
     return checked
 
 

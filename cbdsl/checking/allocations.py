@@ -6,12 +6,12 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.member_exchange import MemberExchange, OpenMember
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation, substitutes
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -29,7 +29,7 @@ def allocations(
     """Return all allocations of a program's resources, fitting or not.
 
     Args:
-        path: File of a program without findings.
+        path: File of a program without diagnostics.
         session: Session with the documents read so far.
         values: Values of its other parameters that replace the defaults.
 
@@ -38,7 +38,7 @@ def allocations(
     """
     document = session.library.read(path, ProgramDocument).document
     file = session.library.find(RobotDocument, document.robot, path)
-    robot = session.body(file, Findings())
+    robot = session.body(file, Diagnostics())
     if robot is None:
         return []
     groups = {
@@ -55,8 +55,10 @@ def allocations(
         for choice in itertools.product(*groups.values())
     ]
 
-    def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
-        return examine_program(file, with_, session, findings)
+    def examine(
+        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
+    ) -> CheckedProgram | None:
+        return examine_program(file, with_, session, diagnostics)
 
     members, exchange = _open_members(document), MemberExchange(path, session, examine)
     exchanged = [
@@ -130,9 +132,9 @@ def _allocation(
         refusal = _apart(list(group.values()), robot)
         if refusal:
             return Allocation(chosen, choices, None, refusal)
-    findings = Findings()
-    program = examine_program(path, {**values, **chosen}, session, findings)
-    errors = [each for each in findings.sorted() if each.is_error]
+    diagnostics = Diagnostics()
+    program = examine_program(path, {**values, **chosen}, session, diagnostics)
+    errors = [each for each in diagnostics.sorted() if each.is_error]
     if program is None or errors:
         return Allocation(chosen, choices, None, errors[0].message if errors else "has findings")
     return Allocation(chosen, choices, program, "")

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from cbdsl.checking.allocations import allocations
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.prior_looks import derived_looks
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
@@ -34,8 +34,8 @@ def program_to_assimilate(
     """Return a program with all its allocations, without any learned choice between them.
 
     Args:
-        path: File of a program without findings.
-        policy: Declarative policy without findings.
+        path: File of a program without diagnostics.
+        policy: Declarative policy without diagnostics.
         session: Session with the documents read so far.
         values: Values of the program's parameters.
 
@@ -57,8 +57,10 @@ def program_to_assimilate(
     if not features:
         raise UsageError(f"{path}: no controller goes by a seen position, so there is no context")
 
-    def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
-        return examine_program(file, with_, session, findings)
+    def examine(
+        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
+    ) -> CheckedProgram | None:
+        return examine_program(file, with_, session, diagnostics)
 
     places = {
         name: each for name, each in features.items() if isinstance(each.source, StereoPosition)
@@ -105,7 +107,7 @@ def _is_default(allocation: Allocation, path: Path, session: Session) -> bool:
 
 
 def _resources(program: CheckedProgram, path: Path, session: Session) -> Mapping[str, Resource]:
-    robot = session.body(session.library.find(RobotDocument, program.robot, path), Findings())
+    robot = session.body(session.library.find(RobotDocument, program.robot, path), Diagnostics())
     return {} if robot is None else robot.resources
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.calibration import CalibrationDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.yaml_text.loaded import Loaded
@@ -12,31 +12,31 @@ from cbdsl.yaml_text.unknown import UNKNOWN
 
 
 def examine_calibration(
-    loaded: Loaded[CalibrationDocument], session: Session, findings: Findings
+    loaded: Loaded[CalibrationDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check that a calibration names cameras that its robot has."""
     name, source = loaded.document.robot, loaded.source
-    path = find_document(RobotDocument, name, source.place("robot"), session.library, findings)
-    body = session.body(path, findings)
+    path = find_document(RobotDocument, name, source.place("robot"), session.library, diagnostics)
+    body = session.body(path, diagnostics)
     if body is None:
         return
     cameras = body.document.cameras
     for camera in loaded.document.cameras:
         if camera not in cameras and camera is not UNKNOWN:
             place = source.key("cameras", camera)
-            findings.add("CB375", place, names=cameras, name=camera, robot=name)
+            diagnostics.add("CB375", place, names=cameras, name=camera, robot=name)
 
 
 def check_own_calibration(
-    loaded: Loaded[RobotDocument], session: Session, findings: Findings
+    loaded: Loaded[RobotDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check that the calibration that a robot refers to is its own."""
     name, robot = loaded.document.calibration, loaded.document.name
     path = None
     if name is not None and name is not UNKNOWN:
         path = session.library.find(CalibrationDocument, name, loaded.path)
-    calibration = session.read(path, CalibrationDocument, findings)
+    calibration = session.read(path, CalibrationDocument, diagnostics)
     if calibration is not None and calibration.document.robot != robot:
         other = calibration.document.robot
         place = loaded.source.place("calibration")
-        findings.add("CB603", place, name=name, other=other, robot=robot, hint="")
+        diagnostics.add("CB603", place, name=name, other=other, robot=robot, hint="")

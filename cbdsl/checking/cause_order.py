@@ -1,30 +1,35 @@
-"""Order of findings: possible causes come first."""
+"""Order of diagnostics: possible causes come first."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import attrgetter
 from pathlib import Path
 
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.yaml_text.library import Library
 
 
-def causes_first(findings: Iterable[Diagnostic], library: Library) -> list[Diagnostic]:
-    """Return findings with the documents that others depend on before their dependents.
+def causes_first(diagnostics: Iterable[Diagnostic], library: Library) -> list[Diagnostic]:
+    """Return diagnostics with the documents that others depend on before their dependents.
 
-    Independent documents keep the order of their paths, and the findings of a document the order of
-    its lines.
+    Independent documents keep the order of their paths, and the diagnostics of a document the
+    order of its lines.
 
     Args:
-        findings: Findings in any documents.
+        diagnostics: Diagnostics in any documents.
         library: Library with the references between these documents.
     """
     by_file: dict[Path, list[Diagnostic]] = {}
-    for finding in sorted(findings, key=lambda finding: (finding.place, finding.code)):
-        by_file.setdefault(library.real(Path(finding.place.file)), []).append(finding)
+    for diagnostic in sorted(diagnostics, key=attrgetter("place", "code")):
+        by_file.setdefault(library.real(Path(diagnostic.place.file)), []).append(diagnostic)
     if len(by_file) < 2:
-        return [finding for some in by_file.values() for finding in some]
-    return [finding for file in _named_first(by_file, library) for finding in by_file.get(file, ())]
+        return [diagnostic for some in by_file.values() for diagnostic in some]
+    return [
+        diagnostic
+        for file in _named_first(by_file, library)
+        for diagnostic in by_file.get(file, ())
+    ]
 
 
 def _named_first(files: Iterable[Path], library: Library) -> Iterable[Path]:

@@ -152,7 +152,7 @@ class Compositions:
         return self._built[name]
 
     def _recalled(self, name: str, document: written.ControllerSection) -> Controller | None:
-        """Return a controller that had no findings when the program was last checked."""
+        """Return a controller that had no diagnostics when the program was last checked."""
         context = self._context
         return context.sound.recall(name, document, context.body) if context.has_body else None
 
@@ -160,9 +160,9 @@ class Compositions:
         self, key: str, name: str, document: written.ControllerSection, scope: Scope
     ) -> Controller | None:
         context = self._context
-        before = context.findings.added
+        before = context.diagnostics.added
         controller = check_triple(context, key, name, document, scope)
-        is_clean = context.findings.added == before and not context.loaded.faults
+        is_clean = context.diagnostics.added == before and not context.loaded.faults
         if controller is not None and is_clean and key == name:
             context.sound.remember(name, document, context.body, controller)
         return controller

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import Any
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.parsing import parse_at
 from cbdsl.checking.lookup.resources import MissingResources
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.sound_controllers import SoundControllers
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.language.expression import Expression, Span
 from cbdsl.robot.instance_names import (
@@ -36,20 +36,20 @@ class ProgramContext:
         loaded: Program's document.
         body: Robot, or ``None`` if it cannot be used.
         scope: Values of its parameters.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
         is_unknown: Predicate of names of resources that an error elsewhere makes unknown.
-        sound: Controllers without findings in the last check of the program.
+        sound: Controllers without diagnostics in the last check of the program.
 
     Attributes:
         loaded: Program's document.
         body: Robot.
         has_body: True if there is a robot; without it no resource is known.
         scope: Values of its parameters.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
         controllers: Program's controllers and compositions.
         programs: Programs that it uses.
         used: Names of controllers and programs that the document refers to.
-        sound: Controllers without findings in the last check of the program.
+        sound: Controllers without diagnostics in the last check of the program.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class ProgramContext:
         loaded: Loaded[ProgramDocument],
         body: CheckedRobot | None,
         scope: Scope,
-        findings: Findings,
+        diagnostics: Diagnostics,
         is_unknown: Callable[[str], bool],
         sound: SoundControllers,
     ) -> None:
@@ -65,12 +65,12 @@ class ProgramContext:
         self.has_body = body is not None
         self._body = body
         self.scope = scope
-        self.findings = findings
+        self.diagnostics = diagnostics
         self.controllers = loaded.source.declared(loaded.document.controllers, "controllers")
         self.programs = loaded.source.declared(loaded.document.use, "use")
         self.used: set[str] = set()
         robot, known = loaded.document.robot, {} if body is None else body.resources
-        self._missing = MissingResources(robot, known, loaded.source, findings)
+        self._missing = MissingResources(robot, known, loaded.source, diagnostics)
         self._is_unknown = is_unknown
         self.sound = sound
 
@@ -96,12 +96,12 @@ class ProgramContext:
         return self.loaded.source
 
     def add(self, code: str, place: Place, **details: Any) -> None:
-        """Add a finding."""
-        self.findings.add(code, place, **details)
+        """Add a diagnostic."""
+        self.diagnostics.add(code, place, **details)
 
     def parse(self, text: str, steps: Steps) -> Expression | None:
         """Return the composition at a path, or ``None`` if the text is not valid."""
-        return parse_at(text, self.source, steps, self.findings)
+        return parse_at(text, self.source, steps, self.diagnostics)
 
     def at(self, steps: Steps, span: Span) -> Place:
         """Return the place of a span of a composition."""
@@ -109,7 +109,7 @@ class ProgramContext:
 
     def substitute(self, text: str, steps: Steps, scope: Scope, offset: int = 0) -> str | None:
         """Return a text at a path with its parameters replaced, or ``None``."""
-        return scope.substitute(text, self.source, steps, self.findings, offset)
+        return scope.substitute(text, self.source, steps, self.diagnostics, offset)
 
     def resource(self, text: str, steps: Steps, scope: Scope) -> Resource | None:
         """Return the resource that a text at a path names, or ``None``."""

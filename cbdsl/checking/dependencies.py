@@ -6,11 +6,11 @@ from collections.abc import Collection
 from pathlib import Path
 
 from cbdsl.checking.context import Steps
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.model import model_resources
 from cbdsl.checking.lookup.documents import find_document, first_stage, for_robot
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument
@@ -34,17 +34,17 @@ class Dependencies:
     Args:
         loaded: Program.
         session: Session with the documents read so far.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
 
     Attributes:
         robot: Robot's file, or ``None`` if there is none.
     """
 
     def __init__(
-        self, loaded: Loaded[ProgramDocument], session: Session, findings: Findings
+        self, loaded: Loaded[ProgramDocument], session: Session, diagnostics: Diagnostics
     ) -> None:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
-        self._session, self._findings = session, findings
+        self._session, self._diagnostics = session, diagnostics
         self._others: set[str] = set()
         self._models: dict[str, tuple[Resource, ...] | Unknown] = {}
         self._body: CheckedRobot | None = None
@@ -52,7 +52,7 @@ class Dependencies:
 
     def _find_robot(self) -> Path | None:
         place, library = self._source.place("robot"), self._session.library
-        return find_document(RobotDocument, self._document.robot, place, library, self._findings)
+        return find_document(RobotDocument, self._document.robot, place, library, self._diagnostics)
 
     def check_stage(self) -> None:
         """Check that the stage exists, and is for the same robot."""
@@ -60,7 +60,7 @@ class Dependencies:
         if name is None:
             return
         path = self.find(StageDocument, name, ("stage",))
-        stage = self._session.read(path, StageDocument, self._findings)
+        stage = self._session.read(path, StageDocument, self._diagnostics)
         if stage is not None:
             self.is_for_the_robot(stage.document.robot, name, ("stage",))
 
@@ -69,7 +69,7 @@ class Dependencies:
         place, library = self._source.place(*steps), self._session.library
         robot = None if self.robot is None else self._document.robot
         own = self._document.name if kind is ProgramDocument else ""
-        return find_document(kind, name, place, library, self._findings, robot, own)
+        return find_document(kind, name, place, library, self._diagnostics, robot, own)
 
     def is_for_the_robot(self, other: str, name: str, steps: Steps) -> bool:
         """Return whether a document is for the program's robot; true if unknown.
@@ -88,7 +88,7 @@ class Dependencies:
         details = {"name": name, "other": other, "robot": robot, "given": ""}
         hint = "" if names else first_stage(kind, robot)
         place = source.place(*steps)
-        self._findings.add("CB603", place, names=names, related=related, hint=hint, **details)
+        self._diagnostics.add("CB603", place, names=names, related=related, hint=hint, **details)
         self._others.add(other)
         return False
 
@@ -109,12 +109,12 @@ class Dependencies:
 
     def _resources(self, robot: str) -> Collection[str]:
         path = self._session.library.find(RobotDocument, robot, self._loaded.path)
-        body = self._session.body(path, Findings())
+        body = self._session.body(path, Diagnostics())
         return () if body is None else body.resources
 
     def body(self) -> CheckedRobot | None:
         """Return the robot with the internal models that the program draws from."""
-        body = self._body = self._session.body(self.robot, self._findings)
+        body = self._body = self._session.body(self.robot, self._diagnostics)
         if body is None:
             return None
         for alias, name in self._document.models.items():
@@ -126,15 +126,15 @@ class Dependencies:
     def _model(self, alias: str, name: str, body: CheckedRobot) -> tuple[Resource, ...]:
         steps: Steps = ("models", alias)
         path = self.find(ModelDocument, name, steps)
-        model = self._session.read(path, ModelDocument, self._findings)
+        model = self._session.read(path, ModelDocument, self._diagnostics)
         if model is None:
             return ()
         self.is_for_the_robot(model.document.robot, name, steps)
-        resources = model_resources(alias, model, body, self._findings)
+        resources = model_resources(alias, model, body, self._diagnostics)
         before = [each for each in self._models.values() if isinstance(each, tuple)]
         taken = {*body.resources, *(each.name for some in before for each in some)}
         twice = next((each.name for each in resources if each.name in taken), None)
         if twice is not None:
             place = self._source.key(*steps)
-            self._findings.add("CB633", place, name=twice, robot=self._document.robot)
+            self._diagnostics.add("CB633", place, name=twice, robot=self._document.robot)
         return resources

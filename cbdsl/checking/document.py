@@ -1,4 +1,4 @@
-"""Checks of documents of any kind, with all findings in one pass."""
+"""Checks of documents of any kind, with all diagnostics in one pass."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cbdsl.checking.cause_order import causes_first
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.contents import is_file
 from cbdsl.documents.document import Document
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def check_document(path: Path, session: Session | None = None) -> list[Diagnostic]:
-    """Return all findings in a document and in the documents it refers to; causes come first.
+    """Return all diagnostics in a document and in the documents it refers to; causes come first.
 
     Args:
         path: File of the document.
@@ -36,68 +36,72 @@ def check_document(path: Path, session: Session | None = None) -> list[Diagnosti
     Raises:
         PluginError: The checker of another package's document kind fails.
     """
-    session, findings = session or Session(), Findings()
+    session, diagnostics = session or Session(), Diagnostics()
     try:
         loaded = session.library.read_sound_parts(path, Document)
-        findings.extend(loaded.faults)
-        _named_like_its_file(loaded, findings)
-        _references(loaded, session, findings)
-        _examine(loaded, session, findings)
+        diagnostics.extend(loaded.faults)
+        _named_like_its_file(loaded, diagnostics)
+        _references(loaded, session, diagnostics)
+        _examine(loaded, session, diagnostics)
     except DiagnosticsError as error:
-        findings.extend(error.diagnostics)
-    return causes_first(findings.sorted(), session.library)
+        diagnostics.extend(error.diagnostics)
+    return causes_first(diagnostics.sorted(), session.library)
 
 
-def check_robot(loaded: Loaded[RobotDocument], session: Session, findings: Findings) -> None:
+def check_robot(loaded: Loaded[RobotDocument], session: Session, diagnostics: Diagnostics) -> None:
     """Check a robot; the session keeps the result."""
-    session.body(loaded.path, findings)
+    session.body(loaded.path, diagnostics)
     if loaded.document.calibration is not None:
         from cbdsl.checking.calibration import check_own_calibration
 
-        check_own_calibration(loaded, session, findings)
+        check_own_calibration(loaded, session, diagnostics)
 
 
-def check_program(loaded: Loaded[ProgramDocument], session: Session, findings: Findings) -> None:
+def check_program(
+    loaded: Loaded[ProgramDocument], session: Session, diagnostics: Diagnostics
+) -> None:
     """Check a program with the session's values of its parameters."""
     from cbdsl.checking.program import examine_program  # robots and stages do without
 
     parameters = loaded.document.parameters
     values = {key: value for key, value in session.values.items() if key in parameters}
-    examine_program(loaded.path, values, session, findings)
+    examine_program(loaded.path, values, session, diagnostics)
 
 
-def check_schema(loaded: Loaded[SchemaDocument], session: Session, findings: Findings) -> None:
+def check_schema(
+    loaded: Loaded[SchemaDocument], session: Session, diagnostics: Diagnostics
+) -> None:
     """Check a schema and the program that it allocates."""
     from cbdsl.checking.program import examine_program
     from cbdsl.checking.schema import checked_schema
 
-    def examine(path: Path, values: Mapping[str, str], own: Findings) -> CheckedProgram | None:
+    def examine(path: Path, values: Mapping[str, str], own: Diagnostics) -> CheckedProgram | None:
         return examine_program(path, values, session, own)
 
-    checked_schema(loaded, session, findings, examine)
+    checked_schema(loaded, session, diagnostics, examine)
 
 
-def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:
+def _named_like_its_file(loaded: Loaded[Document], diagnostics: Diagnostics) -> None:
     """Warn of a name that differs from the file's, by which documents on a disk are found."""
     name, path = loaded.document.name, loaded.path
     if name not in (path.stem, UNKNOWN) and is_file(path):
-        findings.add("CB704", loaded.source.place("name"), name=name, file=path.name)
+        diagnostics.add("CB704", loaded.source.place("name"), name=name, file=path.name)
 
 
-def _references(loaded: Loaded[Document], session: Session, findings: Findings) -> None:
+def _references(loaded: Loaded[Document], session: Session, diagnostics: Diagnostics) -> None:
     """Check that the documents that top-level keys name exist."""
     library = session.library
     for key, kind in kind_of(type(loaded.document)).references.items():
         name, model = getattr(loaded.document, key), KINDS.get(kind).model
         if name is not None:
-            find_document(model, name, loaded.source.place(key), library, findings)
+            find_document(model, name, loaded.source.place(key), library, diagnostics)
 
 
-def _examine(loaded: Loaded[Document], session: Session, findings: Findings) -> None:
+def _examine(loaded: Loaded[Document], session: Session, diagnostics: Diagnostics) -> None:
     name = kind_name(type(loaded.document))
     module, _, function = KINDS.get(name).checker.partition(":")
     try:
-        getattr(import_module(module), function)(loaded, session, findings)
+        getattr(import_module(module), function)(loaded, session, diagnostics)
     except DiagnosticsError:
         raise
     except Exception as error:

@@ -32,7 +32,7 @@ def read_ends(context: ProgramContext, members: Sequence[str] | None) -> list[En
     for key, patterns in (("success", document.success), ("failure", document.failure)):
         for i, pattern in enumerate(patterns):
             steps: Steps = (key, pattern if isinstance(patterns, dict) else i)
-            if is_sound(pattern, members, _place(context, steps), context.findings):
+            if is_sound(pattern, members, _place(context, steps), context.diagnostics):
                 ends.append(End(pattern, steps))
     return ends
 
@@ -61,7 +61,7 @@ def check_ends(context: ProgramContext, program: CheckedProgram, ends: Sequence[
                 place = _place(context, other.steps)
                 details = {"state": other.pattern, "other": one.pattern, "example": both}
                 context.add("CB481", place, related=related, **details)
-    if not context.findings.failed:
+    if not context.diagnostics.failed:
         _check_reached(context, program, possible)
 
 

@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation, Examine
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -44,7 +44,7 @@ class MemberExchange:
     """Exchange of members for other programs.
 
     Args:
-        path: File of the program whose members are exchanged, without findings.
+        path: File of the program whose members are exchanged, without diagnostics.
         session: Session with the documents read so far.
         examine: Check of a program with values of its parameters.
     """
@@ -129,9 +129,9 @@ class MemberExchange:
         for values in (seen, shared):
             key = name, tuple(values.items())
             if key not in self._checked:
-                findings = Findings()
-                other = self._examine(file, values, findings)
-                self._checked[key] = None if findings.failed else other
+                diagnostics = Diagnostics()
+                other = self._examine(file, values, diagnostics)
+                self._checked[key] = None if diagnostics.failed else other
             checked = self._checked[key]
             if checked is not None:
                 yield checked

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.yaml_text.loaded import Loaded
 
 
-def examine_policy(loaded: Loaded[PolicyDocument], session: Session, findings: Findings) -> None:
+def examine_policy(
+    loaded: Loaded[PolicyDocument], session: Session, diagnostics: Diagnostics
+) -> None:
     """Check that a policy's predicates, actions and models are those of its program."""
     name, source = loaded.document.program, loaded.source
-    path = find_document(ProgramDocument, name, source.place("program"), session.library, findings)
-    program = None if path is None else examine_program(path, {}, session, findings)
+    path = find_document(
+        ProgramDocument, name, source.place("program"), session.library, diagnostics
+    )
+    program = None if path is None else examine_program(path, {}, session, diagnostics)
     if path is not None and program is not None:
-        check_policy(loaded, program, path, session, findings)
+        check_policy(loaded, program, path, session, diagnostics)

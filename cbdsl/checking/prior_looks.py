@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
@@ -31,7 +31,7 @@ def look_of(
         session: Session with the documents read so far.
         examine: Check of a program with values of its parameters.
     """
-    library, findings = session.library, Findings()
+    library, diagnostics = session.library, Diagnostics()
     path = library.find(ProgramDocument, use.program, beside)
     if path is None:
         return f"unknown program '{use.program}'"
@@ -39,8 +39,8 @@ def look_of(
     for key in values:
         if key not in known:
             return f"it has no parameter '{key}'"
-    program = examine(path, values, findings)
-    if program is not None and use.policy is not None and not findings.failed:
+    program = examine(path, values, diagnostics)
+    if program is not None and use.policy is not None and not diagnostics.failed:
         file = library.find(PolicyDocument, use.policy, beside)
         if file is None:
             return f"unknown policy '{use.policy}'"
@@ -50,10 +50,10 @@ def look_of(
             return f"policy '{use.policy}' has findings of its own"
         if loaded.document.program != program.name:
             return f"policy '{use.policy}' is one of '{loaded.document.program}'"
-        check_policy(loaded, program, path, session, findings)
+        check_policy(loaded, program, path, session, diagnostics)
         program = with_policy(program, loaded, library)
-    if program is None or findings.failed:
-        fault = next((each for each in findings.sorted() if each.is_error), None)
+    if program is None or diagnostics.failed:
+        fault = next((each for each in diagnostics.sorted() if each.is_error), None)
         return fault.message if fault else "it has findings"
     return PriorLook(program, use.program, use.policy, dict(values))
 
@@ -83,7 +83,7 @@ def derived_looks(
         return {}
     for file, use in _uses(path, session, set()):
         looking = session.library.find(ProgramDocument, use.program, file)
-        plain = None if looking is None else examine(looking, {}, Findings())
+        plain = None if looking is None else examine(looking, {}, Diagnostics())
         parameter = None if plain is None else _looked_for(plain)
         if parameter is None:
             continue

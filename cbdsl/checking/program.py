@@ -1,4 +1,4 @@
-"""Programs: from a document to a checked program that can run, or to all its findings."""
+"""Programs: from a document to a checked program that can run, or to all its diagnostics."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.axes import check_contradictions
 from cbdsl.checking.dependencies import Dependencies
 from cbdsl.checking.ends import check_ends, read_ends
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.guards import check_guards
 from cbdsl.checking.knowledge.states import check_states
 from cbdsl.checking.lookup.scope import Scope
@@ -21,6 +20,7 @@ from cbdsl.checking.session import Session
 from cbdsl.checking.suspicious import check_suspicious
 from cbdsl.checking.unused import check_unused
 from cbdsl.checking.used_programs import Budget, UsedPrograms
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.documents import program as written
@@ -47,7 +47,7 @@ def check_program(
         DiagnosticsError: The program has errors.
         UsageError: The program or one of the parameters does not exist.
     """
-    session, findings = Session(library), Findings()
+    session, diagnostics = Session(library), Diagnostics()
     path = session.library.locate(ProgramDocument, path_or_name)
     values = with_ or {}
     loaded = session.library.read_sound_parts(path, ProgramDocument)
@@ -55,9 +55,9 @@ def check_program(
     for name in values:
         if name not in known:
             raise UsageError(f"{path}: {_no_parameter(name, list(known))}")
-    checked = examine_program(path, values, session, findings)
-    if checked is None or findings.failed:
-        raise DiagnosticsError(causes_first(findings.sorted(), session.library))
+    checked = examine_program(path, values, session, diagnostics)
+    if checked is None or diagnostics.failed:
+        raise DiagnosticsError(causes_first(diagnostics.sorted(), session.library))
     return checked
 
 
@@ -70,16 +70,16 @@ def examine_program(
     path: Path,
     values: Mapping[str, str],
     session: Session,
-    findings: Findings,
+    diagnostics: Diagnostics,
     budget: Budget | None = None,
 ) -> CheckedProgram | None:
-    """Check a program, and collect its diagnostics in ``findings``.
+    """Check a program, and collect its diagnostics.
 
     Args:
         path: File of the program.
         values: Values of its parameters that replace the defaults.
         session: Session with the documents and programs checked so far.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
         budget: Budget of nested programs, shared with the programs above.
 
     Returns:
@@ -87,25 +87,29 @@ def examine_program(
     """
     known = session.recall(path, values)
     if known is None:
-        own = Findings()
+        own = Diagnostics()
         known = _examine(path, values, session, own, budget or Budget()), own
         session.remember(path, values, *known)
     checked, own = known
-    findings.extend(own.sorted())
+    diagnostics.extend(own.sorted())
     return checked
 
 
 def _examine(
-    path: Path, values: Mapping[str, str], session: Session, findings: Findings, budget: Budget
+    path: Path,
+    values: Mapping[str, str],
+    session: Session,
+    diagnostics: Diagnostics,
+    budget: Budget,
 ) -> CheckedProgram | None:
     budget.depth += 1
     budget.count += 1
     try:
         loaded = session.library.read_sound_parts(path, ProgramDocument)
-        findings.extend(loaded.faults)
-        return _ProgramCheck(loaded, values, session, findings, budget).check()
+        diagnostics.extend(loaded.faults)
+        return _ProgramCheck(loaded, values, session, diagnostics, budget).check()
     except DiagnosticsError as error:
-        findings.extend(error.diagnostics)
+        diagnostics.extend(error.diagnostics)
         return None
     finally:
         budget.depth -= 1
@@ -117,7 +121,7 @@ class _ProgramCheck:
         loaded: Loaded[ProgramDocument],
         values: Mapping[str, str],
         session: Session,
-        findings: Findings,
+        diagnostics: Diagnostics,
         budget: Budget,
     ) -> None:
         self._document = loaded.document
@@ -125,20 +129,24 @@ class _ProgramCheck:
         own = source.declared(loaded.document.parameters, "parameters")
         places = {name: source.place("parameters", name) for name in own if name not in values}
         self._scope = Scope(own.extended(values), places)
-        dependencies = Dependencies(loaded, session, findings)
+        dependencies = Dependencies(loaded, session, diagnostics)
         dependencies.check_stage()
 
-        def examine(path: Path, with_: Mapping[str, str], own: Findings) -> CheckedProgram | None:
+        def examine(
+            path: Path, with_: Mapping[str, str], own: Diagnostics
+        ) -> CheckedProgram | None:
             return examine_program(path, with_, session, own, budget)
 
-        used = UsedPrograms(loaded, session, findings, dependencies, self._scope, budget, examine)
+        used = UsedPrograms(
+            loaded, session, diagnostics, dependencies, self._scope, budget, examine
+        )
         self._used, programs = used, used.check()
         body = dependencies.body()
         context = self._context = ProgramContext(
             loaded,
             body,
             self._scope,
-            findings,
+            diagnostics,
             dependencies.is_unknown,
             session.sound(loaded.path),
         )
@@ -157,7 +165,7 @@ class _ProgramCheck:
         policy = actions.policy()
         is_known = actions.are_read and are_shown and not actions.lack_a_member
         members = actions.members if is_known else None
-        check_states(policy, members, context.source, context.findings)
+        check_states(policy, members, context.source, context.diagnostics)
         ends = read_ends(context, members)
         used = frozenset(context.used)
         self._compositions.check_all()
@@ -169,14 +177,14 @@ class _ProgramCheck:
         if context.source.is_whole("background"):
             self._conditions(running, complete)
         self._used.report_values(context.wrong_parameters)
-        if context.findings.failed:
+        if context.diagnostics.failed:
             return None
         check_unused(context, used)
         program = self._program(checked, policy, background)
         check_ends(context, program, ends)
         check_contradictions(context, program, self._actions.places)
         check_suspicious(context, program, self._compositions.checked(), actions.places)
-        return None if context.findings.failed else program
+        return None if context.diagnostics.failed else program
 
     def _program(
         self,

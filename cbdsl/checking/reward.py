@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.checking.findings import Findings
 from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.dry_run import controllers
@@ -22,7 +22,7 @@ def check_rewarded(program: CheckedProgram, path: Path, library: Library) -> tup
     """
     if any(primitive.rewarded for primitive in program.primitives.values()):
         return ()
-    findings, source = Findings(), library.read(path, ProgramDocument).source
+    diagnostics, source = Diagnostics(), library.read(path, ProgramDocument).source
     hidden = [controller.name for controller in controllers(program) if controller.rewarded]
     used = [action.name for action in program.actions if action.program is not None]
     why = "none of its actions is a controller that measures a heading or a force"
@@ -30,5 +30,5 @@ def check_rewarded(program: CheckedProgram, path: Path, library: Library) -> tup
         why = f"'{hidden[0]}', which could be, is not an action by itself"
     elif used:
         why = f"what '{used[0]}' earns is its own, and {why}"
-    findings.add("CB720", source.key("actions"), name=program.name, why=why)
-    return findings.sorted()
+    diagnostics.add("CB720", source.key("actions"), name=program.name, why=why)
+    return diagnostics.sorted()

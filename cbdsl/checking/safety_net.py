@@ -8,7 +8,7 @@ from pathlib import Path
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 from cbdsl.types.registry import PluginError
 
 #: Code of the diagnostic that reports a failed check.
@@ -16,7 +16,7 @@ FAILED_CHECK = "CB901"
 
 
 def check_safely(path: Path, session: Session) -> list[Diagnostic]:
-    """Return all findings in a document; a check that raises is one of them.
+    """Return all diagnostics in a document; a check that raises is one of them.
 
     With ``CB_TRACEBACK`` in the environment the exception goes on, so that it can be located.
     """
@@ -27,4 +27,4 @@ def check_safely(path: Path, session: Session) -> list[Diagnostic]:
             raise
         is_named = isinstance(error, PluginError)  # its message names the package and the fault
         reason = str(error) if is_named else f"{type(error).__name__}: {error}"
-        return [diagnostic(FAILED_CHECK, Place(str(path)), reason=reason)]
+        return [diagnose(FAILED_CHECK, Place(str(path)), reason=reason)]

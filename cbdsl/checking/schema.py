@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cbdsl.checking.allotments import exchangeable
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.member_exchange import MemberExchange
 from cbdsl.checking.prior_looks import look_of
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine, stand_in
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
@@ -42,7 +42,7 @@ _Spans = Mapping[str, tuple[float, float]]
 def checked_schema(
     loaded: Loaded[SchemaDocument],
     session: Session,
-    findings: Findings,
+    diagnostics: Diagnostics,
     examine: Examine,
     values: Mapping[str, str] | None = None,
 ) -> CheckedProgram | None:
@@ -51,11 +51,11 @@ def checked_schema(
     Args:
         loaded: Schema's document.
         session: Session with the documents read so far.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
         examine: Check of a program with values of its parameters.
         values: Values of the program's other parameters that replace the defaults.
     """
-    return _SchemaCheck(loaded, session, findings, examine, values or {}).check()
+    return _SchemaCheck(loaded, session, diagnostics, examine, values or {}).check()
 
 
 class _SchemaCheck:
@@ -63,20 +63,20 @@ class _SchemaCheck:
         self,
         loaded: Loaded[SchemaDocument],
         session: Session,
-        findings: Findings,
+        diagnostics: Diagnostics,
         examine: Examine,
         values: Mapping[str, str],
     ) -> None:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
-        self._session, self._findings = session, findings
+        self._session, self._diagnostics = session, diagnostics
         self._examine, self._values = examine, values
         self._dimensions: dict[str, str] = {}
         #: Features that count objects, with the number that can be distinguished.
         self._counts: dict[str, int] = {}
 
     def check(self) -> CheckedProgram | None:
-        own = Findings()
-        outer, self._findings = self._findings, own
+        own = Diagnostics()
+        outer, self._diagnostics = self._diagnostics, own
         program = self._check()
         outer.extend(own.sorted())
         return None if own.failed else program
@@ -120,7 +120,7 @@ class _SchemaCheck:
         for name, use in document.look.items():
             if name not in document.features:
                 place, names = self._source.key("look", name), list(document.features)
-                self._findings.add("CB638", place, names=names, name=name)
+                self._diagnostics.add("CB638", place, names=names, name=name)
                 continue
             values = {
                 key: program.parameters.get(text[1:], text) if text.startswith("$") else text
@@ -129,15 +129,17 @@ class _SchemaCheck:
             look = look_of(use, values, self._loaded.path, self._session, self._examine)
             if isinstance(look, str):
                 place = self._source.key("look", name)
-                self._findings.add("CB645", place, name=name, program=use.program, problem=look)
+                self._diagnostics.add("CB645", place, name=name, program=use.program, problem=look)
             else:
                 looks[name] = look
         return looks
 
     def _policy(self) -> Loaded[PolicyDocument] | None:
         place, library = self._source.place("policy"), self._session.library
-        path = find_document(PolicyDocument, self._document.policy, place, library, self._findings)
-        return self._session.read(path, PolicyDocument, self._findings)
+        path = find_document(
+            PolicyDocument, self._document.policy, place, library, self._diagnostics
+        )
+        return self._session.read(path, PolicyDocument, self._diagnostics)
 
     def _unchanged(self) -> None:
         """Check that the policies for which a schema was learned are unchanged."""
@@ -150,7 +152,7 @@ class _SchemaCheck:
             path = library.find(PolicyDocument, name, self._loaded.path)
             if path is None or policy_digest(name, self._loaded.path, library) != sha256:
                 place = self._source.place("provenance", "policies", name)
-                self._findings.add("CB644", place, name=name, command=provenance.command)
+                self._diagnostics.add("CB644", place, name=name, command=provenance.command)
 
     def _variant(
         self, name: str, values: Mapping[str, str], path: Path, policy: Loaded[PolicyDocument]
@@ -164,20 +166,20 @@ class _SchemaCheck:
                 place = self._source.key("allocations", name, key)
                 details = {"name": key, "program": self._document.program}
                 names = [*known, *sorted(programs)]
-                self._findings.add("CB606", place, names=names, **details)
+                self._diagnostics.add("CB606", place, names=names, **details)
                 return None
         program, problem = self._allocated({**self._values, **values}, path)
         if program is None:
             place = self._source.key("allocations", name)
-            self._findings.add("CB634", place, name=name, problem=problem)
+            self._diagnostics.add("CB634", place, name=name, problem=problem)
             return None
         if policy.document.program != program.name:
             details = {"name": self._document.policy, "other": policy.document.program}
             place = self._source.place("policy")
-            self._findings.add("CB626", place, program=program.name, **details)
+            self._diagnostics.add("CB626", place, program=program.name, **details)
             return None
-        check_policy(policy, program, path, self._session, self._findings)
-        return None if self._findings.failed else with_policy(program, policy, library)
+        check_policy(policy, program, path, self._session, self._diagnostics)
+        return None if self._diagnostics.failed else with_policy(program, policy, library)
 
     def _allocated(
         self, values: Mapping[str, str], path: Path
@@ -190,7 +192,7 @@ class _SchemaCheck:
             return None, f"'{values[WHOLE]}' takes the place of all members already"
         if WHOLE in values:
             return stand_in(values[WHOLE], path, own, self._session, self._examine)
-        faults = Findings()
+        faults = Diagnostics()
         program = self._examine(path, own, faults)
         if program is None or faults.failed:
             fault = next((each for each in faults.sorted() if each.is_error), None)
@@ -207,16 +209,16 @@ class _SchemaCheck:
         own = {name: each.lead for name, each in program.primitives.items()}
         for name, action in self._document.actions.items():
             if name not in own:
-                self._findings.add(
+                self._diagnostics.add(
                     "CB613", self._source.key("actions", name), names=list(own), name=name
                 )
             elif (wanted := _abstract(own[name])) != (action.potential, action.in_, action.out):
                 place, text = self._source.key("actions", name), "({}, {}, {})".format(*wanted)
-                self._findings.add("CB635", place, name=name, wanted=text)
+                self._diagnostics.add("CB635", place, name=name, wanted=text)
 
     def _features(self, program: CheckedProgram) -> dict[str, Resource]:
         robot = self._session.library.find(RobotDocument, program.robot, self._loaded.path)
-        body = self._session.body(robot, Findings())
+        body = self._session.body(robot, Diagnostics())
         resources = {} if body is None else body.resources
         features = {}
         for name, text in self._document.features.items():
@@ -230,7 +232,7 @@ class _SchemaCheck:
                 continue
             if wanted not in resources:
                 place = self._source.place("features", name)
-                self._findings.add("CB636", place, names=list(resources), name=wanted)
+                self._diagnostics.add("CB636", place, names=list(resources), name=wanted)
                 continue
             features[name] = resources[wanted]
             if body is not None and isinstance(resources[wanted].source, InstanceCount):
@@ -246,22 +248,22 @@ class _SchemaCheck:
         assert self._document.catalog is not None
         place, library = self._source.place("catalog"), self._session.library
         path = find_document(
-            CatalogDocument, self._document.catalog, place, library, self._findings
+            CatalogDocument, self._document.catalog, place, library, self._diagnostics
         )
-        loaded = self._session.read(path, CatalogDocument, self._findings)
+        loaded = self._session.read(path, CatalogDocument, self._diagnostics)
         if loaded is None:
             return None
         action, catalog = wanted.removeprefix(AFFORDS), loaded.document
         if action not in catalog.affordances:
             at, names = self._source.place("features", name), list(catalog.affordances)
-            self._findings.add("CB655", at, names=names, name=action, catalog=catalog.name)
+            self._diagnostics.add("CB655", at, names=names, name=action, catalog=catalog.name)
             return None
         from cbdsl.program.catalog_models import affordance_resource  # imports numpy
 
         made = affordance_resource(catalog, action, resources)
         if made is None:
             at = self._source.place("features", name)
-            self._findings.add("CB656", at, name=action, catalog=catalog.name)
+            self._diagnostics.add("CB656", at, name=action, catalog=catalog.name)
         return made
 
     def _tree(
@@ -280,7 +282,7 @@ class _SchemaCheck:
         feature, threshold, is_above = self._question(tree.if_, (*steps, "if"))
         low, high = spans.get(feature, (-math.inf, math.inf))
         if feature and not low < threshold < high:
-            self._findings.add("CB642", self._source.place(*steps, "if"), feature=feature)
+            self._diagnostics.add("CB642", self._source.place(*steps, "if"), feature=feature)
         above, below = {**spans, feature: (threshold, high)}, {**spans, feature: (low, threshold)}
         then, other = (tree.then, "then"), (tree.else_, "else")
         over, under = (then, other) if is_above else (other, then)
@@ -305,12 +307,12 @@ class _SchemaCheck:
         """Return the feature, the threshold in SI units, and whether it asks for larger values."""
         match, place = _COMPARISON.match(text), self._source.place(*steps)
         if match is None:
-            self._findings.add("CB637", place, text=text)
+            self._diagnostics.add("CB637", place, text=text)
             return "", 0.0, True
         feature, sign, limit = match.groups()
         if feature not in self._dimensions:
             if self._dimensions:
-                self._findings.add("CB638", place, names=list(self._dimensions), name=feature)
+                self._diagnostics.add("CB638", place, names=list(self._dimensions), name=feature)
             return "", 0.0, True
         threshold = self._threshold(limit, self._dimensions[feature], steps)
         self._occurs(feature, threshold, sign, steps)
@@ -325,25 +327,25 @@ class _SchemaCheck:
         below = [count < threshold for count in range(most + 1)]
         if len(set(above if sign == ">" else below)) == 1:
             details = {"feature": feature, "most": most}
-            self._findings.add("CB643", self._source.place(*steps), **details)
+            self._diagnostics.add("CB643", self._source.place(*steps), **details)
 
     def _threshold(self, text: str, unit: str, steps: Steps) -> float:
         place = self._source.place(*steps)
         try:
             value, given = parse_quantity(text)
         except QuantityError:
-            self._findings.add("CB637", place, text=text)
+            self._diagnostics.add("CB637", place, text=text)
             return 0.0
         wanted = parse_quantity(f"1 {unit}")[1] if unit else None
         if given is not None and (wanted is None or given.dimension != wanted.dimension):
-            self._findings.add("CB639", place, text=text, unit=unit or "no unit")
+            self._diagnostics.add("CB639", place, text=text, unit=unit or "no unit")
         return value
 
     def _names(self, ranking: Ranking, steps: Steps) -> None:
         known = list(self._document.allocations)
         for name in ranking:
             if name not in known:
-                self._findings.add("CB640", self._source.place(*steps), names=known, name=name)
+                self._diagnostics.add("CB640", self._source.place(*steps), names=known, name=name)
 
 
 def _abstract(controller: Controller) -> tuple[str, str, str]:

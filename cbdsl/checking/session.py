@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.uses import Uses
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.robot import examine_robot
 from cbdsl.checking.sound_controllers import SoundControllers
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
@@ -39,20 +39,20 @@ class Session:
     ) -> None:
         self.library, self.values = library or Library(), values or {}
         self.uses = Uses(self.library)
-        self._bodies: dict[Path, tuple[CheckedRobot | None, Findings]] = {}
-        self._programs: dict[_Key, tuple[CheckedProgram | None, Findings]] = {}
+        self._bodies: dict[Path, tuple[CheckedRobot | None, Diagnostics]] = {}
+        self._programs: dict[_Key, tuple[CheckedProgram | None, Diagnostics]] = {}
         self._sound: dict[Path, SoundControllers] = {}
 
-    def read(self, path: Path | None, kind: type[D], findings: Findings) -> Loaded[D] | None:
-        """Return a file's document, or ``None`` without one; add its errors to the findings."""
+    def read(self, path: Path | None, kind: type[D], diagnostics: Diagnostics) -> Loaded[D] | None:
+        """Return a file's document, or ``None`` without one; add its errors to the diagnostics."""
         try:
             return None if path is None else self.library.read(path, kind)
         except DiagnosticsError as error:
-            findings.extend(error.diagnostics)
+            diagnostics.extend(error.diagnostics)
             return None
 
-    def body(self, path: Path | None, findings: Findings) -> CheckedRobot | None:
-        """Return the robot of a file, and add its own findings.
+    def body(self, path: Path | None, diagnostics: Diagnostics) -> CheckedRobot | None:
+        """Return the robot of a file, and add its own diagnostics.
 
         Returns:
             Robot, or ``None`` without a file or if its resources are unknown, because parts of
@@ -62,24 +62,24 @@ class Session:
             return None
         key = self.library.real(path)
         if key not in self._bodies:
-            own = Findings()
+            own = Diagnostics()
             self._bodies[key] = self._examine_robot(path, own), own
         body, own = self._bodies[key]
-        findings.extend(own.sorted())
+        diagnostics.extend(own.sorted())
         return body
 
-    def _examine_robot(self, path: Path, findings: Findings) -> CheckedRobot | None:
+    def _examine_robot(self, path: Path, diagnostics: Diagnostics) -> CheckedRobot | None:
         try:
             loaded = self.library.read_sound_parts(path, RobotDocument)
         except DiagnosticsError as error:
-            findings.extend(error.diagnostics)
+            diagnostics.extend(error.diagnostics)
             return None
-        findings.extend(loaded.faults)
-        body = examine_robot(loaded, findings)
+        diagnostics.extend(loaded.faults)
+        body = examine_robot(loaded, diagnostics)
         return None if loaded.faults else body
 
     def sound(self, path: Path) -> SoundControllers:
-        """Return the controllers of a program's file that had no findings in earlier checks."""
+        """Return the controllers of a program's file that had no diagnostics in earlier checks."""
         return self._sound.setdefault(self.library.real(path), SoundControllers())
 
     def replace(self, path: Path, data: bytes) -> bool:
@@ -98,7 +98,7 @@ class Session:
 
     def recall(
         self, path: Path, values: Mapping[str, str]
-    ) -> tuple[CheckedProgram | None, Findings] | None:
+    ) -> tuple[CheckedProgram | None, Diagnostics] | None:
         """Return the result of the last check of a program with these values of its parameters."""
         return self._programs.get((self.library.real(path), frozenset(values.items())))
 
@@ -107,8 +107,8 @@ class Session:
         path: Path,
         values: Mapping[str, str],
         checked: CheckedProgram | None,
-        findings: Findings,
+        diagnostics: Diagnostics,
     ) -> None:
         """Keep the result of a program's check, so that it is checked once for all its uses."""
         key = (self.library.real(path), frozenset(values.items()))
-        self._programs[key] = checked, findings
+        self._programs[key] = checked, diagnostics

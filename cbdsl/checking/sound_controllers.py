@@ -1,4 +1,4 @@
-"""Controllers without findings, which need no second check while a program is edited."""
+"""Controllers without diagnostics, which need no second check while a program is edited."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class _Sound(NamedTuple):
 
 
 class SoundControllers:
-    """Memory of one program's controllers without findings, by name.
+    """Memory of one program's controllers without diagnostics, by name.
 
     A controller is unchanged if its section and the robot are. Without parameters, it depends on
-    nothing else. Without findings, it refers to no places in the text, which may have moved.
+    nothing else. Without diagnostics, it refers to no places in the text, which may have moved.
     """
 
     def __init__(self) -> None:
@@ -36,6 +36,6 @@ class SoundControllers:
     def remember(
         self, name: str, section: ControllerSection, body: CheckedRobot, controller: Controller
     ) -> None:
-        """Keep a controller that was checked without a finding, in a document without errors."""
+        """Keep a controller that was checked without a diagnostic, in a document without errors."""
         if "$" not in repr(section):
             self._known[name] = _Sound(section, body, controller)

@@ -5,24 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import examined
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.stand_in import StandIn, stand_ins
 
 
 def stand_ins_of(path: Path, session: Session, values: Mapping[str, str]) -> list[StandIn]:
-    """Return all stand-ins in the order of the members, without programs that have findings.
+    """Return all stand-ins in the order of the members, without programs that have diagnostics.
 
     Args:
-        path: File of a program without findings.
+        path: File of a program without diagnostics.
         session: Session with the documents read so far.
         values: Values of its parameters; other programs take over the values of common parameters.
     """
-    program = examine_program(path, values, session, Findings())
+    program = examine_program(path, values, session, Diagnostics())
     if program is None:
         return []
     all_of_them = [
@@ -35,8 +35,10 @@ def _others(path: Path, session: Session, values: Mapping[str, str]) -> Iterator
     library = session.library
     document = library.read(path, ProgramDocument).document
 
-    def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
-        return examine_program(file, with_, session, findings)
+    def examine(
+        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
+    ) -> CheckedProgram | None:
+        return examine_program(file, with_, session, diagnostics)
 
     for name in library.names(ProgramDocument, path):
         file = library.find(ProgramDocument, name, path)

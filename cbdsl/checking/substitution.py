@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.correspondence import affordances, correspondence, in_place_of
 from cbdsl.types.allotment import PROGRAM, WHOLE, allotment
 
-Examine = Callable[[Path, Mapping[str, str], Findings], CheckedProgram | None]
-"""Check of a program with values of its parameters, which adds to the given findings."""
+Examine = Callable[[Path, Mapping[str, str], Diagnostics], CheckedProgram | None]
+"""Check of a program with values of its parameters, which adds to the given diagnostics."""
 
 
 class Allocation(NamedTuple):
@@ -40,7 +40,7 @@ def substitutes(
     """Yield the programs with the reward that a program requires of its substitutes.
 
     Args:
-        path: File of a program without findings.
+        path: File of a program without diagnostics.
         values: Values of its parameters; other programs take over the values of common parameters.
         session: Session with the documents read so far.
         examine: Check of a program with values of its parameters.
@@ -50,7 +50,7 @@ def substitutes(
     wanted = _wanted(document)
     if not wanted:
         return
-    program = examine(path, values, Findings())
+    program = examine(path, values, Diagnostics())
     for name in library.names(ProgramDocument, path) if program is not None else ():
         file = library.find(ProgramDocument, name, path)
         if program is None or file is None or library.real(file) == library.real(path):
@@ -67,7 +67,7 @@ def stand_in(
 
     Args:
         name: Name of the program that stands in.
-        path: File of the replaced program, without findings.
+        path: File of the replaced program, without diagnostics.
         values: Values of the parameters of both programs.
         session: Session with the documents read so far.
         examine: Check of a program with values of its parameters.
@@ -75,7 +75,7 @@ def stand_in(
     file = session.library.find(ProgramDocument, name, path)
     document = session.library.read(path, ProgramDocument).document
     own = {key: value for key, value in values.items() if key in document.parameters}
-    program = examine(path, own, Findings())
+    program = examine(path, own, Diagnostics())
     other = None if file is None else examined(file, document, values, session, examine)
     if program is None or other is None:
         return None, f"no valid program '{name}' for robot '{document.robot}'"
@@ -105,9 +105,9 @@ def examined(
         return None
     given = {**document.parameters, **values}
     shared = {key: given[key] for key in other.parameters if key in given}
-    findings = Findings()
-    program = examine(file, shared, findings)
-    return None if findings.failed else program
+    diagnostics = Diagnostics()
+    program = examine(file, shared, diagnostics)
+    return None if diagnostics.failed else program
 
 
 def _substitute(program: CheckedProgram, other: CheckedProgram) -> Allocation:

@@ -49,8 +49,8 @@ def check_suspicious(
         if action.name in program.policy.values():
             _levels(context, program, action, actions[action.name])
     # With a wrong priority, a controller may lead wrongly and thus seem to be always defined.
-    if not context.findings.holds(("CB709",)):
-        check_possible(program.policy, program, context.source, context.findings)
+    if not context.diagnostics.holds(("CB709",)):
+        check_possible(program.policy, program, context.source, context.diagnostics)
 
 
 class _ControllerCheck:
@@ -113,12 +113,12 @@ class _ControllerCheck:
         context, controller = self._context, self._controller
         robot, source = context.body.document, context.source
         if self._document.gain is not None and POTENTIALS[controller.potential].residual:
-            check_gain(controller.gain, robot, source, self._steps, context.findings)
+            check_gain(controller.gain, robot, source, self._steps, context.diagnostics)
         window = controller.quiescence.window
         if self._document.quiescence is not None:
             seen = isinstance(controller.feedback.source, (*VISUAL, *RELATIVE))
             seen = seen and bool(robot.cameras)
-            check_window(window, seen, robot, source, self._steps, context.findings)
+            check_window(window, seen, robot, source, self._steps, context.diagnostics)
 
 
 def _are_same(one: Resource, other: Resource) -> bool:

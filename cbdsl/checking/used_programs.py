@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, TypeVar
 
 from cbdsl.checking.context import Steps
 from cbdsl.checking.dependencies import Dependencies
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
@@ -28,7 +28,7 @@ K = TypeVar("K", PolicyDocument, "SchemaDocument")
 # Bounds on nested programs, and on all used programs, each with other values.
 _DEEPEST = 64
 _MOST = 256
-# Findings after which further checks with other values would not end.
+# Diagnostics after which further checks with other values would not end.
 _ENDLESS = frozenset({"CB409", "CB605", "CB610"})
 
 
@@ -56,7 +56,7 @@ class UsedPrograms:
     Args:
         loaded: Program that uses them.
         session: Session with the documents read so far.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
         dependencies: Dependencies with the robot that all of them have to be for.
         scope: Values of the program's parameters.
         budget: Budget of nested programs, shared with the programs above.
@@ -67,17 +67,17 @@ class UsedPrograms:
         self,
         loaded: Loaded[ProgramDocument],
         session: Session,
-        findings: Findings,
+        diagnostics: Diagnostics,
         dependencies: Dependencies,
         scope: Scope,
         budget: Budget,
         examine: Examine,
     ) -> None:
         self._loaded, self._source = loaded, loaded.source
-        self._session, self._findings = session, findings
+        self._session, self._diagnostics = session, diagnostics
         self._dependencies, self._scope = dependencies, scope
         self._budget, self._examine = budget, examine
-        self._unsuitable: list[tuple[str, Path, str, Findings]] = []
+        self._unsuitable: list[tuple[str, Path, str, Diagnostics]] = []
 
     def check(self) -> dict[str, CheckedProgram | None]:
         """Return the used programs by their names here, with ``None`` for one that cannot run."""
@@ -91,15 +91,15 @@ class UsedPrograms:
         try:
             used = self._session.library.read_sound_parts(path, ProgramDocument)
         except DiagnosticsError as error:
-            self._findings.extend(error.diagnostics)
+            self._diagnostics.extend(error.diagnostics)
             return None
         if not self._dependencies.is_for_the_robot(used.document.robot, use.program, steps):
             return None
         values = self._values(name, use, used)
-        faults = Findings()
+        faults = Diagnostics()
         program = self._examine(path, values, faults)
         if faults.failed and not faults.holds(_ENDLESS):
-            own = Findings()
+            own = Diagnostics()
             self._examine(path, {}, own)
             if not own.failed:
                 # A value that is missing because of its own error may be needed to run.
@@ -108,10 +108,10 @@ class UsedPrograms:
                     self._unsuitable.append((name, path, (*wrong, *values)[0], faults))
                 return None
             faults = own  # errors with its own values, too
-        self._findings.extend(faults.sorted())
+        self._diagnostics.extend(faults.sorted())
         if use.schema_ is not None and use.policy is not None:
             details = {"name": name, "schema": use.schema_, "policy": use.policy}
-            self._findings.add("CB649", self._source.key("use", name, "policy"), **details)
+            self._diagnostics.add("CB649", self._source.key("use", name, "policy"), **details)
         if program is not None and use.schema_ is not None:
             return self._allocated(use.schema_, program, values, ("use", name, "schema"))
         if program is None or use.policy is None:
@@ -120,9 +120,9 @@ class UsedPrograms:
 
     def _runs(self, path: Path, values: Mapping[str, str]) -> bool:
         """Return whether a program has no errors with some values of its parameters."""
-        findings = Findings()
-        self._examine(path, values, findings)
-        return not findings.failed
+        diagnostics = Diagnostics()
+        self._examine(path, values, diagnostics)
+        return not diagnostics.failed
 
     def report_values(self, reported: Collection[str]) -> None:
         """Report values with which used programs cannot run.
@@ -138,7 +138,7 @@ class UsedPrograms:
             fault = next(fault for fault in faults.sorted() if fault.is_error)
             passed_on = self._scope.place(text[1:]) if text.startswith("$") else None
             here = source.place("use", name, "with", key)
-            self._findings.add(
+            self._diagnostics.add(
                 "CB609",
                 passed_on or here,
                 names=fault.allowed,
@@ -159,10 +159,12 @@ class UsedPrograms:
         path_back = self._session.uses.find_path(path, self._loaded.path)
         if path_back:
             cycle = " → ".join(file.stem for file in (path_back[-1], *path_back))
-            self._findings.add("CB605", source.place(*steps), name=path_back[-1].stem, cycle=cycle)
+            self._diagnostics.add(
+                "CB605", source.place(*steps), name=path_back[-1].stem, cycle=cycle
+            )
             return None
         if self._budget.ended:
-            self._findings.add("CB610", source.place(*steps), depth=_DEEPEST, bound=_MOST)
+            self._diagnostics.add("CB610", source.place(*steps), depth=_DEEPEST, bound=_MOST)
             return None
         return path
 
@@ -174,9 +176,11 @@ class UsedPrograms:
             steps = ("use", name, "with", key)
             if key not in parameters:
                 details = {"name": key, "program": use.program}
-                self._findings.add("CB606", source.key(*steps), names=list(parameters), **details)
+                self._diagnostics.add(
+                    "CB606", source.key(*steps), names=list(parameters), **details
+                )
                 continue
-            value = self._scope.substitute(text, source, steps, self._findings)
+            value = self._scope.substitute(text, source, steps, self._diagnostics)
             if value is not None:
                 values[key] = value
         return values
@@ -192,7 +196,7 @@ class UsedPrograms:
         loaded = self._knowledge(SchemaDocument, name, program, steps)
         if loaded is None:
             return None
-        return checked_schema(loaded, self._session, self._findings, self._examine, values)
+        return checked_schema(loaded, self._session, self._diagnostics, self._examine, values)
 
     def _learned(
         self, name: str, program: CheckedProgram, path: Path, steps: Steps
@@ -201,20 +205,20 @@ class UsedPrograms:
         loaded = self._knowledge(PolicyDocument, name, program, steps)
         if loaded is None:
             return None
-        findings = Findings()
-        check_policy(loaded, program, path, self._session, findings)
-        self._findings.extend(findings.sorted())
-        return None if findings.failed else with_policy(program, loaded, self._session.library)
+        diagnostics = Diagnostics()
+        check_policy(loaded, program, path, self._session, diagnostics)
+        self._diagnostics.extend(diagnostics.sorted())
+        return None if diagnostics.failed else with_policy(program, loaded, self._session.library)
 
     def _knowledge(
         self, kind: type[K], name: str, program: CheckedProgram, steps: Steps
     ) -> Loaded[K] | None:
         """Return a used program's policy or schema, or ``None`` if there is no matching one."""
         place, library = self._source.place(*steps), self._session.library
-        file = find_document(kind, name, place, library, self._findings)
-        loaded = self._session.read(file, kind, self._findings)
+        file = find_document(kind, name, place, library, self._diagnostics)
+        loaded = self._session.read(file, kind, self._diagnostics)
         if loaded is None or loaded.document.program == program.name:
             return loaded
         details = {"name": name, "other": loaded.document.program, "program": program.name}
-        self._findings.add("CB626", place, **details)
+        self._diagnostics.add("CB626", place, **details)
         return None

@@ -13,8 +13,8 @@ from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
 from cbdsl.cli.standard_streams import read_standard_input
 
 if TYPE_CHECKING:
-    from cbdsl.cli.validation_report import ValidationReport
     from cbdsl.diagnostics.diagnostic import Diagnostic
+    from cbdsl.diagnostics.report import ValidationReport
     from cbdsl.yaml_text.library import Library
 
 #: Writer of each format: a module of this package, and its function of a report.
@@ -81,9 +81,9 @@ def _writer(form: str) -> Callable[[ValidationReport], str]:
 def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> ValidationReport:
     from cbdsl.checking.safety_net import check_safely
     from cbdsl.checking.session import Session
-    from cbdsl.cli.ignores import apply_suppressions
+    from cbdsl.checking.suppression import apply_suppressions
     from cbdsl.cli.terminal import print_problem
-    from cbdsl.cli.validation_report import ValidationReport
+    from cbdsl.diagnostics.report import ValidationReport
     from cbdsl.documents.kinds import KINDS
     from cbdsl.yaml_text.composer import MOST_BYTES
     from cbdsl.yaml_text.library import Library
@@ -95,27 +95,27 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     files = chosen.files
     session = Session(library, values)
     # A robot's diagnostics come with every program on it: each is reported once.
-    diagnostics: dict[Diagnostic, None] = {}
+    found: dict[Diagnostic, None] = {}
     for file in files:
-        diagnostics.update(dict.fromkeys(check_safely(file, session)))
-    findings = apply_suppressions(diagnostics, files, session.library)
+        found.update(dict.fromkeys(check_safely(file, session)))
+    diagnostics = apply_suppressions(found, files, session.library)
     for fault in KINDS.met_faults:
         print_problem(f"warning: {fault}")
-    shown = _first_of_each_file(findings)
+    shown = _first_of_each_file(diagnostics)
     return ValidationReport(
         shown,
         len(files),
-        len(findings) - len(shown),
+        len(diagnostics) - len(shown),
         _texts(session.library),
         chosen.others,
         chosen.unreadable,
     )
 
 
-def _first_of_each_file(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+def _first_of_each_file(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     counts: Counter[str] = Counter()
     first = []
-    for diagnostic in findings:
+    for diagnostic in diagnostics:
         counts[diagnostic.place.file] += 1
         if counts[diagnostic.place.file] <= _MOST_PER_FILE:
             first.append(diagnostic)

@@ -37,7 +37,7 @@ def build_app(names: Iterable[str] = ()) -> typer.Typer:
 
 
 def main() -> None:
-    """Run ``cb``: exit 0 when all is well, 1 with findings, 2 for a wrong call or a fault of cb."""
+    """Run ``cb``: exit 0 when all is well, 1 with diagnostics, 2 for a wrong call or a bug."""
     _start_quickly()
     fill_closed_streams()
     _deliver_lost_interrupts()

@@ -12,7 +12,7 @@ def notes(request: RunRequest) -> list[str]:
     """Assumptions about a robot, one sentence each, unless its document silences it."""
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
-    from cbdsl.cli.ignores import apply_suppressions
+    from cbdsl.checking.suppression import apply_suppressions
     from cbdsl.diagnostics.diagnostic import Severity
     from cbdsl.documents.robot import RobotDocument
 
@@ -20,5 +20,7 @@ def notes(request: RunRequest) -> list[str]:
     file = library.find(RobotDocument, request.program.robot, request.program_file)
     if file is None:
         return []
-    findings = apply_suppressions(check_document(file, Session(library)), [], library)
-    return [finding.message for finding in findings if finding.severity is Severity.NOTE]
+    diagnostics = apply_suppressions(check_document(file, Session(library)), [], library)
+    return [
+        diagnostic.message for diagnostic in diagnostics if diagnostic.severity is Severity.NOTE
+    ]

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cbdsl.cli.legible_output import raw
-from cbdsl.cli.text_format import text
-from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.legible_text import legible
+from cbdsl.diagnostics.report import ValidationReport
+from cbdsl.diagnostics.text_format import text
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -30,9 +30,8 @@ def console() -> Console:
 
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
-    """Print findings with snippets, and how many there are."""
-    findings = tuple(diagnostics)
-    print(text(ValidationReport(findings, documents=0, left_out=0, text_of=_text)))
+    """Print diagnostics with snippets, and how many there are."""
+    print(text(ValidationReport(tuple(diagnostics), documents=0, left_out=0, text_of=_text)))
 
 
 def print_json(data: object) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Related
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 
 if TYPE_CHECKING:
     from cbdsl.diagnostics.entry import Entry
@@ -22,8 +23,8 @@ _REPEATED = frozenset(
 _MOST_PLACES = 6
 
 
-class Findings:
-    """All findings so far, each once, in the order of discovery.
+class Diagnostics:
+    """All diagnostics so far, each once, in the order of discovery.
 
     Attributes:
         added: Number of additions, with repeated ones.
@@ -34,11 +35,11 @@ class Findings:
         self.added = 0
 
     def add(self, code: str | Entry, place: Place, **details: Any) -> None:
-        """Add a finding in the catalogue's words; see ``diagnostic``."""
-        self.extend([diagnostic(code, place, **details)])
+        """Add a diagnostic in the catalogue's words; see ``diagnose``."""
+        self.extend([diagnose(code, place, **details)])
 
     def extend(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Add findings of another collection."""
+        """Add diagnostics of another collection."""
         new = list(diagnostics)
         self._diagnostics.update(dict.fromkeys(new))
         self.added += len(new)
@@ -46,34 +47,35 @@ class Findings:
     @property
     def failed(self) -> bool:
         """True if there is an error among them."""
-        return any(finding.is_error for finding in self._diagnostics)
+        return any(diagnostic.is_error for diagnostic in self._diagnostics)
 
     def holds(self, codes: Collection[str]) -> bool:
-        """Return whether there is a finding with one of some codes."""
-        return any(finding.code in codes for finding in self._diagnostics)
+        """Return whether there is a diagnostic with one of some codes."""
+        return any(diagnostic.code in codes for diagnostic in self._diagnostics)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
-        """Return all findings by place; a repeated one occurs once, with its other places."""
+        """Return all diagnostics by place; a repeated one occurs once, with its other places."""
         firsts: dict[tuple[str, str, str], Diagnostic] = {}
         places: dict[Diagnostic, list[Place]] = {}
-        for finding in sorted(self._diagnostics, key=lambda finding: (finding.place, finding.code)):
+        for diagnostic in sorted(self._diagnostics, key=attrgetter("place", "code")):
             # All resources whose names have the same unknown first part are missing for one cause.
-            what = finding.given if finding.code == "CB501" else finding.message
-            key = (finding.place.file, finding.code, what)
-            first = firsts.setdefault(key, finding) if finding.code in _REPEATED else finding
+            what = diagnostic.given if diagnostic.code == "CB501" else diagnostic.message
+            key = (diagnostic.place.file, diagnostic.code, what)
+            is_repeated = diagnostic.code in _REPEATED
+            first = firsts.setdefault(key, diagnostic) if is_repeated else diagnostic
             others = places.setdefault(first, [])
-            # The same finding may arrive twice, with and without its other places.
+            # The same diagnostic may arrive twice, with and without its other places.
             known = (first.place, *(related.place for related in first.related))
-            if finding.place not in known:
-                others.append(finding.place)
+            if diagnostic.place not in known:
+                others.append(diagnostic.place)
         return tuple(_with(first, others) for first, others in places.items())
 
 
-def _with(finding: Diagnostic, others: list[Place]) -> Diagnostic:
-    """Return a finding with its other places as related ones."""
+def _with(diagnostic: Diagnostic, others: list[Place]) -> Diagnostic:
+    """Return a diagnostic with its other places as related ones."""
     if not others:
-        return finding
+        return diagnostic
     related = [Related(place, "and here") for place in others[:_MOST_PLACES]]
     if more := len(others) - len(related):
         related[-1] = related[-1]._replace(message=f"and here, and in {count(more, 'more place')}")
-    return finding._replace(related=(*finding.related, *related))
+    return diagnostic._replace(related=(*diagnostic.related, *related))

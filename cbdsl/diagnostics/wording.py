@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cbdsl.diagnostics.entry import Entry
 
 
-def diagnostic(
+def diagnose(
     code: str | Entry,
     place: Place,
     *,

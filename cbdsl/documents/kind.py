@@ -17,7 +17,8 @@ class Kind(NamedTuple):
     Attributes:
         model: Model of the keys, with ``kind: Literal["<name>"]`` among them.
         folder: Folder, below a root, in which documents of this kind are looked up by name.
-        checker: ``module:function`` of a ``Loaded`` document, the ``Session`` and the ``Findings``.
+        checker: ``module:function`` of a ``Loaded`` document, the ``Session`` and
+            ``Diagnostics``.
         unknown: Diagnostic for an unknown name, filled with ``name`` and ``hint``: a code of the
             catalogue or an entry of ``entries``.
         references: Kinds of the documents that top-level keys name, by key.

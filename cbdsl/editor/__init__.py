@@ -1,1 +1,1 @@
-"""Language server: findings, completion, hover, definitions and fixes during editing."""
+"""Language server: diagnostics, completion, hover, definitions and fixes during editing."""

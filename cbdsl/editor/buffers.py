@@ -1,14 +1,14 @@
-"""Texts of an editor, saved or not, and the checker's findings in them."""
+"""Texts of an editor, saved or not, and the checker's diagnostics in them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.document import Document
 from cbdsl.documents.ownership import is_own
@@ -69,8 +69,8 @@ class Buffers:
         """Documents by name, with the editor's texts."""
         return self._session.library
 
-    def findings(self, path: Path) -> list[Diagnostic]:
-        """Return the findings in a file."""
+    def diagnostics(self, path: Path) -> list[Diagnostic]:
+        """Return the diagnostics in a file."""
         # A document that was found by its name has a shorter path than the editor's.
         real, every = self.library.real, check_safely(path, self._session)
         return [each for each in every if real(Path(each.place.file)) == real(path)]
@@ -84,7 +84,7 @@ class Buffers:
 
     def resources(self, robot: Path) -> Mapping[str, Resource]:
         """Return the resources of the robot in a file; empty if its document has faults."""
-        body = self._session.body(robot, Findings())
+        body = self._session.body(robot, Diagnostics())
         return {} if body is None else body.resources
 
     def _new_session(self) -> Session:

@@ -1,4 +1,4 @@
-"""Corrections of findings with a name that was probably meant."""
+"""Corrections of diagnostics with a name that was probably meant."""
 
 from __future__ import annotations
 
@@ -25,29 +25,31 @@ class Fix(NamedTuple):
     new: str
 
 
-def fix(finding: Diagnostic, lines: Sequence[str]) -> Fix | None:
-    """Return the correction of a finding, or ``None`` without a nearest name or a unique place.
+def fix(diagnostic: Diagnostic, lines: Sequence[str]) -> Fix | None:
+    """Return the correction of a diagnostic, or ``None`` without a nearest name or a unique place.
 
     Args:
-        finding: Finding in the lines.
+        diagnostic: Diagnostic in the lines.
         lines: Lines of its file.
     """
-    place, new = finding.place, finding.nearest
-    if new is None or not finding.given or not 0 < place.line <= len(lines):
+    place, new = diagnostic.place, diagnostic.nearest
+    if new is None or not diagnostic.given or not 0 < place.line <= len(lines):
         return None
     stretch = lines[place.line - 1][place.column - 1 : place.end_column - 1]
-    offset = stretch.find(finding.given)
-    if offset < 0 or stretch.find(finding.given, offset + 1) >= 0:
+    offset = stretch.find(diagnostic.given)
+    if offset < 0 or stretch.find(diagnostic.given, offset + 1) >= 0:
         return None
     column = place.column + offset
-    return Fix(place.line, column, column + len(finding.given), new)
+    return Fix(place.line, column, column + len(diagnostic.given), new)
 
 
-def fixed(text: str, findings: Iterable[Diagnostic]) -> str:
-    """Return a text with all corrections of its findings, none of which overlap."""
+def fixed(text: str, diagnostics: Iterable[Diagnostic]) -> str:
+    """Return a text with all corrections of its diagnostics, none of which overlap."""
     lines = lines_of(text)
     ends = line_ends(text)
-    fixes = sorted({each for finding in findings if (each := fix(finding, lines))}, reverse=True)
+    fixes = sorted(
+        {each for diagnostic in diagnostics if (each := fix(diagnostic, lines))}, reverse=True
+    )
     last = (len(lines) + 1, 0)
     for each in fixes:
         if (each.line, each.end_column) > last:

@@ -12,7 +12,7 @@ from lsprotocol import types as lsp
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.lines import line_ends, lines_of
 
-# The protocol has fewer line ends than YAML, by which findings count lines.
+# The protocol has fewer line ends than YAML, by which diagnostics count lines.
 _BREAK = re.compile("\r\n|[\n\r]")
 
 
@@ -50,7 +50,7 @@ class Positions:
         return lsp.Range(self._position(line, start), self._position(line, end))
 
     def of_place(self, place: Place) -> lsp.Range:
-        """Convert the place of a finding."""
+        """Convert the place of a diagnostic."""
         return self.range(place.line - 1, place.column - 1, place.end_column - 1)
 
     def whole(self) -> lsp.Range:

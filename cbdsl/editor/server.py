@@ -53,7 +53,7 @@ class Server(LanguageServer):
 
     def __init__(self, version: str, here: Path) -> None:
         super().__init__(NAME, version, text_document_sync_kind=lsp.TextDocumentSyncKind.Full)
-        self._findings: dict[Path, list[Diagnostic]] = {}
+        self._diagnostics: dict[Path, list[Diagnostic]] = {}
         self._open: set[Path] = set()
         self.settle(here)
 
@@ -84,11 +84,11 @@ class Server(LanguageServer):
         return not text.strip() or is_own(path, text)
 
     def check(self, path: Path) -> None:
-        """Check an open document, and send its findings; files of other tools have none."""
-        self._findings[path] = []
+        """Check an open document, and send its diagnostics; files of other tools have none."""
+        self._diagnostics[path] = []
         if is_own(path, self.buffers.text(path)):
-            self._findings[path] = self.buffers.findings(path)
-        shown = self._shown(self._findings[path])
+            self._diagnostics[path] = self.buffers.diagnostics(path)
+        shown = self._shown(self._diagnostics[path])
         self.text_document_publish_diagnostics(
             lsp.PublishDiagnosticsParams(self._addresses.uri(path), diagnostics=shown)
         )
@@ -106,9 +106,9 @@ class Server(LanguageServer):
             self.check(path)
 
     def closed(self, path: Path) -> None:
-        """Take the disk's text again, and withdraw the findings."""
+        """Take the disk's text again, and withdraw the diagnostics."""
         self._open.discard(path)
-        self._findings.pop(path, None)
+        self._diagnostics.pop(path, None)
         self.buffers.close(path)
         self.text_document_publish_diagnostics(
             lsp.PublishDiagnosticsParams(self._addresses.uri(path), [])
@@ -159,11 +159,11 @@ class Server(LanguageServer):
         return lsp.Location(self._addresses.uri(file), self.positions(file).range(place.line, 0, 0))
 
     def fixes(self, path: Path, wanted: lsp.Range) -> list[lsp.CodeAction]:
-        """Return the corrections of the findings that a range touches."""
+        """Return the corrections of the diagnostics that a range touches."""
         positions = self.positions(path)
         first, last = (positions.spot(end)[0] for end in (wanted.start, wanted.end))
         touched = [
-            each for each in self._findings.get(path, ()) if first <= each.place.line - 1 <= last
+            each for each in self._diagnostics.get(path, ()) if first <= each.place.line - 1 <= last
         ]
         return [action for each in touched if (action := self._action(path, each)) is not None]
 
@@ -228,18 +228,18 @@ class Server(LanguageServer):
             return []
         return [] if result == text else [lsp.TextEdit(self.positions(path).whole(), result)]
 
-    def _shown(self, findings: Iterable[Diagnostic]) -> list[lsp.Diagnostic]:
-        """Convert findings, whose places may be in any files."""
+    def _shown(self, diagnostics: Iterable[Diagnostic]) -> list[lsp.Diagnostic]:
+        """Convert diagnostics, whose places may be in any files."""
         positions = cache(self.positions)
 
         def location(place: Place) -> lsp.Location:
             file = Path(place.file).absolute()
             return lsp.Location(self._addresses.uri(file), positions(file).of_place(place))
 
-        return [_diagnostic(each, location) for each in findings]
+        return [_diagnostic(each, location) for each in diagnostics]
 
-    def _action(self, path: Path, finding: Diagnostic) -> lsp.CodeAction | None:
-        correction = fix(finding, lines_of(self.buffers.text(path)))
+    def _action(self, path: Path, diagnostic: Diagnostic) -> lsp.CodeAction | None:
+        correction = fix(diagnostic, lines_of(self.buffers.text(path)))
         if correction is None:
             return None
         place = Place(str(path), correction.line, correction.column, correction.end_column)
@@ -247,7 +247,7 @@ class Server(LanguageServer):
         return lsp.CodeAction(
             f"Write '{correction.new}'",
             kind=lsp.CodeActionKind.QuickFix,
-            diagnostics=self._shown([finding]),
+            diagnostics=self._shown([diagnostic]),
             edit=lsp.WorkspaceEdit(changes={self._addresses.uri(path): [edit]}),
         )
 
@@ -356,17 +356,21 @@ def _refusal(message: str) -> JsonRpcException:
     return JsonRpcException(message, lsp.LSPErrorCodes.RequestFailed.value)
 
 
-def _diagnostic(finding: Diagnostic, location: Callable[[Place], lsp.Location]) -> lsp.Diagnostic:
-    nearest = finding.nearest
-    hint = "" if nearest is None or nearest in finding.message else f"; did you mean '{nearest}'?"
+def _diagnostic(
+    diagnostic: Diagnostic, location: Callable[[Place], lsp.Location]
+) -> lsp.Diagnostic:
+    nearest = diagnostic.nearest
+    hint = (
+        "" if nearest is None or nearest in diagnostic.message else f"; did you mean '{nearest}'?"
+    )
     return lsp.Diagnostic(
-        location(finding.place).range,
-        finding.message + hint,
-        severity=_SEVERITIES[finding.severity],
-        code=finding.code,
+        location(diagnostic.place).range,
+        diagnostic.message + hint,
+        severity=_SEVERITIES[diagnostic.severity],
+        code=diagnostic.code,
         source=NAME,
         related_information=[
             lsp.DiagnosticRelatedInformation(location(each.place), each.message)
-            for each in finding.related
+            for each in diagnostic.related
         ],
     )

@@ -1,4 +1,4 @@
-"""Bounded composition of YAML text into nodes, with a located finding for every pitfall.
+"""Bounded composition of YAML text into nodes, with a located diagnostic for every pitfall.
 
 It builds on libyaml's events instead of its nodes: the parser keeps its own stack and survives any
 depth, while libyaml's composer recurses, and crashes the process on deep input.
@@ -15,7 +15,7 @@ import yaml
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.lines import lines_of
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 from cbdsl.yaml_text.characters import (
     control_in,
     look_alike_message,
@@ -46,13 +46,13 @@ class Composed(NamedTuple):
     """Single document of a YAML text.
 
     Attributes:
-        root: Root of all values; values with a finding are marked as faulty.
-        findings: Findings about single values.
+        root: Root of all values; values with a diagnostic are marked as faulty.
+        diagnostics: Diagnostics about single values.
         lines: Lines of the text.
     """
 
     root: Node
-    findings: tuple[Diagnostic, ...]
+    diagnostics: tuple[Diagnostic, ...]
     lines: Sequence[str]
 
 
@@ -61,20 +61,20 @@ class SyntaxFaultError(Exception):
 
     Attributes:
         error: Error of libyaml.
-        findings: Findings in the text up to the error.
+        diagnostics: Diagnostics in the text up to the error.
     """
 
-    def __init__(self, error: yaml.MarkedYAMLError, findings: Sequence[Diagnostic]) -> None:
+    def __init__(self, error: yaml.MarkedYAMLError, diagnostics: Sequence[Diagnostic]) -> None:
         super().__init__(str(error))
         self.error = error
-        self.findings = findings
+        self.diagnostics = diagnostics
 
 
 def compose(text: str, file: str) -> Composed:
     """Compose the single document of a YAML text, without repairs.
 
     Raises:
-        DiagnosticsError: A fatal finding, together with all findings up to it.
+        DiagnosticsError: A fatal diagnostic, together with all diagnostics up to it.
         SyntaxFaultError: The text is not valid YAML.
     """
     require_readable(text, file)
@@ -82,8 +82,8 @@ def compose(text: str, file: str) -> Composed:
     try:
         root = composer.document()
     except yaml.MarkedYAMLError as error:
-        raise SyntaxFaultError(error, composer.findings) from None
-    return Composed(root, tuple(composer.findings), composer.lines)
+        raise SyntaxFaultError(error, composer.diagnostics) from None
+    return Composed(root, tuple(composer.diagnostics), composer.lines)
 
 
 def require_readable(text: str, file: str) -> None:
@@ -108,20 +108,20 @@ def require_short_lines(text: str, file: str) -> None:
         if len(line) > LONGEST_LINE:
             place = Place(file, number, 1, 2)
             bound = f"{LONGEST_LINE} characters in one line"
-            raise DiagnosticsError([diagnostic("CB108", place, bound=bound)])
+            raise DiagnosticsError([diagnose("CB108", place, bound=bound)])
 
 
 def too_large(file: str) -> DiagnosticsError:
     """Return the error for a text that is too long."""
     bound = f"{MOST_CHARACTERS} characters"
-    return DiagnosticsError([diagnostic("CB108", Place(file), bound=bound)])
+    return DiagnosticsError([diagnose("CB108", Place(file), bound=bound)])
 
 
 def unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
-    """Return a finding about an invisible character."""
+    """Return a diagnostic about an invisible character."""
     before = lines_of(match.string[: match.start()])
     place = Place(file, len(before), len(before[-1]) + 1, len(before[-1]) + 2)
-    return diagnostic(code, place, character=spelled(match[0]))
+    return diagnose(code, place, character=spelled(match[0]))
 
 
 #: Key that adds the entries of another mapping (YAML 1.1).
@@ -129,10 +129,10 @@ MERGE = "<<"
 
 
 class _Composer:
-    """Composer of nodes from events; it collects ``findings`` and stops only at fatal ones."""
+    """Composer of nodes from events; it collects ``diagnostics`` and stops only at fatal ones."""
 
     def __init__(self, text: str, file: str) -> None:
-        self.findings: list[Diagnostic] = []
+        self.diagnostics: list[Diagnostic] = []
         self.lines = lines_of(text)
         self._file = file
         self._next: Callable[[], Any] = LOADER(text).get_event
@@ -329,7 +329,7 @@ class _Composer:
         return Place(self._file, line + 1, column, end_column)
 
     def _find(self, code: str, place: Place, **details: Any) -> None:
-        self.findings.append(diagnostic(code, place, **details))
+        self.diagnostics.append(diagnose(code, place, **details))
 
     def _fatal(self, code: str, place: Place, **details: Any) -> DiagnosticsError:
-        return DiagnosticsError([*self.findings, diagnostic(code, place, **details)])
+        return DiagnosticsError([*self.diagnostics, diagnose(code, place, **details)])

@@ -1,4 +1,4 @@
-"""Comments that suppress a finding: ``# cb: ignore CB701 kept for the demonstration``."""
+"""Comments that suppress a diagnostic: ``# cb: ignore CB701 kept for the demonstration``."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _COMMENT = re.compile(r"\s*(?:#|$)")
 
 
 class Ignore(NamedTuple):
-    """Comment that suppresses a finding.
+    """Comment that suppresses a diagnostic.
 
     Attributes:
-        code: Code of the suppressed finding, as written.
+        code: Code of the suppressed diagnostic, as written.
         reason: Reason given, or an empty text.
         place: Place of the comment.
-        line: Line of the suppressed finding, from 1.
+        line: Line of the suppressed diagnostic, from 1.
     """
 
     code: str
@@ -34,9 +34,9 @@ class Ignore(NamedTuple):
 
 
 def read_ignores(text: str, file: str) -> list[Ignore]:
-    """Return the comments of a text that suppress findings.
+    """Return the comments of a text that suppress diagnostics.
 
-    A trailing comment suppresses findings on its line; a full-line comment, those on the next
+    A trailing comment suppresses diagnostics on its line; a full-line comment, those on the next
     non-blank, non-comment line.
     """
     if len(text) > MOST_CHARACTERS:

@@ -18,7 +18,7 @@ class Loaded(NamedTuple, Generic[D]):
     Attributes:
         document: Document without its faulty parts.
         source: Source map of the document.
-        faults: Findings about the text; ``source.broken`` lists the omitted parts.
+        faults: Diagnostics about the text; ``source.broken`` lists the omitted parts.
     """
 
     document: D

@@ -12,7 +12,7 @@ from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.lines import lines_of
 from cbdsl.diagnostics.nearest import nearest_name
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 from cbdsl.documents.contents import contents
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS
@@ -84,12 +84,12 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
 def formatted_text(text: str, file: str) -> str:
     """Format the text of a document; see ``formatted``.
 
-    The result has the same values and the same findings as the text. A text whose findings
+    The result has the same values and the same diagnostics as the text. A text whose diagnostics
     depend on its spaces, such as one with a decimal comma, is returned unchanged.
 
     Args:
         text: Text of the document.
-        file: Name of its file, for findings.
+        file: Name of its file, for diagnostics.
 
     Raises:
         DiagnosticsError: The text is too large, or not valid YAML.
@@ -108,7 +108,7 @@ def formatted_text(text: str, file: str) -> str:
 
 
 def _reading(path: Path, text: str) -> tuple[Document | None, list[tuple[str, str, str | None]]]:
-    """Return the document read from a text, and its findings without their places."""
+    """Return the document read from a text, and its diagnostics without their places."""
     document: Document | None = None
     faults: tuple[Diagnostic, ...]
     try:
@@ -134,7 +134,7 @@ def _read_clean(path: Path, kind: type[D], composed: Composed) -> Loaded[D] | No
     try:
         data = composed.root.plain()
         name = data.get("kind") if isinstance(data, dict) else None
-        if composed.findings or not isinstance(name, str):
+        if composed.diagnostics or not isinstance(name, str):
             return None
         model = KINDS.get(name).model
         if not issubclass(model, kind):
@@ -191,4 +191,4 @@ def decode(data: bytes, file: str) -> str:
 
 
 def _error(code: str, place: Place, **details: Any) -> DiagnosticsError:
-    return DiagnosticsError([diagnostic(code, place, **details)])
+    return DiagnosticsError([diagnose(code, place, **details)])

@@ -12,11 +12,11 @@ from typing import Any
 from cbdsl import Transition
 from cbdsl.api.shipped import shipped_file, shipped_robot
 from cbdsl.backends.backend import embody
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.member_exchange import MemberExchange
 from cbdsl.checking.program import check_program, examine_program
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
@@ -82,8 +82,10 @@ def reparameterised() -> dict[str, CheckedProgram]:
     policy = library.read(shipped_file(library, PolicyDocument, _PROGRAM), PolicyDocument)
     session = Session(library)
 
-    def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
-        return examine_program(file, with_, session, findings)
+    def examine(
+        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
+    ) -> CheckedProgram | None:
+        return examine_program(file, with_, session, diagnostics)
 
     own = check_program(path, {}, library)
     probing, refusal = MemberExchange(path, session, examine).exchanged(own, _MEMBER, _PROBE)

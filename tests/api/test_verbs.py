@@ -52,8 +52,8 @@ def test_findings_of_several_documents_are_given_once(here: Path) -> None:
     for name in ("one", "two"):
         wrong = text.replace("name: searchtrack", f"name: {name}").replace("head.uniform", "hed")
         (here / f"{name}.yaml").write_text(wrong, encoding="utf-8")
-    findings = cbdsl.check("one.yaml", Path("two.yaml"), "one.yaml")
-    assert [(each.code, each.place.file) for each in findings] == [
+    diagnostics = cbdsl.check("one.yaml", Path("two.yaml"), "one.yaml")
+    assert [(each.code, each.place.file) for each in diagnostics] == [
         ("CB501", "one.yaml"), ("CB501", "two.yaml"),
     ]  # fmt: skip
     with pytest.raises(cbdsl.UsageError, match="did you mean 'searchtrack'"):

@@ -1,4 +1,4 @@
-"""Finding backends by name."""
+"""Diagnostic backends by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Order of findings: possible causes come before their consequences."""
+"""Order of diagnostics: possible causes come before their consequences."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_what_is_used_comes_before_what_uses_it(tmp_path: Path) -> None:
     write(tmp_path, "z")
     write(tmp_path, "m", "z")
     found = check_document(write(tmp_path, "a", "m"), session=Session(Library(tmp_path)))
-    assert [Path(finding.place.file).stem for finding in found] == ["z", "m", "a"]
+    assert [Path(diagnostic.place.file).stem for diagnostic in found] == ["z", "m", "a"]
 
 
 def test_documents_that_name_each_other_keep_their_order(tmp_path: Path) -> None:

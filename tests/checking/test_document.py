@@ -1,4 +1,4 @@
-"""Bad documents, each with its expected findings in its last lines."""
+"""Bad documents, each with its expected diagnostics in its last lines."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.cli.ignores import apply_suppressions
+from cbdsl.checking.suppression import apply_suppressions
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.rendering import render
 from cbdsl.yaml_text.library import Library, shipped
@@ -33,7 +33,7 @@ def session() -> Session:
     return Session(Library(BAD))
 
 
-def findings(path: Path, session: Session) -> list[Diagnostic]:
+def diagnostics(path: Path, session: Session) -> list[Diagnostic]:
     return apply_suppressions(check_document(path, session=session), [path], session.library)
 
 
@@ -41,7 +41,7 @@ def findings(path: Path, session: Session) -> list[Diagnostic]:
 def test_findings(path: Path, session: Session) -> None:
     wanted = re.findall(r"^# finds (.*)$", text_of(path), re.MULTILINE)
     found = []
-    for diagnostic in findings(path, session):
+    for diagnostic in diagnostics(path, session):
         place, message = diagnostic.place, diagnostic.message.replace(f"{BAD}/", "")
         message = re.sub(r"\S*tests/checking/bad/", "", message)
         elsewhere = Path(place.file).name
@@ -50,7 +50,7 @@ def test_findings(path: Path, session: Session) -> None:
     assert found == wanted
 
 
-#: Cases with several findings, and the reason for each group: a correction leaves the others.
+#: Cases with several diagnostics, and the reason for each group: a correction leaves the others.
 SEVERAL = {
     "the same kind of mistake in several places": """
         words_for_quantities background_unknown compared_with_itself elbow_bent_backwards
@@ -82,7 +82,7 @@ SEVERAL = {
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_one_mistake_is_one_finding(path: Path, session: Session) -> None:
     justified = {name for names in SEVERAL.values() for name in names.split()}
-    assert (len(findings(path, session)) > 1) == (path.stem in justified)
+    assert (len(diagnostics(path, session)) > 1) == (path.stem in justified)
 
 
 def test_there_are_enough_cases() -> None:
@@ -91,7 +91,7 @@ def test_there_are_enough_cases() -> None:
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_caret_stands_inside_its_line(path: Path, session: Session) -> None:
-    for diagnostic in findings(path, session):
+    for diagnostic in diagnostics(path, session):
         text = text_of(Path(diagnostic.place.file))
         lines = render(diagnostic, text).split("\n")
         snippet = [line for line in lines if re.match(r" *\d+ \| ", line)]

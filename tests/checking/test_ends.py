@@ -58,8 +58,8 @@ def test_validate_points_at_a_pattern_of_failure_that_has_a_reason(tmp_path: Pat
     wrong = text.replace("  XX*1******: wider than the hand", "  XX*1: wider than the hand")
     path = tmp_path / "survey.yaml"
     path.write_text(wrong, encoding="utf-8")
-    (finding,) = check_document(path, session=Session(Library(ROOT)))
-    assert wrong.splitlines()[finding.place.line - 1].startswith("  XX*1:")
+    (diagnostic,) = check_document(path, session=Session(Library(ROOT)))
+    assert wrong.splitlines()[diagnostic.place.line - 1].startswith("  XX*1:")
 
 
 def test_check_keeps_the_reasons_of_failures_by_pattern() -> None:

@@ -108,7 +108,7 @@ def test_only_members_are_opened(tmp_path: Path) -> None:
         assert [each.code for each in caught.value.diagnostics] == ["CB402"]
 
 
-def findings(folder: Path, text: str) -> list[str]:
+def diagnostics(folder: Path, text: str) -> list[str]:
     path = folder / "knowledge" / "schemas" / "probing.yaml"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
@@ -118,11 +118,11 @@ def findings(folder: Path, text: str) -> list[str]:
 
 
 def test_a_schema_may_exchange_members(tmp_path: Path) -> None:
-    assert findings(tmp_path, SCHEMA) == []
+    assert diagnostics(tmp_path, SCHEMA) == []
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "finding"),
+    ("old", "new", "diagnostic"),
     [
         ("touch: tactileprobe", "tuch: tactileprobe", "CB606"),
         ("touch: tactileprobe", "touch: tactileprob", "no valid program 'tactileprob'"),
@@ -134,6 +134,6 @@ def test_a_schema_may_exchange_members(tmp_path: Path) -> None:
         ("choose", "look: {place: {program: serchtrack}}\nchoose", "CB645"),
     ],
 )
-def test_what_does_not_fit_is_found(tmp_path: Path, old: str, new: str, finding: str) -> None:
-    (only,) = findings(tmp_path, SCHEMA.replace(old, new, 1))
-    assert finding in only
+def test_what_does_not_fit_is_found(tmp_path: Path, old: str, new: str, diagnostic: str) -> None:
+    (only,) = diagnostics(tmp_path, SCHEMA.replace(old, new, 1))
+    assert diagnostic in only

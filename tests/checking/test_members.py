@@ -18,8 +18,8 @@ USE = "use: {left: {program: posture}}\n"
 def codes(tmp_path: Path, text: str) -> list[str]:
     path = tmp_path / "a.yaml"
     path.write_text(text, encoding="utf-8")
-    findings = check_document(path, Session(Library(tmp_path)))
-    return [f"{each.code} {each.message}" for each in findings if each.is_error]
+    diagnostics = check_document(path, Session(Library(tmp_path)))
+    return [f"{each.code} {each.message}" for each in diagnostics if each.is_error]
 
 
 @pytest.mark.parametrize("controllers", ["", "controllers: {}\n"])

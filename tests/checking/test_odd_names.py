@@ -1,4 +1,4 @@
-"""Odd names, which no file has: findings that hide none of other documents."""
+"""Odd names, which no file has: diagnostics that hide none of other documents."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ def test_check_document_with_an_odd_name_anywhere_reports_findings(file: str) ->
     for number, steps in enumerate(chosen):
         for odd in ODD if len(steps) == 1 or steps[-1] == "file" else ODD[number % len(ODD) :][:1]:
             library = Library(ROOT, given={path: changed(data, steps, odd)})
-            for finding in check_document(path, Session(library, {})):
-                assert finding.message
+            for diagnostic in check_document(path, Session(library, {})):
+                assert diagnostic.message
 
 
 @pytest.mark.parametrize("form", ["json", "sarif", "github", "text"])

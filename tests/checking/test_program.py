@@ -234,8 +234,8 @@ def test_references_relative_to_the_activation_or_a_resource(tmp_path: Path) -> 
 def test_a_reference_that_does_not_fit_is_one_finding(tmp_path: Path, body: str, code: str) -> None:
     with pytest.raises(DiagnosticsError) as refused:
         references(tmp_path, body.replace("here + [1 cm, 2 cm]", "'here + [1 cm, 2 cm]'"))
-    (finding,) = refused.value.diagnostics
-    assert finding.code.startswith(code)
+    (diagnostic,) = refused.value.diagnostics
+    assert diagnostic.code.startswith(code)
 
 
 def test_parameters_stand_in_lists(tmp_path: Path) -> None:

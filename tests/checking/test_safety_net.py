@@ -16,7 +16,7 @@ from cbdsl.documents.kinds import KINDS
 from cbdsl.editor.buffers import Buffers
 from cbdsl.yaml_text.library import shipped
 from tests.cli.test_main import BAD, cb
-from tests.cli.test_sarif_format import faults
+from tests.diagnostics.test_sarif_format import faults
 
 SOUND = shipped() / "knowledge" / "policies" / "reachtouch.yaml"
 FAULTY = BAD / "programs" / "type_clash.yaml"
@@ -82,6 +82,6 @@ def test_validate_with_traceback_wanted_raises_the_failure(
 
 
 def test_editor_and_interface_with_a_failing_check_report_it(here: Path) -> None:
-    (found,) = Buffers(here).findings(here / "b_reachtouch.yaml")
+    (found,) = Buffers(here).diagnostics(here / "b_reachtouch.yaml")
     assert found.code == FAILED_CHECK
-    assert {finding.code for finding in check("b_reachtouch.yaml")} == {FAILED_CHECK}
+    assert {diagnostic.code for diagnostic in check("b_reachtouch.yaml")} == {FAILED_CHECK}

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.document import check_document
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.program import check_program, examine_program
 from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.decision_tree import decide
@@ -62,7 +62,7 @@ def checked(folder: Path) -> CheckedProgram:
     program = checked_schema(
         loaded,
         session,
-        Findings(),
+        Diagnostics(),
         lambda path, with_, own: examine_program(path, with_, session, own),
     )
     assert program is not None

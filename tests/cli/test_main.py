@@ -137,7 +137,7 @@ def test_faults_of_cb_show_no_traceback(
         raise RuntimeError("broken")
 
     monkeypatch.delenv("CB_TRACEBACK", raising=False)
-    monkeypatch.setattr("cbdsl.cli.text_format.text", fail)
+    monkeypatch.setattr("cbdsl.diagnostics.text_format.text", fail)
     assert cb(monkeypatch, "validate", str(BAD / "robots" / "crawler.yaml")) == 2
     assert "internal error: RuntimeError: broken" in capsys.readouterr().err
 

@@ -1,4 +1,4 @@
-"""``cb new``: its documents have no findings, and existing files are never overwritten."""
+"""``cb new``: its documents have no diagnostics, and existing files are never overwritten."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_robots_of_any_model_and_their_programs_and_stages_are_clean(
     assert cb(monkeypatch, "new", "stage", "desk", "--robot", "fresh") == 0
     assert cb(monkeypatch, "new", "program", "move", "--robot", "fresh") == 0
     session = Session(Library(folder))
-    # Some of the models come without all of their meshes, which is a finding.
+    # Some of the models come without all of their meshes, which is a diagnostic.
     assert {
         each.code
         for path in folder.rglob("*.yaml")

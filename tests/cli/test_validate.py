@@ -15,8 +15,8 @@ from urllib.parse import unquote
 import pytest
 
 from cbdsl.cli.findings import FORMATS, check_paths
-from cbdsl.cli.json_format import VERSION
 from cbdsl.diagnostics.catalogue import catalogue
+from cbdsl.diagnostics.json_format import VERSION
 from cbdsl.yaml_text.library import shipped
 from tests.cli.test_main import BAD, HEAVY, ROOT, cb
 
@@ -48,11 +48,11 @@ def standard_input(monkeypatch: pytest.MonkeyPatch, data: bytes) -> None:
 def test_every_format_has_every_finding_and_the_same_exit_code(form: str, printed: Any) -> None:
     code, text = printed("--format", form, str(BAD / "programs"))
     _, plain = printed("--format", "json", str(BAD / "programs"))
-    findings = json.loads(plain)["findings"]
-    codes = sorted(finding["code"] for finding in findings)
+    diagnostics = json.loads(plain)["findings"]
+    codes = sorted(diagnostic["code"] for diagnostic in diagnostics)
     found = {
         "text": lambda: re.findall(r"^\S+?:\d+:\d+: (CB\d{3})", text, re.MULTILINE),
-        "json": lambda: [finding["code"] for finding in json.loads(text)["findings"]],
+        "json": lambda: [diagnostic["code"] for diagnostic in json.loads(text)["findings"]],
         "github": lambda: re.findall(r"title=(CB\d{3})::", text),
         "sarif": lambda: [r["ruleId"] for r in json.loads(text)["runs"][0]["results"]],
     }
@@ -68,10 +68,10 @@ def test_json_is_versioned_and_complete(printed: Any) -> None:
     counts = ["errors", "warnings", "notes", "left_out", "others", "unreadable"]
     assert list(data) == ["version", "documents", *counts, "findings"]
     assert (data["version"], data["documents"], data["errors"]) == (VERSION, 1, 1)
-    (finding,) = data["findings"]
-    assert (finding["code"], finding["severity"]) == ("CB504", "error")
-    assert finding["place"]["line"] == 8
-    files = [Path(related["place"]["file"]).name for related in finding["related"]]
+    (diagnostic,) = data["findings"]
+    assert (diagnostic["code"], diagnostic["severity"]) == ("CB504", "error")
+    assert diagnostic["place"]["line"] == 8
+    files = [Path(related["place"]["file"]).name for related in diagnostic["related"]]
     assert files == [CLASH.name, "dexter.yaml", "dexter.yaml"]
 
 
@@ -140,7 +140,9 @@ def test_a_format_that_is_none_is_a_wrong_call(printed: Any) -> None:
 
 def test_color_is_for_terminals(monkeypatch: pytest.MonkeyPatch, printed: Any) -> None:
     assert "\x1b[" not in printed(str(CLASH))[1]
-    monkeypatch.setattr("cbdsl.cli.text_format.sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setattr(
+        "cbdsl.diagnostics.text_format.sys.stdout.isatty", lambda: True, raising=False
+    )
     monkeypatch.delenv("NO_COLOR", raising=False)
     monkeypatch.setenv("TERM", "xterm")
     assert "\x1b[" in printed(str(CLASH))[1]
@@ -200,7 +202,7 @@ REST = (
 
 def codes(folder: Path, text: str) -> list[str]:
     from cbdsl.checking.document import check_document
-    from cbdsl.cli.ignores import apply_suppressions
+    from cbdsl.checking.suppression import apply_suppressions
     from cbdsl.yaml_text.library import Library
 
     path = folder / "own.yaml"
@@ -293,14 +295,14 @@ def test_special_files_are_one_finding_each_and_the_rest_is_checked(tmp_path: Pa
     (tmp_path / "folder.yaml" / "up.yaml").symlink_to("..")
     command = [*CB, "validate", "--json", "."]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    findings = json.loads(done.stdout)["findings"]
-    assert {(each["place"]["file"], each["code"]) for each in findings} == {
+    diagnostics = json.loads(done.stdout)["findings"]
+    assert {(each["place"]["file"], each["code"]) for each in diagnostics} == {
         ("large.yaml", "CB108"),
         *((f"{name}.yaml", "CB101") for name in ("loop", "lost", "pipe", "zero")),
         ("type_clash.yaml", "CB504"),
     }
-    assert len(findings) == 6
-    assert all(not each["nearest"] for each in findings if each["code"] == "CB101")
+    assert len(diagnostics) == 6
+    assert all(not each["nearest"] for each in diagnostics if each["code"] == "CB101")
 
 
 @pytest.mark.parametrize("document", ["program", "robot"])

@@ -14,7 +14,7 @@ from cbdsl.checking.program import check_program
 from cbdsl.checking.reward import check_rewarded
 from cbdsl.checking.safety_net import FAILED_CHECK, check_safely
 from cbdsl.checking.session import Session
-from cbdsl.cli.ignores import apply_suppressions
+from cbdsl.checking.suppression import apply_suppressions
 from cbdsl.diagnostics.catalogue import catalogue, hundred
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.entry import Entry
@@ -25,7 +25,7 @@ ENTRIES = entries()
 SOURCES = Path(__file__).resolve().parents[2] / "cbdsl"
 
 
-def findings(entry: Entry, example: str | bytes | None, folder: Path) -> list[Diagnostic]:
+def diagnostics(entry: Entry, example: str | bytes | None, folder: Path) -> list[Diagnostic]:
     """Return the diagnostics in one of an entry's examples."""
     for name, text in entry.beside.items():
         beside = folder / name
@@ -46,13 +46,13 @@ def findings(entry: Entry, example: str | bytes | None, folder: Path) -> list[Di
 
 @pytest.mark.parametrize("entry", ENTRIES.values(), ids=ENTRIES)
 def test_bad_example_has_exactly_this_fault(entry: Entry, tmp_path: Path) -> None:
-    (found,) = findings(entry, entry.bad, tmp_path)
+    (found,) = diagnostics(entry, entry.bad, tmp_path)
     assert (found.code, found.severity) == (entry.code, entry.severity)
 
 
 @pytest.mark.parametrize("entry", ENTRIES.values(), ids=ENTRIES)
 def test_good_example_has_no_fault(entry: Entry, tmp_path: Path) -> None:
-    assert findings(entry, entry.good, tmp_path) == []
+    assert diagnostics(entry, entry.good, tmp_path) == []
 
 
 @pytest.mark.parametrize("entry", ENTRIES.values(), ids=ENTRIES)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Related, Severity
 from cbdsl.diagnostics.rendering import render
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 
 PLACE = Place("a.yaml", 2, 9, 13)
 
@@ -59,7 +59,7 @@ def test_of_a_long_line_only_the_surroundings_of_the_fault_are_shown() -> None:
 
 @given(st.text(max_size=30), st.text(max_size=30))
 def test_no_text_reaches_the_terminal_as_a_command(name: str, line: str) -> None:
-    found = diagnostic("CB404", Place("a", 1, 1, 2), name=name)
+    found = diagnose("CB404", Place("a", 1, 1, 2), name=name)
     printed = render(found, line)
     assert all(c == "\n" or c == "\t" or ord(c) >= 32 for c in printed)
     assert "\x7f" not in printed and "\u202e" not in printed and "\x9b" not in printed

@@ -49,8 +49,8 @@ def validator(kind: str) -> Any:
 
 def plain(path: Path) -> Any:
     composed = mend(path.read_text("utf-8"), str(path))
-    if composed.findings:
-        raise DiagnosticsError(composed.findings)
+    if composed.diagnostics:
+        raise DiagnosticsError(composed.diagnostics)
     return composed.root.plain()
 
 

@@ -16,7 +16,7 @@ class Client:
     """Editor with one open document.
 
     Attributes:
-        published: Findings received last, by URI.
+        published: Diagnostics received last, by URI.
     """
 
     def __init__(self, folder: Path, encodings: Sequence[str] | None = None) -> None:
@@ -76,8 +76,8 @@ class Client:
         place = {"textDocument": {"uri": path.as_uri()}, "position": position}
         return self.ask(f"textDocument/{method}", place)
 
-    def findings(self, path: Path) -> list[dict[str, Any]]:
-        """Return the findings of a document, after the server has answered a later request."""
+    def diagnostics(self, path: Path) -> list[dict[str, Any]]:
+        """Return the diagnostics of a document, after the server has answered a later request."""
         self.at("hover", path, 0, 0)
         return self.published[path.as_uri()]
 

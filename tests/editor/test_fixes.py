@@ -8,13 +8,13 @@ from cbdsl.editor.fixes import Fix, fix, fixed
 TEXT = "a: {potential: sprung, feedback: haed}\nb: sprung sprung\r\n"
 
 
-def finding(given: str, allowed: str, line: int, column: int, width: int) -> Diagnostic:
+def diagnostic(given: str, allowed: str, line: int, column: int, width: int) -> Diagnostic:
     place = Place("own.yaml", line, column, column + width)
     return Diagnostic("CB401", "unknown", place, allowed=(allowed,), given=given)
 
 
-SPRUNG = finding("sprung", "spring", 1, 16, 6)
-HAED = finding("haed", "head", 1, 34, 4)
+SPRUNG = diagnostic("sprung", "spring", 1, 16, 6)
+HAED = diagnostic("haed", "head", 1, 34, 4)
 
 
 def test_all_of_a_line_are_corrected() -> None:
@@ -24,13 +24,13 @@ def test_all_of_a_line_are_corrected() -> None:
 
 
 def test_a_name_within_a_longer_text_is_found_in_it() -> None:
-    wide = finding("sprung", "spring", 1, 1, 30)
+    wide = diagnostic("sprung", "spring", 1, 1, 30)
     assert fix(wide, TEXT.splitlines()) == Fix(1, 16, 22, "spring")
 
 
 def test_what_is_not_certain_is_left() -> None:
-    twice = finding("sprung", "spring", 2, 4, 13)
-    elsewhere = finding("gone", "gene", 1, 16, 6)
-    nothing_near = finding("sprung", "manipulability", 1, 16, 6)
-    beyond = finding("sprung", "spring", 9, 1, 6)
+    twice = diagnostic("sprung", "spring", 2, 4, 13)
+    elsewhere = diagnostic("gone", "gene", 1, 16, 6)
+    nothing_near = diagnostic("sprung", "manipulability", 1, 16, 6)
+    beyond = diagnostic("sprung", "spring", 9, 1, 6)
     assert fixed(TEXT, [twice, elsewhere, nothing_near, beyond]) == TEXT

@@ -91,7 +91,7 @@ def test_the_server_goes_on_after_bytes_without_a_length(tmp_path: Path) -> None
     client.open(path, "kind: program\n")
     answer = client.receive()
     assert answer["error"]["code"] == -32700 and "Content-Length" in answer["error"]["message"]
-    assert client.findings(path)
+    assert client.diagnostics(path)
     assert client.close() == 0
 
 
@@ -123,5 +123,5 @@ def test_the_server_answers_a_body_that_it_cannot_read(
     assert (answer["error"]["code"], answer["id"]) == (code, number)
     path = tmp_path / "a.yaml"
     client.open(path, "kind: program\n")
-    assert client.findings(path)
+    assert client.diagnostics(path)
     assert client.close() == 0

@@ -33,7 +33,7 @@ def client(folder: Path) -> Iterator[Client]:
 def test_yaml_of_another_tool_has_no_answers(client: Client, folder: Path, text: str) -> None:
     path = folder / "docker-compose.yml"
     client.open(path, text)
-    assert client.findings(path) == []
+    assert client.diagnostics(path) == []
     document = {"textDocument": {"uri": path.as_uri()}}
     options = {"options": {"tabSize": 2, "insertSpaces": True}}
     assert client.ask("textDocument/formatting", {**document, **options}) == []
@@ -49,17 +49,17 @@ def test_a_document_that_becomes_one_of_another_tool_loses_its_findings(
 ) -> None:
     path = folder / "changing.yaml"
     client.open(path, WRONG)
-    assert client.findings(path)
+    assert client.diagnostics(path)
     client.change(path, "services: {}\n")
-    assert client.findings(path) == []
+    assert client.diagnostics(path) == []
     client.change(path, "kind: program\n")
-    assert client.findings(path)
+    assert client.diagnostics(path)
 
 
 def test_a_file_in_a_folder_of_documents_has_findings(client: Client, folder: Path) -> None:
     path = folder / "programs" / "new.yaml"
     client.open(path, "")
-    assert [each["code"] for each in client.findings(path)] == ["CB105"]
+    assert [each["code"] for each in client.diagnostics(path)] == ["CB105"]
 
 
 @pytest.mark.parametrize(
@@ -81,9 +81,9 @@ def test_a_document_in_no_file_has_findings_and_answers(client: Client, uri: str
     start = len(WRONG[: WRONG.index("sprung")].rsplit("\n", 1)[1])
     place = {**document, "position": {"line": line, "character": start}}
     assert client.ask("textDocument/completion", place)["items"]
-    (finding,) = client.published[uri]
-    assert finding["range"]["start"] == place["position"]
-    params = {**document, "range": finding["range"], "context": {"diagnostics": []}}
+    (diagnostic,) = client.published[uri]
+    assert diagnostic["range"]["start"] == place["position"]
+    params = {**document, "range": diagnostic["range"], "context": {"diagnostics": []}}
     (action,) = client.ask("textDocument/codeAction", params)
     assert list(action["edit"]["changes"]) == [uri]
     there = {"line": WRONG[: WRONG.index("robot: ")].count("\n"), "character": 9}
@@ -102,7 +102,7 @@ def test_documents_in_no_file_are_kept_apart_from_each_other_and_from_files(
     client.open(saved, TEXT.replace("name: searchtrack", "name: same"))
     client.open_uri("untitled:same.yaml", WRONG)
     client.open_uri("git:/elsewhere/same.yaml", "services: {}\n")
-    assert client.findings(saved) == []
+    assert client.diagnostics(saved) == []
     assert len(client.published["untitled:same.yaml"]) == 1
     assert client.published["git:/elsewhere/same.yaml"] == []
 
@@ -119,9 +119,9 @@ def test_a_robot_that_a_program_named_before_keeps_its_own_findings(tmp_path: Pa
     client = Client(tmp_path)
     program = tmp_path / "track.yaml"
     client.open(program, TEXT.replace("robot: dexter", "robot: twin"))
-    client.findings(program)
+    client.diagnostics(program)
     client.open(path, faulty)
-    assert [each["code"] for each in client.findings(path)] == ["CB301"]
+    assert [each["code"] for each in client.diagnostics(path)] == ["CB301"]
     client.close()
 
 

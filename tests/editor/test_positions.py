@@ -106,9 +106,9 @@ def client(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Client]:
 def test_every_answer_is_in_the_announced_encoding(client: Client, tmp_path: Path) -> None:
     encoding, path = client.capabilities["positionEncoding"], tmp_path / "marks.yaml"
     client.open(path, PROGRAM)
-    findings = client.findings(path)
-    assert len(findings) >= 3
-    _check_fixes(client, path, findings, encoding)
+    diagnostics = client.diagnostics(path)
+    assert len(diagnostics) >= 3
+    _check_fixes(client, path, diagnostics, encoding)
     _check_names(client, path, encoding)
     _check_colors(client, path, encoding)
 
@@ -118,7 +118,7 @@ def _place(text: str, at: int, encoding: str) -> dict[str, int]:
     return {"line": text.count("\n", 0, at), "character": units(text[start:at], encoding)}
 
 
-def _check_fixes(client: Client, path: Path, findings: Any, encoding: str) -> None:
+def _check_fixes(client: Client, path: Path, diagnostics: Any, encoding: str) -> None:
     """Check that every quick fix replaces a misspelled name, and nothing else."""
     document = {"uri": path.as_uri()}
     whole = {"start": {"line": 0, "character": 0}, "end": {"line": 99, "character": 0}}
@@ -130,7 +130,7 @@ def _check_fixes(client: Client, path: Path, findings: Any, encoding: str) -> No
         ends = (offset(PROGRAM, edit["range"][end], encoding) for end in ("start", "end"))
         start, end = ends
         assert PROGRAM[start:end] in ("sprung", "trac", "trakc")
-        assert action["diagnostics"][0]["range"] in [each["range"] for each in findings]
+        assert action["diagnostics"][0]["range"] in [each["range"] for each in diagnostics]
 
 
 def _check_names(client: Client, path: Path, encoding: str) -> None:
@@ -180,11 +180,11 @@ def test_places_in_other_files_are_in_the_announced_encoding(
         "actions: [one]\npolicy: {X: one}\n"
     )
     client.open(path, text)
-    findings = client.findings(path)
-    related = [each for f in findings for each in f.get("relatedInformation", ())]
+    diagnostics = client.diagnostics(path)
+    related = [each for f in diagnostics for each in f.get("relatedInformation", ())]
     uri = (tmp_path / "part.yaml").as_uri()
     starts = [r["location"]["range"]["start"] for r in related if r["location"]["uri"] == uri]
-    assert starts, findings
+    assert starts, diagnostics
     for start in starts:
         assert part[offset(part, start, "utf-8") :].startswith("$goal")
 

@@ -46,7 +46,7 @@ def type_and_ask(edits: int, seed: int) -> None:
         text = edited(text, rng)
         buffers.change(path, text)
         lines = text.splitlines()
-        fixed(text, buffers.findings(path))
+        fixed(text, buffers.diagnostics(path))
         line = rng.randrange(len(lines) + 1)
         at = cursor(lines, line, rng.randrange(80))
         choices(buffers, path, at.steps)

@@ -1,4 +1,4 @@
-"""Renaming: it adds no findings, and the old name is gone."""
+"""Renaming: it adds no diagnostics, and the old name is gone."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ def rename(here: Path, file: str, mark: str, new: str) -> Renaming | None:
     return named
 
 
-def findings(folder: str) -> dict[str, int]:
-    """Return the number of findings by code in a folder's documents."""
+def diagnostics(folder: str) -> dict[str, int]:
+    """Return the number of diagnostics by code in a folder's documents."""
     files = sorted(Path(folder).rglob("*.yaml"))
     codes = [each.code for each in cbdsl.check(*files)]
     return {code: codes.count(code) for code in codes}
@@ -67,7 +67,7 @@ def test_a_controller_is_renamed_in_its_program_and_its_policies(here: Path) -> 
         code = re.sub(r"#.*", "", (here / file).read_text("utf-8"))
         within = [line for line in code.splitlines() if "description" not in line]
         assert not [line for line in within if re.search(r"\btrack\b", line)], file
-    assert {*findings(".")} <= STALE
+    assert {*diagnostics(".")} <= STALE
 
 
 def test_a_parameter_is_renamed_in_its_program(here: Path) -> None:
@@ -91,11 +91,11 @@ def test_a_parameter_is_renamed_in_its_program(here: Path) -> None:
 def test_a_document_is_renamed_in_all_that_name_it(
     here: Path, file: str, mark: str, new: str
 ) -> None:
-    before = findings(".")
+    before = diagnostics(".")
     named = rename(here, file, mark, new)
     assert named is not None and named.moved is not None and len(named.spots) > 1
     assert not named.moved.exists() and named.moved.with_stem(new).exists()
-    after = findings(".")
+    after = diagnostics(".")
     assert {code: count for code, count in after.items() if code not in STALE} == before
 
 

@@ -48,28 +48,28 @@ def test_it_says_what_it_can(client: Client) -> None:
 
 
 def test_findings_come_and_go_with_what_is_typed(client: Client, path: Path) -> None:
-    assert client.findings(path) == []
+    assert client.diagnostics(path) == []
     client.change(path, TEXT.replace("potential: spring", "potential: sprung", 1))
-    (finding,) = client.findings(path)
+    (diagnostic,) = client.diagnostics(path)
     line, column = place(TEXT, "potential: ")
-    assert finding["code"].startswith("CB") and finding["severity"] == 1
-    assert finding["range"]["start"] == {"line": line, "character": column}
-    assert "spring" in finding["message"]
+    assert diagnostic["code"].startswith("CB") and diagnostic["severity"] == 1
+    assert diagnostic["range"]["start"] == {"line": line, "character": column}
+    assert "spring" in diagnostic["message"]
     client.change(path, TEXT)
-    assert client.findings(path) == []
+    assert client.diagnostics(path) == []
 
 
 def test_a_misspelled_name_can_be_corrected(client: Client, path: Path) -> None:
     client.change(path, TEXT.replace("potential: spring", "potential: sprung", 1))
-    (finding,) = client.findings(path)
+    (diagnostic,) = client.diagnostics(path)
     params = {
         "textDocument": {"uri": path.as_uri()},
-        "range": finding["range"],
+        "range": diagnostic["range"],
         "context": {"diagnostics": []},
     }
     (action,) = client.ask("textDocument/codeAction", params)
     (edit,) = action["edit"]["changes"][path.as_uri()]
-    assert edit == {"range": finding["range"], "newText": "spring"}
+    assert edit == {"range": diagnostic["range"], "newText": "spring"}
 
 
 def test_names_are_completed_by_what_they_are_for(client: Client, path: Path) -> None:
@@ -103,11 +103,11 @@ def test_names_lead_to_what_they_name(client: Client, path: Path) -> None:
 )
 def test_what_is_half_typed_or_nonsense_ends_nothing(client: Client, path: Path, text: str) -> None:
     client.change(path, text)
-    client.findings(path)
+    client.diagnostics(path)
     for method in ("completion", "hover", "definition"):
         client.at(method, path, 1, 30)
     client.change(path, TEXT)
-    assert client.findings(path) == []
+    assert client.diagnostics(path) == []
 
 
 def test_every_prefix_of_a_program_is_survived(client: Client, path: Path) -> None:
@@ -116,7 +116,7 @@ def test_every_prefix_of_a_program_is_survived(client: Client, path: Path) -> No
         lines = TEXT[:end].split("\n")
         client.at("completion", path, len(lines) - 1, len(lines[-1]))
     client.change(path, TEXT)
-    assert client.findings(path) == []
+    assert client.diagnostics(path) == []
 
 
 def test_a_completion_replaces_all_of_a_name_with_dots(client: Client, path: Path) -> None:
@@ -133,9 +133,9 @@ def test_columns_count_what_editors_count(client: Client, path: Path) -> None:
     """Columns count UTF-16 code units, two for a character beyond the basic plane."""
     text = TEXT.replace("effector: head", 'effector: "\U0001f600head"', 1)
     client.change(path, text)
-    (finding,) = client.findings(path)
+    (diagnostic,) = client.diagnostics(path)
     line, column = place(text, 'effector: "')
-    start, end = finding["range"]["start"], finding["range"]["end"]
+    start, end = diagnostic["range"]["start"], diagnostic["range"]["end"]
     assert (start["line"], start["character"]) == (line, column - 1)
     assert end["character"] - start["character"] == len('"xxhead"')
 

@@ -1,4 +1,4 @@
-"""Cached controllers of an editor's session: the findings are the same, without repeated checks."""
+"""Cached controllers of an editor's session: the same diagnostics without repeated checks."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ WORDS = {
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
 def test_findings_are_those_of_a_fresh_session(program: Path) -> None:
-    """Findings agree after each of many changes, valid or not, and after each reversal."""
+    """Diagnostics agree after each of many changes, valid or not, and after each reversal."""
     path, text, kept = ROOT / "programs" / program.name, program.read_text("utf-8"), Buffers(ROOT)
     rng = random.Random(program.stem)
     changed = [text.replace(old, new) for old, news in WORDS.items() for new in news]
@@ -38,7 +38,7 @@ def test_findings_are_those_of_a_fresh_session(program: Path) -> None:
             kept.change(path, typed)
             fresh = Buffers(ROOT)
             fresh.change(path, typed)
-            assert kept.findings(path) == fresh.findings(path)
+            assert kept.diagnostics(path) == fresh.diagnostics(path)
 
 
 def test_only_the_controller_that_changed_is_checked_again(
@@ -59,5 +59,5 @@ def test_only_the_controller_that_changed_is_checked_again(
         assert typed != text
         checked.clear()
         buffers.change(program, f"{typed}# {again}\n")
-        buffers.findings(program)
+        buffers.diagnostics(program)
         assert ("plain" in checked) is again

@@ -56,7 +56,7 @@ def _ask(buffers: Buffers, path: Path, text: str, at: int, *, rename: bool) -> N
     """Send all requests that an editor makes at a place."""
     buffers.change(path, text)
     lines = text.splitlines()
-    fixed(text, buffers.findings(path))
+    fixed(text, buffers.diagnostics(path))
     before = text[:at].splitlines() or [""]
     place = cursor(lines, len(before) - 1, len(before[-1]))
     choices(buffers, path, place.steps)

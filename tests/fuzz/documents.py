@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.cli.text_format import text
-from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.diagnostics.catalogue import catalogue
 from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.report import ValidationReport
+from cbdsl.diagnostics.text_format import text
 from cbdsl.documents.kinds import KINDS
 from cbdsl.yaml_text.library import Library, shipped
 from tests.conftest import ROOT
@@ -36,7 +36,7 @@ def _reader(kind: str) -> Callable[[bytes], None]:
         if not sessions or not sessions[0].replace(path, data):
             sessions[:] = [Session(Library(ROOT, {path: data}))]
         session = sessions[0]
-        findings = check_document(path, session)
+        diagnostics = check_document(path, session)
 
         def text_of(file: str) -> str | None:
             try:
@@ -44,7 +44,7 @@ def _reader(kind: str) -> Callable[[bytes], None]:
             except DiagnosticsError:
                 return None
 
-        printed = text(ValidationReport(tuple(findings), 1, 0, text_of))
+        printed = text(ValidationReport(tuple(diagnostics), 1, 0, text_of))
         printed.encode("utf-8")
         assert "\x1b" not in printed and "internal error" not in printed
 
@@ -52,7 +52,7 @@ def _reader(kind: str) -> Callable[[bytes], None]:
 
 
 def _seeds(kind: str) -> Callable[[], Iterator[bytes]]:
-    """Return a function for documents of a kind: shipped, bad, of the docs, and of all findings."""
+    """Return a function for documents of a kind: shipped, bad, of docs and diagnostics."""
     line = re.compile(rf"^kind: {kind}\b", re.MULTILINE)
 
     def seeds() -> Iterator[bytes]:

@@ -9,10 +9,10 @@ import pytest
 import yaml
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
@@ -69,16 +69,16 @@ def folder(tmp_path: Path) -> Path:
 
 
 def checked(folder: Path) -> CheckedProgram:
-    library, findings = Library(folder), Findings()
+    library, diagnostics = Library(folder), Diagnostics()
     session = Session(library)
     loaded = library.read(library.locate(SchemaDocument, "sure"), SchemaDocument)
     program = checked_schema(
         loaded,
         session,
-        findings,
+        diagnostics,
         lambda path, values, own: examine_program(path, values, session, own),
     )
-    assert program is not None, findings.sorted()
+    assert program is not None, diagnostics.sorted()
     return program
 
 

@@ -29,5 +29,9 @@ def test_reference_beyond_a_slide_is_reported_in_m(tmp_path: Path) -> None:
     small = gripper(tmp_path)
     with small.backend("kinematic") as backend, pytest.raises(DiagnosticsError) as told:
         small.run(backend, MOVE.format("[0.5]"))
-    (finding,) = told.value.diagnostics
-    assert finding.code == "CB517" and "0.04 m" in finding.message and "rad" not in finding.message
+    (diagnostic,) = told.value.diagnostics
+    assert (
+        diagnostic.code == "CB517"
+        and "0.04 m" in diagnostic.message
+        and "rad" not in diagnostic.message
+    )

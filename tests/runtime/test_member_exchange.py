@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
@@ -48,7 +48,7 @@ def schema(tmp_path_factory: pytest.TempPathFactory) -> CheckedProgram:
     program = checked_schema(
         library.read(path, SchemaDocument),
         session,
-        Findings(),
+        Diagnostics(),
         lambda file, with_, own: examine_program(file, with_, session, own),
     )
     assert program is not None

@@ -211,8 +211,8 @@ def test_any_edit_that_is_yaml_keeps_its_values_and_comments(file: Path, seed: i
     assert formatted(result) == result
 
 
-def findings(text: str) -> list[tuple[str, str]]:
-    """Return the reader's findings in a text, without places."""
+def diagnostics(text: str) -> list[tuple[str, str]]:
+    """Return the reader's diagnostics in a text, without places."""
     try:
         faults = read_sound_parts(Path("a.yaml"), Document, text).faults
     except DiagnosticsError as error:
@@ -235,4 +235,4 @@ def test_formatted_text_has_the_values_and_findings_of_the_text(file: Path, seed
     except DiagnosticsError:
         return
     assert values(result) == values(edited)
-    assert findings(result) == findings(edited)
+    assert diagnostics(result) == diagnostics(edited)

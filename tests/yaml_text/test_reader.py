@@ -1,4 +1,4 @@
-"""Arbitrary files: each is a document or a located finding, never another exception."""
+"""Arbitrary files: each is a document or a located diagnostic, never another exception."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def test_merge_key_adds_the_entries_that_are_not_written(tmp_path: Path) -> None
         "two": ("right_arm.home", None),
         "three": ("right_arm.ready", 2.0),
     }
-    assert [finding.code for finding in check_document(path)] == []
+    assert [diagnostic.code for diagnostic in check_document(path)] == []
 
 
 @pytest.mark.parametrize("value", ["3", "[3]", "text", "~"])

@@ -79,8 +79,8 @@ class SafetySupervisor:
         self.limiter = Limiter(limits, period)
         self.state, self.cause = State.OFF, ""
         self._limits = limits
-        # Findings of the current approach to ``ready``, in order of discovery; and the addresses of
-        # joint states that cannot be read.
+        # Mismatches of the current approach to ``ready``, in order of discovery; and the addresses
+        # of joint states that cannot be read.
         self._mismatches: dict[str, str] = {}
         # Differences between each driver's description of the robot and its document.
         self._differences: dict[str, list[str]] = {}
@@ -183,7 +183,7 @@ class SafetySupervisor:
         yield from (problem.text for problem in surveyed)
         yield from self._mismatches
         yield from chain.from_iterable(self._differences.values())
-        # These explain why nothing is received; a second finding would not help.
+        # These explain why nothing is received; a second diagnostic would not help.
         explained = {_absolute(problem.address) for problem in surveyed}
         explained.update(_absolute(address) for address in self._mismatches.values() if address)
         for address, text in self._unheard():
@@ -204,7 +204,7 @@ class SafetySupervisor:
             yield topic, f"no description of the robot from driver '{driver}' at {topic}"
 
     def forget_mismatches(self) -> None:
-        """Forget the findings so far, so that only persistent ones are found again."""
+        """Forget the diagnostics so far, so that only persistent ones are found again."""
         self._mismatches.clear()
 
     def make_ready(self, now: float) -> None:

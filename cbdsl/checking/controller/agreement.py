@@ -6,9 +6,9 @@ from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.comparison import Comparison, compare, compared_with
 from cbdsl.checking.controller.influence import is_measured, movers, moves
 from cbdsl.checking.controller.options import check_options, misplaced
-from cbdsl.checking.findings import Findings
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents import program as written
 from cbdsl.program.controller import Reference
 from cbdsl.types.casts import FEATURES
@@ -19,8 +19,8 @@ from cbdsl.types.resource import Resource
 class Agreement:
     """Check of the parts of one controller against its feedback.
 
-    Each part that does not suit the feedback is a finding. If several parts do not suit it, the
-    only finding is the feedback itself.
+    Each part that does not suit the feedback is a diagnostic. If several parts do not suit it, the
+    only diagnostic is the feedback itself.
 
     Args:
         context: Program context.
@@ -49,7 +49,7 @@ class Agreement:
 
     def check_without_feedback(self) -> None:
         """Check the parts that do not depend on the feedback, which is unknown."""
-        self._wants_reference(self._context.findings)
+        self._wants_reference(self._context.diagnostics)
 
     def check(self, feedback: Resource) -> Reference | None:
         """Check all parts against the feedback.
@@ -60,7 +60,7 @@ class Agreement:
         if self._is_exchanged(feedback) or self._is_feature(feedback):
             return None
         context, document, effector = self._context, self._document, self._effector
-        of = {part: Findings() for part in ("potential", "reference", "effector", "options")}
+        of = {part: Diagnostics() for part in ("potential", "reference", "effector", "options")}
         if self._potential is None or self._accepts(self._potential, feedback, of["potential"]):
             self._wants_reference(of["potential"])
         as_compared = compared_with(self._potential, feedback)
@@ -73,19 +73,17 @@ class Agreement:
         self.holds &= wanted == (reference is not None)
         return reference
 
-    def _conclude(self, feedback: Resource, of: dict[str, Findings]) -> None:
-        against = [part for part, findings in of.items() if findings.failed]
+    def _conclude(self, feedback: Resource, of: dict[str, Diagnostics]) -> None:
+        against = [part for part, diagnostics in of.items() if diagnostics.failed]
         self.holds = not against
         if self.holds:  # no part has warnings
             return
         suitable = self._suitable() if len(against) > 1 else []
         if len(against) < 2 or feedback.name in suitable:
-            for findings in of.values():
-                self._context.findings.extend(findings.sorted())
+            for diagnostics in of.values():
+                self._context.diagnostics.extend(diagnostics.sorted())
             return
-        related = [
-            (findings.place, findings.message) for part in against for findings in of[part].sorted()
-        ]
+        related = [(each.place, each.message) for part in against for each in of[part].sorted()]
         details = {"feedback": feedback.type, "number": count(len(related), "part")}
         place = self._place("feedback")
         self._context.add(
@@ -130,7 +128,9 @@ class Agreement:
         self._context.add("CB570", self._place("feedback"), names=self._suitable(), **details)
         return True
 
-    def _accepts(self, potential: PotentialType, feedback: Resource, findings: Findings) -> bool:
+    def _accepts(
+        self, potential: PotentialType, feedback: Resource, diagnostics: Diagnostics
+    ) -> bool:
         if accepts(potential, feedback):
             return True
         times = f" x {potential.factors}" if (potential.factors or 1) > 1 else ""
@@ -142,7 +142,7 @@ class Agreement:
         if potential.reference == (self._document.reference is not None):
             related = [(self._place("potential"), "the potential")]
             place, names = self._place("feedback"), self._suitable()
-            findings.add(
+            diagnostics.add(
                 "CB503", place, names=names, related=related, name=feedback.name, **details
             )
             return False
@@ -151,7 +151,7 @@ class Agreement:
         related = [(self._place("feedback"), f"the feedback, {feedback.type}")]
         place, names = self._place("potential"), self._potentials(feedback)
         given = {"given": potential.name, "name": feedback.name}
-        findings.add("CB503", place, names=names, related=related, **given, **details)
+        diagnostics.add("CB503", place, names=names, related=related, **given, **details)
         return False
 
     def _potentials(self, feedback: Resource) -> list[str]:
@@ -160,24 +160,24 @@ class Agreement:
         known = (potential for potential in POTENTIALS.values() if potential.reference == given)
         return [potential.name for potential in known if accepts(potential, feedback)]
 
-    def _wants_reference(self, findings: Findings) -> None:
+    def _wants_reference(self, diagnostics: Diagnostics) -> None:
         potential, given = self._potential, self._document.reference is not None
         if potential is None or potential.reference == given:
             return
         if potential.reference:
             key = self._context.source.key(*self._steps)
-            findings.add("CB509", key, potential=potential.name)
+            diagnostics.add("CB509", key, potential=potential.name)
         else:
-            findings.add("CB510", self._place("reference"), potential=potential.name)
+            diagnostics.add("CB510", self._place("reference"), potential=potential.name)
 
-    def _moves(self, effector: Resource, feedback: Resource, findings: Findings) -> None:
+    def _moves(self, effector: Resource, feedback: Resource, diagnostics: Diagnostics) -> None:
         """Check that the effector is movable and moves the feedback."""
         body = self._context.body
         if moves(body, effector, feedback):
             return
         place, names = self._place("effector"), movers(body, feedback)
         if not effector.movable:
-            findings.add("CB507", place, names=names, name=effector.name)
+            diagnostics.add("CB507", place, names=names, name=effector.name)
             return
         details = {"feedback": feedback.name, "why": "" if names else _why_nothing(feedback)}
         related = [(self._place("feedback"), f"the feedback, {feedback.type}")]
@@ -185,7 +185,7 @@ class Agreement:
         if reference is not None and reference.type == feedback.type and reference.movable:
             question = f"'{reference.name}' is measured: are reference and feedback exchanged?"
             related = [(self._place("reference"), question)]
-        findings.add("CB508", place, names=names, related=related, name=effector.name, **details)
+        diagnostics.add("CB508", place, names=names, related=related, name=effector.name, **details)
 
 
 def accepts(potential: PotentialType, feedback: Resource) -> bool:

@@ -14,8 +14,8 @@ from cbdsl.checking.controller.references import (
     read_literal,
     read_relative,
 )
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.program.controller import AlongNormals, Literal, Reference, Relative
 from cbdsl.types.potential import PotentialType
 from cbdsl.types.resource import Resource
@@ -111,7 +111,7 @@ def compare(
     steps: Steps,
     comparison: Comparison,
     feedback: Resource,
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> Reference | None:
     """Return a reference of the feedback's type, or ``None`` if there is none.
 
@@ -120,16 +120,16 @@ def compare(
         steps: Path of the controller.
         comparison: Reference as written.
         feedback: Compared feedback.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
     base = comparison.resource
     if base is not None:
-        base = _of_its_type(context, steps, base, feedback, findings)
+        base = _of_its_type(context, steps, base, feedback, diagnostics)
         if base is None or comparison.relative is None:
             return base
     if comparison.literal is None:
         return None
-    literal = _in_its_units(context, steps, comparison, feedback, findings)
+    literal = _in_its_units(context, steps, comparison, feedback, diagnostics)
     if comparison.relative is None or literal is None:
         return literal
     assert isinstance(literal, Literal)
@@ -142,14 +142,14 @@ def _of_its_type(
     steps: Steps,
     reference: Resource,
     feedback: Resource,
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> Resource | None:
     if reference.type == feedback.type:
         return reference
     body, source = context.body, context.source
     own = body.resources.get(feedback.name, feedback)
     if own.type != feedback.type:
-        findings.add(
+        diagnostics.add(
             "CB592",
             source.place(*steps, "reference"),
             names=[r.name for r in body.resources.values() if r.type == feedback.type],
@@ -160,7 +160,7 @@ def _of_its_type(
         )
         return None
     others = (resource for resource in body.resources.values() if resource != feedback)
-    findings.add(
+    diagnostics.add(
         "CB504",
         source.place(*steps, "reference"),
         names=[r.name for r in others if r.type == feedback.type],
@@ -184,7 +184,7 @@ def _in_its_units(
     steps: Steps,
     comparison: Comparison,
     feedback: Resource,
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> Literal | AlongNormals | None:
     source, steps = context.source, (*steps, "reference")
     assert comparison.literal is not None
@@ -195,9 +195,9 @@ def _in_its_units(
 
         comma = decimal_comma(source.node(steps))
         if comma is not None and error.code == "CB505":
-            findings.add("CB506", source.place(*steps), problem=comma)
+            diagnostics.add("CB506", source.place(*steps), problem=comma)
             return None
         whole = error.item is None or comparison.relative is not None
         item = () if whole else (error.item,)
-        findings.add(error.code, source.place(*steps, *item), **error.details)
+        diagnostics.add(error.code, source.place(*steps, *item), **error.details)
         return None

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple, TypeVar
 
 from cbdsl.checking.context import ProgramContext, Steps
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.limits import is_of_another_kind
 from cbdsl.checking.robot.settings import check_settings
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
 from cbdsl.program.controller import Quiescence
@@ -69,7 +69,7 @@ def check_options(
     steps: Steps,
     document: written.ControllerSection,
     feedback: Resource,
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Check that options apply to a feedback, and have its units.
 
@@ -78,19 +78,19 @@ def check_options(
         steps: Path of the controller.
         document: Controller section.
         feedback: Feedback of the controller.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
     for option in misplaced(document, feedback):
         place = context.source.key(*steps, *option.path)
         details = {"name": option.path[-1], "purpose": option.purpose, "instead": option.instead}
-        findings.add("CB513", place, **details)
-    check_settings(_task(document, feedback), context.source, steps, findings, of_tips=True)
+        diagnostics.add("CB513", place, **details)
+    check_settings(_task(document, feedback), context.source, steps, diagnostics, of_tips=True)
     if isinstance(feedback.source, FingerForces) and document.seek is not None:
-        _check_end(context, (*steps, "seek", "until"), feedback.source, findings)
+        _check_end(context, (*steps, "seek", "until"), feedback.source, diagnostics)
 
 
 def _check_end(
-    context: ProgramContext, steps: Steps, source: FingerForces, findings: Findings
+    context: ProgramContext, steps: Steps, source: FingerForces, diagnostics: Diagnostics
 ) -> None:
     """Check that the end of a search has the unit of the joints that close the fingers."""
     model, robot = context.body.model, context.body.document
@@ -100,7 +100,7 @@ def _check_end(
     for cell in robot.load_cells[source.hand].values():
         joint = model.joints.get(cell.joint)
         if joint is not None and is_of_another_kind(node.value, joint.unit):
-            findings.add("CB590", node.place, name=cell.joint, unit=joint.unit)
+            diagnostics.add("CB590", node.place, name=cell.joint, unit=joint.unit)
             return
 
 

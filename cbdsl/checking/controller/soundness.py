@@ -24,7 +24,7 @@ def check_numbers(
         own = (*steps, modifier.name)
         positive: list[Steps] = [(option,) for option in modifier.positive]
         not_negative: list[Steps] = [(option,) for option in modifier.not_negative]
-        check_signs(section, context.source, own, positive, not_negative, context.findings)
+        check_signs(section, context.source, own, positive, not_negative, context.diagnostics)
         fault = modifier.fault(section)
         if fault is not None:
             context.add(fault.code, context.source.place(*own, fault.option), **fault.details)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.program import ProgramDocument
@@ -21,18 +21,20 @@ from cbdsl.yaml_text.source_map import SourceMap, Step
 _ROUNDING = 5e-9
 
 
-def examine_catalog(loaded: Loaded[CatalogDocument], session: Session, findings: Findings) -> None:
+def examine_catalog(
+    loaded: Loaded[CatalogDocument], session: Session, diagnostics: Diagnostics
+) -> None:
     """Check that a catalog's programs exist and its models are Gaussians of its robot's signals."""
     if loaded.faults:
         return  # a model with missing parts cannot be checked
     document, source, library = loaded.document, loaded.source, session.library
-    path = find_document(RobotDocument, document.robot, source.place("robot"), library, findings)
-    body = session.body(path, findings)
+    path = find_document(RobotDocument, document.robot, source.place("robot"), library, diagnostics)
+    body = session.body(path, diagnostics)
     for index, name in enumerate(document.over):
         place = source.place("over", index)
-        find_document(CatalogDocument, name, place, library, findings, own=document.name)
+        find_document(CatalogDocument, name, place, library, diagnostics, own=document.name)
     for name, affordance in document.affordances.items():
-        check_affordance(loaded, ("affordances", name), affordance, session, body, findings)
+        check_affordance(loaded, ("affordances", name), affordance, session, body, diagnostics)
 
 
 def check_affordance(
@@ -41,7 +43,7 @@ def check_affordance(
     affordance: AffordanceSection,
     session: Session,
     body: CheckedRobot | None,
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Check the data of one action: its program, its signals and its models.
 
@@ -51,17 +53,17 @@ def check_affordance(
         affordance: Data of the action.
         session: Session that finds programs.
         body: Robot, or ``None`` if it cannot be used.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
-    _check_program(loaded.source, steps, affordance, session, findings)
+    _check_program(loaded.source, steps, affordance, session, diagnostics)
     if body is not None:
-        _check_signals(loaded, steps, affordance, body, findings)
+        _check_signals(loaded, steps, affordance, body, diagnostics)
     for key, model in (
         ("with_reward", affordance.with_reward),
         ("without_reward", affordance.without_reward),
     ):
         if model is not None:
-            _check_model(loaded.source, (*steps, key), affordance, model, findings)
+            _check_model(loaded.source, (*steps, key), affordance, model, diagnostics)
 
 
 def _check_program(
@@ -69,19 +71,19 @@ def _check_program(
     steps: tuple[Step, ...],
     affordance: AffordanceSection,
     session: Session,
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Check that the program of an action exists and has the given parameters."""
     place = source.place(*steps, "program")
-    path = find_document(ProgramDocument, affordance.program, place, session.library, findings)
-    read = session.read(path, ProgramDocument, findings)
+    path = find_document(ProgramDocument, affordance.program, place, session.library, diagnostics)
+    read = session.read(path, ProgramDocument, diagnostics)
     if read is None:
         return
     known = read.document.parameters
     for key in affordance.with_:
         if key not in known:
             at = source.key(*steps, "with", key)
-            findings.add("CB606", at, names=list(known), name=key, program=affordance.program)
+            diagnostics.add("CB606", at, names=list(known), name=key, program=affordance.program)
 
 
 def _check_signals(
@@ -89,7 +91,7 @@ def _check_signals(
     at: tuple[Step, ...],
     affordance: AffordanceSection,
     body: CheckedRobot,
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Check that the features are signals of the robot with matching units and sizes."""
     for key, feature in affordance.features.items():
@@ -99,13 +101,13 @@ def _check_signals(
         if resource is None:
             names, robot = list(named), loaded.document.robot
             place = loaded.source.place(*steps, "signal")
-            findings.add("CB654", place, names=names, name=feature.signal, robot=robot)
+            diagnostics.add("CB654", place, names=names, name=feature.signal, robot=robot)
             continue
         wanted, given = (resource.type.size, resource.type.unit), (feature.components, feature.unit)
         if wanted != given:
             place = loaded.source.place(*steps, "unit")
             details = {"wanted": _described(*wanted), "found": _described(*given)}
-            findings.add("CB652", place, signal=feature.signal, **details)
+            diagnostics.add("CB652", place, signal=feature.signal, **details)
 
 
 def _described(size: int, unit: str) -> str:
@@ -117,13 +119,13 @@ def _check_model(
     steps: tuple[Step, ...],
     affordance: AffordanceSection,
     model: SampleModel,
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Check that a model has the features' components and a valid covariance."""
     wanted = sum(feature.components for feature in affordance.features.values())
     if wanted != len(model.mean):
         details = {"wanted": count(wanted, "component"), "found": f"{len(model.mean)}"}
-        findings.add("CB653", source.place(*steps, "mean"), **details)
+        diagnostics.add("CB653", source.place(*steps, "mean"), **details)
         return
     covariance = np.array(model.covariance)
     bound = _ROUNDING * len(covariance) * max(float(np.abs(covariance).max()), 1e-12)
@@ -134,4 +136,4 @@ def _check_model(
         fault = "positive"
     if fault:
         place = source.place(*steps, "covariance")
-        findings.add("CB651", place, what=f"'{steps[-2]}' {steps[-1]}", fault=fault)
+        diagnostics.add("CB651", place, what=f"'{steps[-2]}' {steps[-1]}", fault=fault)

@@ -27,7 +27,7 @@ def program_digest(path: Path, library: Library) -> ProgramDigest:
     """Return the digest of a program with all documents that it uses.
 
     Args:
-        path: File of a program without findings.
+        path: File of a program without diagnostics.
         library: Library that finds documents by name.
     """
     document = library.read(path, ProgramDocument).document

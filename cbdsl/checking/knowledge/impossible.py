@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.types.potential import POTENTIALS
@@ -28,7 +28,7 @@ def is_always_defined(controller: Controller) -> bool:
 
 
 def check_possible(
-    policy: Iterable[str], program: CheckedProgram, source: SourceMap, findings: Findings
+    policy: Iterable[str], program: CheckedProgram, source: SourceMap, diagnostics: Diagnostics
 ) -> None:
     """Warn of states in which an always defined controller is undefined.
 
@@ -36,7 +36,7 @@ def check_possible(
         policy: Patterns, each as long as the program's states.
         program: Program whose members the letters stand for.
         source: Source map of the policy.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
     leads = {name: primitive.lead for name, primitive in program.primitives.items()}
     known = {name for name, lead in leads.items() if is_always_defined(lead)}
@@ -44,4 +44,4 @@ def check_possible(
         pairs = zip(program.members, pattern, strict=True)
         never = [name for name, letter in pairs if letter == Predicate.UNDEFINED and name in known]
         if never:
-            findings.add("CB717", source.key("policy", pattern), name=never[0])
+            diagnostics.add("CB717", source.key("policy", pattern), name=never[0])

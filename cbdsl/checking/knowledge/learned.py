@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.impossible import check_possible
 from cbdsl.checking.knowledge.model import examine_model
 from cbdsl.checking.knowledge.states import check_states
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.language.parser import CompositionError, parse
@@ -30,7 +30,7 @@ def with_policy(
 
     Args:
         program: Program that the policy serves.
-        loaded: Policy without findings.
+        loaded: Policy without diagnostics.
         library: Library that finds its models by name.
     """
     sources = {}
@@ -47,10 +47,10 @@ def check_policy(
     program: CheckedProgram,
     program_file: Path,
     session: Session,
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
-    """Check a policy against the program that it serves, and collect ``findings``."""
-    _PolicyCheck(loaded, program, session, findings).check(program_file)
+    """Check a policy against the program that it serves, and collect ``diagnostics``."""
+    _PolicyCheck(loaded, program, session, diagnostics).check(program_file)
 
 
 class _PolicyCheck:
@@ -59,10 +59,10 @@ class _PolicyCheck:
         loaded: Loaded[PolicyDocument],
         program: CheckedProgram,
         session: Session,
-        findings: Findings,
+        diagnostics: Diagnostics,
     ) -> None:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
-        self._program, self._session, self._findings = program, session, findings
+        self._program, self._session, self._diagnostics = program, session, diagnostics
         self._actions = [action.name for action in program.actions]
         is_known = self._source.is_whole("predicates")
         self._members = self._document.predicates if is_known else program.members
@@ -72,10 +72,12 @@ class _PolicyCheck:
         self._predicates()
         for pattern, text in self._document.policy.items():
             self._action(text, ("policy", pattern))
-        check_states(self._document.policy, self._members, self._source, self._findings)
-        if self._members == self._program.members and not self._findings.holds(("CB611", "CB612")):
+        check_states(self._document.policy, self._members, self._source, self._diagnostics)
+        if self._members == self._program.members and not self._diagnostics.holds(
+            ("CB611", "CB612")
+        ):
             policy = self._document.policy
-            check_possible(policy, self._program, self._source, self._findings)
+            check_possible(policy, self._program, self._source, self._diagnostics)
         self._observed()
         known = internal_models(self._program)
         for name, model in self._document.models.items():
@@ -95,25 +97,25 @@ class _PolicyCheck:
         if (learned.name, learned.sha256) != (self._program.name, now):
             place = self._source.place("provenance", "program", "sha256")
             details = {"program": self._program.name, "command": provenance.command}
-            self._findings.add("CB622", place, **details)
+            self._diagnostics.add("CB622", place, **details)
 
     def _predicates(self) -> None:
         members, program = self._members, self._program
         if members != program.members:
             given, wanted = ", ".join(members), ", ".join(program.members)
             details = {"found": given, "wanted": wanted, "program": program.name}
-            self._findings.add("CB621", self._source.key("predicates"), **details)
+            self._diagnostics.add("CB621", self._source.key("predicates"), **details)
 
     def _action(self, text: str, steps: tuple[Step, ...]) -> None:
         try:
             action = str(parse(text))
         except CompositionError as error:
             place = self._source.inside(steps, error.span.start, error.span.end)
-            self._findings.add("CB401", place, problem=str(error))
+            self._diagnostics.add("CB401", place, problem=str(error))
             return
         if action not in self._actions:
             place = self._source.place(*steps)
-            self._findings.add("CB613", place, names=self._actions, name=action)
+            self._diagnostics.add("CB613", place, names=self._actions, name=action)
 
     def _observed(self) -> None:
         """Check the states and actions in the recorded values and transitions."""
@@ -126,7 +128,7 @@ class _PolicyCheck:
                 for action in by_action:
                     if action not in self._actions:
                         place = self._source.key(key, state, action)
-                        self._findings.add("CB613", place, names=self._actions, name=action)
+                        self._diagnostics.add("CB613", place, names=self._actions, name=action)
         for state, counts in self._document.transitions.items():
             for action, after in counts.items():
                 for reached in after:
@@ -137,26 +139,26 @@ class _PolicyCheck:
         if len(state) != len(members):
             given, wanted = count(len(state), "letter"), count(len(members), "predicate")
             place, names = self._source.key(*steps), ", ".join(members)
-            self._findings.add("CB611", place, found=given, wanted=wanted, members=names)
+            self._diagnostics.add("CB611", place, found=given, wanted=wanted, members=names)
 
     def _model(self, name: str, model: str, known: dict[str, Resource]) -> None:
         source, library = self._source, self._session.library
         if name not in known:
             details = {"program": self._program.name, "name": name}
-            self._findings.add("CB623", source.key("models", name), names=list(known), **details)
+            self._diagnostics.add("CB623", source.key("models", name), names=list(known), **details)
             return
         place = source.place("models", name)
         path = find_document(
-            ModelDocument, model, place, library, self._findings, self._program.robot
+            ModelDocument, model, place, library, self._diagnostics, self._program.robot
         )
-        loaded = self._session.read(path, ModelDocument, self._findings)
+        loaded = self._session.read(path, ModelDocument, self._diagnostics)
         if loaded is None:
             return
-        examine_model(loaded, self._session, self._findings)
+        examine_model(loaded, self._session, self._diagnostics)
         document, effector = loaded.document, name.partition(".")[0]
         is_place, draws_place = document.space == "position", known[name].type == POSITION
         if document.effector != effector or is_place != draws_place:
             other = f"{document.effector}.position" if is_place else document.effector
             effector = f"{effector}.position" if draws_place else effector
             details = {"model": model, "other": other, "name": name}
-            self._findings.add("CB624", place, effector=effector, **details)
+            self._diagnostics.add("CB624", place, effector=effector, **details)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.binding import density_source
@@ -18,26 +18,28 @@ from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 
-def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Findings) -> None:
+def examine_model(
+    loaded: Loaded[ModelDocument], session: Session, diagnostics: Diagnostics
+) -> None:
     """Check a model against its robot."""
     if loaded.faults:
         return  # a density with missing parts cannot be checked
     name, place = loaded.document.robot, loaded.source.place("robot")
-    path = find_document(RobotDocument, name, place, session.library, findings)
-    body = session.body(path, findings)
+    path = find_document(RobotDocument, name, place, session.library, diagnostics)
+    body = session.body(path, diagnostics)
     if body is not None and loaded.document.effector not in body.missed:
-        _fits(loaded, body, findings)
+        _fits(loaded, body, diagnostics)
 
 
 def model_resources(
-    alias: str, loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings
+    alias: str, loaded: Loaded[ModelDocument], body: CheckedRobot, diagnostics: Diagnostics
 ) -> tuple[Resource, ...]:
     """Return the resources of a model for a program; none if the model does not fit.
 
     They are ``<effector>.<alias>`` and, for the background of a channel, ``novel.<channel>``, also
     under the other names of the channel.
     """
-    if not _fits(loaded, body, findings):
+    if not _fits(loaded, body, diagnostics):
         return ()
     document, effector = loaded.document, loaded.document.effector
     is_place = document.space == "position"
@@ -54,24 +56,24 @@ def model_resources(
     return (drawn, *novel)
 
 
-def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
+def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, diagnostics: Diagnostics) -> bool:
     """Return whether the robot has a model's effector, with as many coordinates as the model."""
     document, source, robot = loaded.document, loaded.source, body.document
     names = [*robot.effectors, *robot.groups]
     if document.effector not in names:
         place = source.place("effector")
-        findings.add("CB308", place, names=names, name=document.effector, what="effector")
+        diagnostics.add("CB308", place, names=names, name=document.effector, what="effector")
         return False
     is_place = document.space == "position"
     if is_place and not _has_a_tip(document.effector, robot):
         tipped = [name for name in names if _has_a_tip(name, robot)]
         place = source.place("effector")
-        findings.add("CB670", place, names=tipped, name=document.effector)
+        diagnostics.add("CB670", place, names=tipped, name=document.effector)
         return False
     if is_place and document.density.uniform:
-        findings.add("CB671", source.place("density", "uniform"), share=document.density.uniform)
+        diagnostics.add("CB671", source.place("density", "uniform"), share=document.density.uniform)
         return False
-    if document.channel is not None and not _is_background(loaded, body, findings):
+    if document.channel is not None and not _is_background(loaded, body, diagnostics):
         return False
     wanted = 3 if is_place else len(robot.joints(document.effector))
     number = "coordinate" if is_place else "angle"
@@ -79,11 +81,13 @@ def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings)
     for steps, length in wrong:
         has = "3 axes" if is_place else count(wanted, "joint")
         details = {"found": count(length, number), "wanted": has}
-        findings.add("CB631", source.place(*steps), name=document.effector, **details)
+        diagnostics.add("CB631", source.place(*steps), name=document.effector, **details)
     return not wrong
 
 
-def _is_background(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
+def _is_background(
+    loaded: Loaded[ModelDocument], body: CheckedRobot, diagnostics: Diagnostics
+) -> bool:
     """Return whether the robot has a model's channel, and its effector moves a camera."""
     document, robot = loaded.document, body.document
     channels = robot.vision.channels
@@ -92,7 +96,7 @@ def _is_background(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: 
     if not robot.cameras or document.channel not in known:
         place = loaded.source.place("channel")
         names = known if robot.cameras else []
-        findings.add("CB672", place, names=names, name=document.channel, robot=robot.name)
+        diagnostics.add("CB672", place, names=names, name=document.channel, robot=robot.name)
         return False
     links = [camera.link for camera in robot.cameras.values()]
     if body.model is None or not body.model.links.issuperset(links):
@@ -104,7 +108,7 @@ def _is_background(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: 
     ]
     if document.space == "position" or document.effector not in moving:
         place = loaded.source.place("effector" if document.space != "position" else "space")
-        findings.add("CB673", place, names=moving, name=document.effector)
+        diagnostics.add("CB673", place, names=moving, name=document.effector)
         return False
     return True
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from cbdsl.checking.findings import Findings
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.types.state import ANY, PREDICATES, matches, overlap, split
 from cbdsl.yaml_text.source_map import SourceMap
 
@@ -18,7 +18,10 @@ _MOST_LETTERS = 1_000_000
 
 
 def check_states(
-    policy: Mapping[str, str], members: Sequence[str] | None, source: SourceMap, findings: Findings
+    policy: Mapping[str, str],
+    members: Sequence[str] | None,
+    source: SourceMap,
+    diagnostics: Diagnostics,
 ) -> None:
     """Check the patterns of a policy.
 
@@ -26,12 +29,12 @@ def check_states(
         policy: Canonical action by pattern.
         members: Predicates that the letters of a state stand for; ``None`` if unknown.
         source: Source map of the policy.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
     sound = {
         pattern: action
         for pattern, action in policy.items()
-        if is_sound(pattern, members, source.key("policy", pattern), findings)
+        if is_sound(pattern, members, source.key("policy", pattern), diagnostics)
     }
     # A pattern that was left out, or is invalid, may decide between others.
     is_whole = source.is_whole("policy") and len(sound) == len(policy)
@@ -42,10 +45,10 @@ def check_states(
         first = (source.key("policy", one), f"'{one}' is here")
         place = source.key("policy", other)
         details = {"state": other, "other": one, "example": example}
-        findings.add("CB614", place, related=[first], **details)
+        diagnostics.add("CB614", place, related=[first], **details)
         contradict = True
     for pattern in () if contradict else _idle(sound, patience):
-        findings.add("CB707", source.key("policy", pattern), state=pattern)
+        diagnostics.add("CB707", source.key("policy", pattern), state=pattern)
 
 
 def _contradictions(
@@ -84,27 +87,29 @@ def _idle(sound: Mapping[str, str], patience: _Patience) -> Iterator[str]:
             yield pattern
 
 
-def is_sound(pattern: str, members: Sequence[str] | None, place: Place, findings: Findings) -> bool:
+def is_sound(
+    pattern: str, members: Sequence[str] | None, place: Place, diagnostics: Diagnostics
+) -> bool:
     """Return whether a pattern has a known letter for each member, and report errors.
 
     Args:
         pattern: Pattern of states.
         members: Predicates that the letters stand for; ``None`` if unknown.
         place: Place of the pattern.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
     wrong = [letter for letter in pattern if letter not in PREDICATES + ANY]
     if wrong:
         suggestion = _MEANT.get(wrong[0])
         hint = f"; did you mean '{suggestion}'?" if suggestion else ""
-        findings.add("CB612", place, letter=wrong[0], meant=hint)
+        diagnostics.add("CB612", place, letter=wrong[0], meant=hint)
         return False
     if members is not None and len(pattern) != len(members):
         counts = {
             "found": count(len(pattern), "letter"),
             "wanted": count(len(members), "predicate"),
         }
-        findings.add("CB611", place, members=", ".join(members), **counts)
+        diagnostics.add("CB611", place, members=", ".join(members), **counts)
         return False
     return True
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.checking.findings import Findings
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_name, kind_of
@@ -18,7 +18,7 @@ def find_document(
     name: str,
     place: Place,
     library: Library,
-    findings: Findings,
+    diagnostics: Diagnostics,
     robot: str | None = None,
     own: str = "",
 ) -> Path | None:
@@ -29,7 +29,7 @@ def find_document(
         name: Name of the document.
         place: Place of that name.
         library: Library that finds documents by name.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
         robot: Required robot of the document, or ``None`` if unknown.
         own: Name of the referring document, if it cannot be meant.
     """
@@ -42,7 +42,7 @@ def find_document(
     )
     names = [each for each in names if each != own]
     hint = "" if robot is None or names else first_stage(kind, robot)
-    findings.add(kind_of(kind).unknown, place, names=names, name=name, hint=hint)
+    diagnostics.add(kind_of(kind).unknown, place, names=names, name=name, hint=hint)
     return None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.language.expression import Expression
 from cbdsl.language.parser import CompositionError, LookAlikeError, parse
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -12,21 +12,21 @@ _CALLED = ("controllers", "use")
 
 
 def parse_at(
-    text: str, source: SourceMap, steps: tuple[Step, ...], findings: Findings
+    text: str, source: SourceMap, steps: tuple[Step, ...], diagnostics: Diagnostics
 ) -> Expression | None:
     """Return the composition at a path, or ``None`` if the text is not valid."""
     try:
         return parse(text)
     except LookAlikeError as error:
         place = source.inside(steps, error.span.start, error.span.end)
-        findings.add("CB408", place, sign=error.sign, suggestion=error.suggestion)
+        diagnostics.add("CB408", place, sign=error.sign, suggestion=error.suggestion)
     except CompositionError as error:
         if _is_of_a_faulty_name(text, source):
             return None
         place = source.inside(steps, error.span.start, error.span.end)
         is_cut = ends_within_a_call(text) and _is_before_a_comma(source, steps)
         cut = "; YAML ends it at the ',', so quote the whole call" if is_cut else ""
-        findings.add("CB401", place, problem=f"{error}{cut}")
+        diagnostics.add("CB401", place, problem=f"{error}{cut}")
     return None
 
 

@@ -6,9 +6,9 @@ import re
 from collections.abc import Collection
 from typing import Any
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.scope import Scope, parameters_in
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.nearest import nearest_name
 from cbdsl.robot.resources import CYCLOPEAN, NOVEL
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -23,7 +23,7 @@ class MissingResources:
         robot: Robot's name.
         known: Names of its resources, and of the program's internal models.
         source: Source map of the program.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
 
     Attributes:
         parameters: Parameters of the program whose values name no resource.
@@ -34,10 +34,10 @@ class MissingResources:
         robot: str,
         known: Collection[str],
         source: SourceMap,
-        findings: Findings,
+        diagnostics: Diagnostics,
     ) -> None:
         self._robot, self._known = robot, known
-        self._source, self._findings = source, findings
+        self._source, self._diagnostics = source, diagnostics
         self._wrong_values: set[str] = set()
         self.parameters: set[str] = set()
 
@@ -89,11 +89,11 @@ class MissingResources:
         channel = name.partition(".")[2]
         if first == NOVEL and f"{CYCLOPEAN}.{channel}" in self._known:
             if self._source.is_whole("models"):  # otherwise an invalid model may be of this channel
-                self._findings.add("CB674", place, names=siblings, name=name, channel=channel)
+                self._diagnostics.add("CB674", place, names=siblings, name=name, channel=channel)
             return
         if siblings and _is_load(name) and not any(map(_is_load, siblings)):
             loads = list(dict.fromkeys(k.split(".")[0] for k in self._known if _is_load(k)))
-            self._findings.add("CB586", place, effector=first, name=name, names=loads, given="")
+            self._diagnostics.add("CB586", place, effector=first, name=name, names=loads, given="")
             return
         signed = self._with_sign(text, scope)
         if signed is not None:
@@ -111,7 +111,7 @@ class MissingResources:
             self._add(place, names=firsts, candidates=candidates, given=first, **details)
 
     def _add(self, place: Place, hint: str = "", **details: Any) -> None:
-        self._findings.add("CB501", place, hint=hint, **details)
+        self._diagnostics.add("CB501", place, hint=hint, **details)
 
     def _is_alias(self, name: str, siblings: Collection[str]) -> bool:
         """Return whether a name may be a channel's alias, because it resembles no other name."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from cbdsl.checking.findings import Findings
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.yaml_text.source_map import SourceMap, Step
 from cbdsl.yaml_text.unknown import UNKNOWN, Declared
 
@@ -54,7 +54,7 @@ class Scope:
         text: str,
         source: SourceMap,
         steps: tuple[Step, ...],
-        findings: Findings,
+        diagnostics: Diagnostics,
         offset: int = 0,
     ) -> str | None:
         """Return a text with ``$name`` replaced by values.
@@ -63,7 +63,7 @@ class Scope:
             text: Text with parameters.
             source: Source map of the document that holds the text.
             steps: Path of the value that holds it.
-            findings: Diagnostics so far.
+            diagnostics: Diagnostics so far.
             offset: Index in that value at which the text begins, from 0.
 
         Returns:
@@ -79,9 +79,9 @@ class Scope:
             if name not in self.values:
                 place = source.inside(steps, offset + match.start() + 1, offset + match.end() + 1)
                 hint = "" if self.values else "; declare it in 'parameters'"
-                findings.add("CB402", place, names=sorted(self.values), name=name, hint=hint)
+                diagnostics.add("CB402", place, names=sorted(self.values), name=name, hint=hint)
         if known and length > _LONGEST:
-            findings.add("CB409", source.place(*steps), bound=_LONGEST)
+            diagnostics.add("CB409", source.place(*steps), bound=_LONGEST)
             known = False
         if not known:
             return None

@@ -54,7 +54,7 @@ class Uses:
         return [self._real(file) for file in files if file is not None]
 
     def _real(self, path: Path) -> Path:
-        """Return the resolved file; its findings name the file as it was found."""
+        """Return the resolved file; its diagnostics name the file as it was found."""
         real = self._library.real(path)
         self._as_found.setdefault(real, path)
         return real

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from cbdsl.checking.findings import Findings
 from cbdsl.diagnostics.counting import some
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource_type import TYPES
@@ -16,7 +16,7 @@ from cbdsl.yaml_text.source_map import Step
 _FASTEST = {"rad": 50.0, "m": 50.0}
 
 
-def check_speeds(loaded: Loaded[RobotDocument], findings: Findings) -> None:
+def check_speeds(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> None:
     """Warn of implausibly high speeds, such as degrees that were read as radians."""
     control = loaded.document.control
     speeds: list[tuple[tuple[Step, ...], float, str]] = [
@@ -29,10 +29,10 @@ def check_speeds(loaded: Loaded[RobotDocument], findings: Findings) -> None:
     for steps, speed, unit in speeds:
         if speed > _FASTEST.get(unit, math.inf):
             details = {"speed": f"{speed:g} {unit}/s", "most": f"{_FASTEST[unit]:g} {unit}/s"}
-            findings.add("CB740", loaded.source.place(*steps), **details)
+            diagnostics.add("CB740", loaded.source.place(*steps), **details)
 
 
-def check_meshes(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+def check_meshes(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics) -> None:
     """Warn of missing mesh files; engines that draw meshes refuse such a model."""
     meshes = model.meshes
     if not meshes:
@@ -44,20 +44,22 @@ def check_meshes(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Find
     if missing:
         more = f", and {len(missing) - 1} more" if len(missing) > 1 else ""
         details = {"file": missing[0], "link": meshes[missing[0]], "more": more}
-        findings.add("CB741", loaded.source.place("model"), **details)
+        diagnostics.add("CB741", loaded.source.place("model"), **details)
 
 
-def note_assumptions(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+def note_assumptions(
+    loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics
+) -> None:
     """Note links without collision geometry, and drives whose effort is taken to be unlimited."""
     robot, place = loaded.document, loaded.source.place("model")
     housings = {camera.link for camera in robot.cameras.values()}
     shapeless = [link for link in model.shapeless if link not in housings]
     if shapeless:
-        findings.add("CB742", place, model=model.path.name, links=some(shapeless))
+        diagnostics.add("CB742", place, model=model.path.name, links=some(shapeless))
     driven = [joint for effector in robot.effectors.values() for joint in effector.joints]
     zero = [name for name in driven if name in model.joints and _is_unbounded(model, robot, name)]
     if zero:
-        findings.add("CB743", place, model=model.path.name, joints=some(zero))
+        diagnostics.add("CB743", place, model=model.path.name, joints=some(zero))
 
 
 def _is_unbounded(model: UrdfModel, robot: RobotDocument, joint: str) -> bool:

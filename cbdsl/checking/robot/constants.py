@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import reduce
 from typing import Any
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.pace import check_gain, check_window
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfModel
@@ -42,7 +42,7 @@ _RATES: tuple[Steps, ...] = (
 )
 
 
-def check_constants(loaded: Loaded[RobotDocument], findings: Findings) -> None:
+def check_constants(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> None:
     """Check the robot's numbers that can be checked without its model."""
     robot, source = loaded.document, loaded.source
     surfaces = range(len(robot.simulation.surfaces))
@@ -52,14 +52,14 @@ def check_constants(loaded: Loaded[RobotDocument], findings: Findings) -> None:
         *(("simulation", "efforts", joint) for joint in robot.simulation.efforts),
     ]
     not_negative = [*_NOT_NEGATIVE, *(("simulation", "surfaces", i, "damping") for i in surfaces)]
-    check_signs(robot, source, (), positive, not_negative, findings)
+    check_signs(robot, source, (), positive, not_negative, diagnostics)
     if robot.vision.latency > _LATEST:
         place = source.place("vision", "latency")
         problem = f"a latency of {robot.vision.latency:g} s is too long for control"
-        findings.add("CB208", place, problem=f"{problem}; it must be at most {_LATEST:g} s")
+        diagnostics.add("CB208", place, problem=f"{problem}; it must be at most {_LATEST:g} s")
     if all(source.is_whole(*rate) for rate in _RATES):
-        _rates(robot, source, findings)
-        _tasks(robot, source, findings)
+        _rates(robot, source, diagnostics)
+        _tasks(robot, source, diagnostics)
 
 
 def check_signs(
@@ -68,7 +68,7 @@ def check_signs(
     steps: Steps,
     positive: list[Steps],
     not_negative: list[Steps],
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Report numbers in the text that have the wrong sign.
 
@@ -78,14 +78,14 @@ def check_signs(
         steps: Path of the part.
         positive: Paths in the part, of values that have to be above 0.
         not_negative: Paths in the part, of values that have to be 0 or above.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
     for wanted, paths in (("greater than 0", positive), ("at least 0", not_negative)):
         for path in paths:
             value: Any = reduce(_part, path, document)
             if value is not None and (value < 0 or (value == 0 and paths is positive)):
                 place = source.place(*steps, *path)
-                findings.add("CB208", place, problem=f"it must be {wanted}")
+                diagnostics.add("CB208", place, problem=f"it must be {wanted}")
 
 
 def _part(value: Any, step: Any) -> Any:
@@ -94,7 +94,7 @@ def _part(value: Any, step: Any) -> Any:
     return value[step] if isinstance(value, (dict, tuple)) else getattr(value, step)
 
 
-def _rates(robot: RobotDocument, source: SourceMap, findings: Findings) -> None:
+def _rates(robot: RobotDocument, source: SourceMap, diagnostics: Diagnostics) -> None:
     """Check that physics steps fit into the control period, and images are no faster than ticks."""
     control, physics = robot.control.rate, robot.simulation.physics_rate
     ratio = physics / control
@@ -107,23 +107,25 @@ def _rates(robot: RobotDocument, source: SourceMap, findings: Findings) -> None:
             f"a multiple, such as {would_do:g}"
         )
         place = source.place(*(steps if source.holds(*steps) else rate))
-        findings.add("CB313", place, problem=problem)
+        diagnostics.add("CB313", place, problem=problem)
     if robot.cameras and robot.vision.rate > control:
         steps = ("vision", "rate")
         problem = f"{robot.vision.rate:g} images per second are more than {control:g} ticks"
         place = source.place(*(steps if source.holds(*steps) else rate))
-        findings.add("CB313", place, problem=problem)
+        diagnostics.add("CB313", place, problem=problem)
 
 
-def _tasks(robot: RobotDocument, source: SourceMap, findings: Findings) -> None:
+def _tasks(robot: RobotDocument, source: SourceMap, diagnostics: Diagnostics) -> None:
     for name, settings in robot.control.tasks.items():
         steps: Steps = ("control", "tasks", name)
-        check_gain(settings.gain, robot, source, steps, findings)
+        check_gain(settings.gain, robot, source, steps, diagnostics)
         seen = name == "heading" and bool(robot.cameras)
-        check_window(settings.quiescence.window, seen, robot, source, steps, findings)
+        check_window(settings.quiescence.window, seen, robot, source, steps, diagnostics)
 
 
-def check_margins(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+def check_margins(
+    loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics
+) -> None:
     """Check that the limit margin leaves a range to each joint."""
     robot, source = loaded.document, loaded.source
     margin = robot.control.limit_margin
@@ -138,4 +140,4 @@ def check_margins(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Fin
                 related = [(source.key("control", "limit_margin"), "the margin")]
                 related = related if source.holds("control", "limit_margin") else []
                 details |= {"name": joint, "margin": f"{margin:g}"}
-                findings.add("CB316", place, related=related, **details)
+                diagnostics.add("CB316", place, related=related, **details)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.limits import is_of_another_kind
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
@@ -31,24 +31,24 @@ _ACCELERATIONS = {"rad": "rad/s^2", "m": "m/s^2"}
 
 
 def check_drivers(
-    loaded: Loaded[RobotDocument], model: UrdfModel | None, findings: Findings
+    loaded: Loaded[RobotDocument], model: UrdfModel | None, diagnostics: Diagnostics
 ) -> None:
     """Check the drivers of a robot.
 
     Args:
         loaded: Robot.
         model: URDF of the robot; ``None`` if it cannot be read.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
     if loaded.document.drivers:
-        _DriverCheck(loaded, model, findings).all()
+        _DriverCheck(loaded, model, diagnostics).all()
 
 
 class _DriverCheck:
     def __init__(
-        self, loaded: Loaded[RobotDocument], model: UrdfModel | None, findings: Findings
+        self, loaded: Loaded[RobotDocument], model: UrdfModel | None, diagnostics: Diagnostics
     ) -> None:
-        self._robot, self._source, self._findings = loaded.document, loaded.source, findings
+        self._robot, self._source, self._diagnostics = loaded.document, loaded.source, diagnostics
         self._model = model
 
     def all(self) -> None:
@@ -65,7 +65,7 @@ class _DriverCheck:
         """Report an unknown kind, and the values that a known kind cannot use."""
         if driver.kind not in DRIVERS:
             place = self._source.place("drivers", name, "kind")
-            self._findings.add("CB321", place, names=list(DRIVERS.names()), name=driver.kind)
+            self._diagnostics.add("CB321", place, names=list(DRIVERS.names()), name=driver.kind)
             return
         try:
             kind = DRIVERS.get(driver.kind)
@@ -105,10 +105,10 @@ class _DriverCheck:
         self, driver: str, steps: Steps, name: str, names: Collection[str], what: str
     ) -> None:
         source, path = self._source, ("drivers", driver, *steps)
-        # Skip names of a section that has findings of its own.
+        # Skip names of a section that has diagnostics of its own.
         if name not in names and all(source.is_whole(section) for section in _SECTIONS[steps[0]]):
             place = source.place(*path) if isinstance(steps[-1], int) else source.key(*path)
-            self._findings.add("CB308", place, names=list(names), name=name, what=what)
+            self._diagnostics.add("CB308", place, names=list(names), name=name, what=what)
 
     def _times(self, name: str, driver: Driver) -> None:
         """Report times that are shorter than a control period."""
@@ -173,7 +173,7 @@ class _DriverCheck:
         for effector, names in movers.items():
             if not names:
                 place = self._source.key("drivers")
-                self._findings.add("CB323", place, name=effector)
+                self._diagnostics.add("CB323", place, name=effector)
             elif len(names) > 1:
                 problem = f"driver '{names[0]}' moves effector '{effector}' already"
                 self._problem(names[-1], ("moves",), problem)
@@ -196,7 +196,7 @@ class _DriverCheck:
         path = ("drivers", name, *steps)
         source = self._source
         place = source.place(*path) if source.holds(*path) else source.key("drivers", name)
-        self._findings.add("CB322", place, name=name, problem=problem)
+        self._diagnostics.add("CB322", place, name=name, problem=problem)
 
 
 def _doubled(pairs: Iterable[tuple[str, str]]) -> Iterator[tuple[str, list[str]]]:

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from cbdsl.checking.findings import Findings
 from cbdsl.diagnostics.counting import some
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.robot import Coupling, RobotDocument
 from cbdsl.robot.plausibility import flat_shapes, odd_inertias, odd_numbers
 from cbdsl.robot.urdf import Mimic, UrdfError, UrdfJoint, UrdfModel
 from cbdsl.yaml_text.loaded import Loaded
 
 
-def check_mimics(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+def check_mimics(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics) -> None:
     """Warn of joints whose mimic element in the model disagrees with the document's coupling."""
     robot, source = loaded.document, loaded.source
     actuated = {joint for effector in robot.effectors.values() for joint in effector.joints}
@@ -26,7 +26,7 @@ def check_mimics(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Find
         here = "has no coupling" if coupling is None else f"its coupling says {_text(coupling)}"
         place = source.place("model") if coupling is None else source.key("couplings", joint.name)
         details = {"joint": joint.name, "declared": _mimicry(mimic), "here": here}
-        findings.add("CB745", place, model=model.path.name, **details)
+        diagnostics.add("CB745", place, model=model.path.name, **details)
 
 
 def _agree(mimic: Mimic, coupling: Coupling | None) -> bool:
@@ -50,7 +50,7 @@ def _shift(offset: float) -> str:
     return f" and offset {offset:g}" if offset else ""
 
 
-def note_rests(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+def note_rests(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics) -> None:
     """Note undriven joints whose rest position is not 0."""
     robot = loaded.document
     driven = {joint for effector in robot.effectors.values() for joint in effector.joints}
@@ -62,27 +62,27 @@ def note_rests(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findin
     ]
     if resting:
         place = loaded.source.place("model")
-        findings.add("CB744", place, model=model.path.name, joints=some(resting))
+        diagnostics.add("CB744", place, model=model.path.name, joints=some(resting))
 
 
 def _position(joint: UrdfJoint, position: float) -> str:
     return f"{position:g} {joint.unit}"
 
 
-def check_bodies(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+def check_bodies(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics) -> None:
     """Warn of links with impossible moments of inertia or shapes, and of implausible numbers."""
     place = loaded.source.place("model")
     try:
         inertias, flat = [*odd_inertias(model)], [*flat_shapes(model)]
         odd = [*odd_numbers(model)]
     except UrdfError as error:
-        findings.add("CB301", place, names=[], given=loaded.document.model, problem=str(error))
+        diagnostics.add("CB301", place, names=[], given=loaded.document.model, problem=str(error))
         return
     for code, links in (("CB746", inertias), ("CB747", flat)):
         if links:
-            findings.add(code, place, model=model.path.name, links=some([*_lines(links)]))
+            diagnostics.add(code, place, model=model.path.name, links=some([*_lines(links)]))
     if odd:
-        findings.add("CB748", place, model=model.path.name, parts=some([*_lines(odd)]))
+        diagnostics.add("CB748", place, model=model.path.name, parts=some([*_lines(odd)]))
 
 
 def _lines(links: Sequence[tuple[str, str]]) -> Iterator[str]:

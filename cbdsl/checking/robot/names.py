@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import CAMERAS, CYCLOPEAN, STEREO
@@ -17,16 +17,16 @@ _SIGHT = {CAMERAS: "all cameras", CYCLOPEAN: "the mean of all cameras", STEREO: 
 _TIP = ("position", "orientation", "pose")
 
 
-def check_names(loaded: Loaded[RobotDocument], findings: Findings) -> None:
+def check_names(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> None:
     """Report names that already have another meaning in programs."""
     robot, source = loaded.document, loaded.source
     for steps, meaning in _taken(robot):
-        findings.add("CB314", source.key(*steps), name=steps[-1], meaning=meaning)
+        diagnostics.add("CB314", source.key(*steps), name=steps[-1], meaning=meaning)
     channels = set(channel_names(robot.vision.channels))
     for alias in robot.vision.channels.aliases:
         if alias in channels:
             place = source.key("vision", "channels", "aliases", alias)
-            findings.add("CB315", place, name=alias)
+            diagnostics.add("CB315", place, name=alias)
 
 
 def _taken(robot: RobotDocument) -> Iterator[tuple[Steps, str]]:

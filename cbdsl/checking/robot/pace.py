@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
@@ -16,7 +16,7 @@ def check_gain(
     robot: RobotDocument,
     source: SourceMap,
     steps: tuple[Step, ...],
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Warn of a gain that takes a residual past 0 within a tick.
 
@@ -25,12 +25,12 @@ def check_gain(
         robot: Robot with the control rate.
         source: Source map of the document.
         steps: Path of the section with the gain.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
     if gain > _MOST_PER_TICK * robot.control.rate:
         most = f"{_MOST_PER_TICK * robot.control.rate:g}"
         place = source.place(*steps, "gain")
-        findings.add("CB712", place, gain=f"{gain:g}", most=most, rate=f"{robot.control.rate:g}")
+        diagnostics.add("CB712", place, gain=f"{gain:g}", most=most, rate=f"{robot.control.rate:g}")
 
 
 def check_window(
@@ -39,7 +39,7 @@ def check_window(
     robot: RobotDocument,
     source: SourceMap,
     steps: tuple[Step, ...],
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Warn of a window of quiescence that contains less than two measurements.
 
@@ -49,11 +49,11 @@ def check_window(
         robot: Robot with the rates of control and images.
         source: Source map of the document.
         steps: Path of the section with the quiescence.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
     """
     rate, what = robot.control.rate, "ticks"
     if seen and robot.vision.rate < rate:
         rate, what = robot.vision.rate, "images"
     if window * rate < 2 - 1e-9:
         place = source.place(*steps, "quiescence", "window")
-        findings.add("CB713", place, window=f"{window:g}", what=what, least=f"{2 / rate:.2g}")
+        diagnostics.add("CB713", place, window=f"{window:g}", what=what, least=f"{2 / rate:.2g}")

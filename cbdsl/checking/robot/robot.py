@@ -7,7 +7,6 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.beyond_reason import check_meshes, check_speeds, note_assumptions
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.constants import check_constants, check_margins
@@ -18,6 +17,7 @@ from cbdsl.checking.robot.names import check_names
 from cbdsl.checking.robot.settings import check_settings
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.contents import is_file
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.robot.chains import root
@@ -35,7 +35,7 @@ from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
 Steps = tuple[Step, ...]
 
 
-def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedRobot:
+def examine_robot(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> CheckedRobot:
     """Check a robot's document, and return a robot for checking programs even if it has errors."""
     robot = loaded.document
     try:
@@ -46,24 +46,26 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
             folder = loaded.path.parent
             names = [] if is_file(folder / robot.model) else _models_near(folder)
             place = loaded.source.place("model")
-            findings.add("CB301", place, names=names, given=robot.model, problem=str(error))
-    _RobotCheck(loaded, findings, _unclaimed(robot, model), _unmovable(model)).all()
-    check_names(loaded, findings)
-    check_constants(loaded, findings)
-    check_speeds(loaded, findings)
-    check_drivers(loaded, model, findings)
-    missed = frozenset(finding.given for finding in findings.sorted() if finding.code == "CB308")
+            diagnostics.add("CB301", place, names=names, given=robot.model, problem=str(error))
+    _RobotCheck(loaded, diagnostics, _unclaimed(robot, model), _unmovable(model)).all()
+    check_names(loaded, diagnostics)
+    check_constants(loaded, diagnostics)
+    check_speeds(loaded, diagnostics)
+    check_drivers(loaded, model, diagnostics)
+    missed = frozenset(
+        diagnostic.given for diagnostic in diagnostics.sorted() if diagnostic.code == "CB308"
+    )
     missed |= frozenset(_lacking(robot, missed))
     body = CheckedRobot(loaded, resources(robot, model), model, missed).with_idle_tips()
     if model is not None:
-        _ModelCheck(body, findings, model).all()
-        check_margins(loaded, model, findings)
-        check_meshes(loaded, model, findings)
-        check_bodies(loaded, model, findings)
-        if not findings.failed:
-            check_mimics(loaded, model, findings)
-            note_assumptions(loaded, model, findings)
-            note_rests(loaded, model, findings)
+        _ModelCheck(body, diagnostics, model).all()
+        check_margins(loaded, model, diagnostics)
+        check_meshes(loaded, model, diagnostics)
+        check_bodies(loaded, model, diagnostics)
+        if not diagnostics.failed:
+            check_mimics(loaded, model, diagnostics)
+            note_assumptions(loaded, model, diagnostics)
+            note_rests(loaded, model, diagnostics)
     return body
 
 
@@ -103,7 +105,7 @@ class _RobotCheck:
 
     Args:
         loaded: Robot.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
         unclaimed: Names of joints that are not reported as missing.
         unmovable: Names of joints that effectors cannot have.
     """
@@ -111,7 +113,7 @@ class _RobotCheck:
     def __init__(
         self,
         loaded: Loaded[RobotDocument],
-        findings: Findings,
+        diagnostics: Diagnostics,
         unclaimed: frozenset[str],
         unmovable: frozenset[str],
     ) -> None:
@@ -120,7 +122,7 @@ class _RobotCheck:
         self._robot = loaded.document
         self._source = loaded.source
         self._effectors = loaded.source.declared(self._robot.effectors, "effectors")
-        self._findings = findings
+        self._diagnostics = diagnostics
 
     def all(self) -> None:
         for name, effector in self._robot.effectors.items():
@@ -143,21 +145,25 @@ class _RobotCheck:
                     "found": count(len(angles), "angle"),
                     "wanted": count(len(effector.joints), "joint"),
                 }
-                self._findings.add("CB304", place, name=posture, **counts)
+                self._diagnostics.add("CB304", place, name=posture, **counts)
         if effector.start is not None and effector.start not in effector.postures:
             place = self._source.place(*steps, "start")
             postures = list(effector.postures)
-            self._findings.add("CB306", place, names=postures, name=effector.start, effector=name)
+            self._diagnostics.add(
+                "CB306", place, names=postures, name=effector.start, effector=name
+            )
 
     def _groups(self) -> None:
         for name, group in self._robot.groups.items():
             if name in self._robot.effectors:
-                self._findings.add("CB311", self._source.key("groups", name), name=name)
+                self._diagnostics.add("CB311", self._source.key("groups", name), name=name)
             for i, member in enumerate(group.members):
                 steps: Steps = ("groups", name, "members", i)
                 self._known(member, self._effectors, steps, "effector")
                 if member in group.members[:i]:
-                    self._findings.add("CB312", self._source.place(*steps), name=member, group=name)
+                    self._diagnostics.add(
+                        "CB312", self._source.place(*steps), name=member, group=name
+                    )
 
     def _masters(self) -> None:
         masters: dict[str, str] = {}
@@ -165,13 +171,13 @@ class _RobotCheck:
             for i, joint in enumerate(effector.joints):
                 if joint in masters:
                     place = self._source.place("effectors", name, "joints", i)
-                    self._findings.add("CB307", place, name=joint, other=masters[joint])
+                    self._diagnostics.add("CB307", place, name=joint, other=masters[joint])
                 if joint not in self._unmovable:
                     masters.setdefault(joint, f"effector '{name}'")
         for joint in self._robot.couplings:
             if joint in masters:
                 place = self._source.key("couplings", joint)
-                self._findings.add("CB307", place, name=joint, other=masters[joint])
+                self._diagnostics.add("CB307", place, name=joint, other=masters[joint])
 
     def _couplings(self) -> None:
         actuated = [j for e in self._robot.effectors.values() for j in e.joints]
@@ -184,7 +190,7 @@ class _RobotCheck:
         for hand, cells in self._robot.load_cells.items():
             if hand not in self._effectors:
                 place, names = self._source.key("load_cells", hand), list(self._effectors)
-                self._findings.add("CB308", place, names=names, name=hand, what="effector")
+                self._diagnostics.add("CB308", place, names=names, name=hand, what="effector")
             effector = self._effectors.get(hand, UNKNOWN)
             if isinstance(effector, Unknown):
                 continue
@@ -197,11 +203,13 @@ class _RobotCheck:
         for name, sensor in self._robot.sensors.items():
             if sensor.kind not in SOURCES:
                 place = self._source.place("sensors", name, "kind")
-                self._findings.add("CB320", place, names=list(SOURCES.names()), name=sensor.kind)
+                self._diagnostics.add("CB320", place, names=list(SOURCES.names()), name=sensor.kind)
             if sensor.hand is not None and sensor.hand not in self._robot.load_cells:
                 place, names = self._source.place("sensors", name, "hand"), self._robot.load_cells
                 what = "effector with load cells"
-                self._findings.add("CB308", place, names=list(names), name=sensor.hand, what=what)
+                self._diagnostics.add(
+                    "CB308", place, names=list(names), name=sensor.hand, what=what
+                )
 
     def _aliases(self) -> None:
         if not self._source.is_whole("vision", "channels"):
@@ -216,24 +224,26 @@ class _RobotCheck:
         for name in self._robot.control.tasks:
             steps = ("control", "tasks", name)
             if name not in TYPES:
-                self._findings.add("CB309", self._source.key(*steps), names=list(TYPES), name=name)
+                self._diagnostics.add(
+                    "CB309", self._source.key(*steps), names=list(TYPES), name=name
+                )
             else:
-                check_settings(TYPES[name], self._source, steps, self._findings)
+                check_settings(TYPES[name], self._source, steps, self._diagnostics)
 
     def _known(self, name: str, names: Collection[str], steps: Steps, what: str) -> None:
         if name not in names:
             place = self._source.place(*steps)
-            self._findings.add("CB308", place, names=list(names), name=name, what=what)
+            self._diagnostics.add("CB308", place, names=list(names), name=name, what=what)
 
 
 class _ModelCheck:
     """Checks of a robot's document against its model."""
 
-    def __init__(self, body: CheckedRobot, findings: Findings, model: UrdfModel) -> None:
+    def __init__(self, body: CheckedRobot, diagnostics: Diagnostics, model: UrdfModel) -> None:
         self._body = body
         self._robot = body.document
         self._source = body.loaded.source
-        self._findings = findings
+        self._diagnostics = diagnostics
         self._model = model
         named = {joint for effector in self._robot.effectors.values() for joint in effector.joints}
         self._free = [joint for joint in model.movable if joint not in named]
@@ -259,7 +269,7 @@ class _ModelCheck:
         for joint in self._model.joints.values():
             if not joint.directed:
                 model = self._model.path.name
-                self._findings.add(
+                self._diagnostics.add(
                     "CB361", self._source.place("model"), joint=joint.name, model=model
                 )
 
@@ -284,7 +294,7 @@ class _ModelCheck:
         obstacle: Callable[[UrdfJoint], UnsupportedJoint | None],
         names: Sequence[str],
     ) -> None:
-        """Report missing and immovable joints; joints with the same obstacle share one finding."""
+        """Report missing and immovable joints, with one diagnostic for each obstacle."""
         hindered: dict[UnsupportedJoint, list[str]] = {}
         self._links_for_joints({n: at for n, at in places.items() if n in self._movers})
         for name, place in places.items():
@@ -298,22 +308,22 @@ class _ModelCheck:
             first, *others = [places[name] for name in same]
             related = [(place, "and here") for place in others]
             problem = why.format_message(same, self._model.path.name)
-            self._findings.add("CB317", first, names=names, related=related, problem=problem)
+            self._diagnostics.add("CB317", first, names=names, related=related, problem=problem)
 
     def _links_for_joints(self, places: Mapping[str, Place]) -> None:
-        """Report all links that are named in place of joints, as one finding."""
+        """Report all links that are named in place of joints, as one diagnostic."""
         if not places:
             return
         (name, place), *others = places.items()
         related = [(there, f"here '{self._movers[link]}'") for link, there in others]
         details = {"joint": self._movers[name], "name": name, "given": ""}
-        self._findings.add("CB319", place, related=related, **details)
+        self._diagnostics.add("CB319", place, related=related, **details)
 
     def _idle_tip(self, effector: str, link: str) -> None:
         """Report a tip that none of its effector's joints move."""
         place = self._source.place("effectors", effector, "tip", "link")
         links = self._body.moved_links(effector)
-        self._findings.add("CB318", place, names=links, name=link, effector=effector)
+        self._diagnostics.add("CB318", place, names=links, name=link, effector=effector)
 
     def _named_links(self) -> None:
         links = sorted(self._model.links)
@@ -333,7 +343,7 @@ class _ModelCheck:
                 place = self._source.place("base")
                 names = [root(self._model)]
                 details = {"name": base, "joint": joint.name, "given": ""}
-                self._findings.add("CB310", place, names=names, **details)
+                self._diagnostics.add("CB310", place, names=names, **details)
 
     def _links(self) -> Iterator[tuple[Steps, str]]:
         if self._robot.base is not UNKNOWN:
@@ -371,7 +381,7 @@ class _ModelCheck:
         # A joint's name in place of a link's most likely means the link that the joint moves.
         given = name if joint is None else joint.child
         hints = {"names": names, "candidates": names or everything, "given": given}
-        self._findings.add(code, place, **hints, name=name, model=self._model.path.name)
+        self._diagnostics.add(code, place, **hints, name=name, model=self._model.path.name)
 
     def _resolution(self, name: str, effector: Effector) -> None:
         """Check that an effector's encoder resolution has the unit of its joints' positions."""
@@ -382,7 +392,7 @@ class _ModelCheck:
         for joint in effector.joints:
             limits = self._model.joints.get(joint)
             if limits is not None and is_of_another_kind(node.value, limits.unit):
-                self._findings.add("CB390", node.place, name=joint, unit=limits.unit)
+                self._diagnostics.add("CB390", node.place, name=joint, unit=limits.unit)
                 return
 
     def _postures(self, name: str, effector: Effector) -> None:
@@ -394,12 +404,14 @@ class _ModelCheck:
                 node = self._source.node(("effectors", name, "postures", posture, i))
                 unit = limits.unit
                 if is_of_another_kind(node.value, unit):
-                    self._findings.add("CB390", node.place, name=joint, unit=unit)
+                    self._diagnostics.add("CB390", node.place, name=joint, unit=unit)
                 elif not limits.lower <= angle <= limits.upper:
                     span = limits.lower, limits.upper
                     limits_text = limit_details(node.value, angle, span, unit)
                     hint = _degrees_meant(angle, limits) if limits_text["unit"] == "rad" else ""
-                    self._findings.add("CB305", node.place, joint=joint, hint=hint, **limits_text)
+                    self._diagnostics.add(
+                        "CB305", node.place, joint=joint, hint=hint, **limits_text
+                    )
 
 
 def _degrees_meant(angle: float, limits: UrdfJoint) -> str:

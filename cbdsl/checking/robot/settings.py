@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.types.resource_type import ResourceType
 from cbdsl.types.unit import QuantityError, dimensions_of, read_quantity
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -19,7 +19,7 @@ def check_settings(
     kind: ResourceType,
     source: SourceMap,
     steps: tuple[Step, ...],
-    findings: Findings,
+    diagnostics: Diagnostics,
     *,
     of_tips: bool = False,
 ) -> None:
@@ -29,7 +29,7 @@ def check_settings(
         kind: Type of the feedback.
         source: Source map of the document.
         steps: Path of the settings.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
         of_tips: True if the speed of a force may be the speed of the tip that exerts it.
     """
     dimensions = _dimensions(kind)
@@ -48,7 +48,7 @@ def check_settings(
         try:
             read_quantity(source.node(path).value, dimensions)
         except QuantityError as error:
-            findings.add("CB506", source.place(*path), problem=str(error))
+            diagnostics.add("CB506", source.place(*path), problem=str(error))
 
 
 def _dimensions(kind: ResourceType) -> tuple[str, ...]:

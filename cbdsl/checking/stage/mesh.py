@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from cbdsl.checking.findings import Findings
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.contents import is_file, is_folder
 from cbdsl.documents.form import MOST_PIECES, MeshForm
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
 _ENDINGS = (".stl", ".obj")
 
 
-def check_meshes(loaded: Loaded[StageDocument], findings: Findings) -> None:
+def check_meshes(loaded: Loaded[StageDocument], diagnostics: Diagnostics) -> None:
     """Check that each mesh of a stage can be read, and can be a thing."""
     for steps, form in _meshes(loaded.document):
         if is_file(form.path):
-            _readable(loaded, findings, steps, form)
+            _readable(loaded, diagnostics, steps, form)
         else:
             place = loaded.source.place(*steps, "form", "file")
             folder = form.path.parent
             beside = folder.glob("*") if is_folder(folder) else ()
             names = [each.name for each in beside if each.suffix.lower() in _ENDINGS]
-            findings.add("CB364", place, names=names, name=form.file, folder=_folder(form))
+            diagnostics.add("CB364", place, names=names, name=form.file, folder=_folder(form))
 
 
 def extents_of(form: MeshForm) -> tuple[float, float, float] | None:
@@ -51,7 +51,7 @@ def _meshes(stage: StageDocument) -> Iterator[tuple[tuple[Step, ...], MeshForm]]
 
 
 def _readable(
-    loaded: Loaded[StageDocument], findings: Findings, steps: tuple[Step, ...], form: MeshForm
+    loaded: Loaded[StageDocument], diagnostics: Diagnostics, steps: tuple[Step, ...], form: MeshForm
 ) -> None:
     try:
         from cbdsl.robot.thing_mesh import read_thing_mesh
@@ -64,7 +64,7 @@ def _readable(
         problem = str(error).removeprefix(f"{form.path}: ")
     if problem:
         place = loaded.source.place(*steps, "form", "file")
-        findings.add("CB365", place, name=form.file, problem=problem)
+        diagnostics.add("CB365", place, name=form.file, problem=problem)
 
 
 def _unfilled(mesh: Mesh) -> str:

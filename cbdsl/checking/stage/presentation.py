@@ -6,9 +6,9 @@ import math
 from collections.abc import Collection
 from graphlib import CycleError, TopologicalSorter
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.stage.mesh import extents_of
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.context import Context, PlaceSection, Presentation
 from cbdsl.documents.form import BoxForm, ComposedForm, MeshForm, OpenBoxForm
 from cbdsl.documents.stage import Fixture, StageDocument
@@ -20,7 +20,7 @@ _FOR_THINGS = ("place", "motion", "removed_after", "returned_after")
 
 def check_presentations(
     loaded: Loaded[StageDocument],
-    findings: Findings,
+    diagnostics: Diagnostics,
     key: str,
     context: Context,
     body: CheckedRobot | None,
@@ -29,15 +29,15 @@ def check_presentations(
 
     Args:
         loaded: Stage.
-        findings: Diagnostics so far.
+        diagnostics: Diagnostics so far.
         key: Name of the context.
         context: Context of the stage.
         body: Robot of the stage, or ``None`` if unknown.
     """
     for name, show in context.presentations.items():
         steps = ("contexts", key) if name is None else ("contexts", key, "placed", name)
-        _PresentationCheck(loaded, findings, steps, show, context).all(body)
-    _circles(loaded, findings, key, context)
+        _PresentationCheck(loaded, diagnostics, steps, show, context).all(body)
+    _circles(loaded, diagnostics, key, context)
 
 
 def idle_keys(show: Presentation) -> list[str]:
@@ -45,7 +45,9 @@ def idle_keys(show: Presentation) -> list[str]:
     return [key for key in _FOR_THINGS if getattr(show, key) is not None]
 
 
-def _circles(loaded: Loaded[StageDocument], findings: Findings, key: str, context: Context) -> None:
+def _circles(
+    loaded: Loaded[StageDocument], diagnostics: Diagnostics, key: str, context: Context
+) -> None:
     """Report things that are placed on or beside each other in a circle."""
     before = {
         name: [each for each in placed.place.neighbours if each in context.placed]
@@ -56,21 +58,21 @@ def _circles(loaded: Loaded[StageDocument], findings: Findings, key: str, contex
     except CycleError as error:
         circle = error.args[1]
         place = loaded.source.place("contexts", key, "placed", circle[-1], "place")
-        findings.add("CB360", place, circle=" -> ".join(reversed(circle)))
+        diagnostics.add("CB360", place, circle=" -> ".join(reversed(circle)))
 
 
 class _PresentationCheck:
     def __init__(
         self,
         loaded: Loaded[StageDocument],
-        findings: Findings,
+        diagnostics: Diagnostics,
         steps: tuple[Step, ...],
         show: Presentation,
         context: Context,
     ) -> None:
         self._stage = loaded.document
         self._source = loaded.source
-        self._findings = findings
+        self._diagnostics = diagnostics
         self._steps = steps
         self._show = show
         self._context = context
@@ -121,7 +123,7 @@ class _PresentationCheck:
                 where = self._source.place(*self._steps, "place", axis, beyond[0])
                 ends = {"first": f"{centre - half:.4g}", "last": f"{centre + half:.4g}"}
                 details = {"axis": axis, "value": f"{span[beyond[0]]:.4g}", **ends}
-                self._findings.add("CB356", where, name=name, **details)
+                self._diagnostics.add("CB356", where, name=name, **details)
 
     def _known(
         self,
@@ -134,7 +136,7 @@ class _PresentationCheck:
         if name not in names:
             place = self._source.place(*self._steps, *steps)
             names = [*names, *besides]
-            self._findings.add("CB351", place, names=names, name=name, what=what)
+            self._diagnostics.add("CB351", place, names=names, name=name, what=what)
 
     def _complete(self) -> None:
         """Check that keys about a thing come with a thing, and vice versa."""
@@ -167,10 +169,10 @@ class _PresentationCheck:
             self._excluded("removed_after", "it is removed before its motion starts")
 
     def _excluded(self, key: str, problem: str) -> None:
-        self._findings.add("CB357", self._source.key(*self._steps, key), problem=problem)
+        self._diagnostics.add("CB357", self._source.key(*self._steps, key), problem=problem)
 
     def _lacks(self, key: str, problem: str) -> None:
-        self._findings.add("CB353", self._source.key(*self._steps, key), problem=problem)
+        self._diagnostics.add("CB353", self._source.key(*self._steps, key), problem=problem)
 
 
 def _halves(fixture: Fixture) -> tuple[float, float]:

@@ -12,8 +12,8 @@ from functools import lru_cache
 from itertools import chain, combinations, product
 from typing import Literal, NamedTuple
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.context import Context, PlaceSection, Presentation
 from cbdsl.documents.form import (
     BallForm,
@@ -80,7 +80,7 @@ class _Solid(NamedTuple):
 
 
 def check_scenes(
-    loaded: Loaded[StageDocument], body: CheckedRobot | None, findings: Findings
+    loaded: Loaded[StageDocument], body: CheckedRobot | None, diagnostics: Diagnostics
 ) -> None:
     """Check that the objects in the scenes of a stage do not overlap."""
     stage = loaded.document
@@ -90,9 +90,9 @@ def check_scenes(
         if not fixture.is_drawn and not _is_hollow(fixture.form)
     }
     if body is not None and body.model is not None:
-        _in_robot(loaded, body, body.model, fixtures, findings)
+        _in_robot(loaded, body, body.model, fixtures, diagnostics)
     for key, context in stage.contexts.items():
-        _in_each_other(loaded, key, context, fixtures, findings)
+        _in_each_other(loaded, key, context, fixtures, diagnostics)
 
 
 def _in_robot(
@@ -100,7 +100,7 @@ def _in_robot(
     body: CheckedRobot,
     model: UrdfModel,
     fixtures: Mapping[str, _Solid],
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Report fixtures that overlap the robot's base."""
     if not fixtures:
@@ -114,7 +114,7 @@ def _in_robot(
         if link is not None:
             place = loaded.source.place("fixtures", name, "position")
             robot = body.document.name
-            findings.add("CB363", place, name=name, link=link, robot=robot)
+            diagnostics.add("CB363", place, name=name, link=link, robot=robot)
 
 
 def _in_each_other(
@@ -122,7 +122,7 @@ def _in_each_other(
     key: str,
     context: Context,
     fixtures: Mapping[str, _Solid],
-    findings: Findings,
+    diagnostics: Diagnostics,
 ) -> None:
     """Report things that overlap other things or fixtures."""
     arrangement = _Arrangement(loaded.document, context, fixtures)
@@ -135,7 +135,7 @@ def _in_each_other(
                 steps = (*steps, "placed", name)
             place = loaded.source.place(*steps, "place")
             shown = "this thing" if name is None else f"'{name}'"
-            findings.add("CB362", place, name=shown, other=other)
+            diagnostics.add("CB362", place, name=shown, other=other)
 
 
 class _Arrangement:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cbdsl.checking.controller.reach import farthest_tip
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.limits import limit_details
@@ -14,6 +13,7 @@ from cbdsl.checking.stage.mesh import check_meshes, extents_of
 from cbdsl.checking.stage.presentation import check_presentations, idle_keys
 from cbdsl.checking.stage.scene import check_scenes
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.form import BallForm, BoxForm, ComposedForm, Form, MeshForm, OpenBoxForm
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -26,25 +26,27 @@ _LIGHTEST, _HEAVIEST = 1e-4, 50.0
 _MOST_FRICTION = {"friction": 3.0, "rolling_friction": 0.05, "spinning_friction": 0.05}
 
 
-def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Findings) -> None:
+def examine_stage(
+    loaded: Loaded[StageDocument], session: Session, diagnostics: Diagnostics
+) -> None:
     """Check a stage document against itself and its robot."""
     name, source = loaded.document.robot, loaded.source
-    path = find_document(RobotDocument, name, source.place("robot"), session.library, findings)
-    body = session.body(path, findings)
+    path = find_document(RobotDocument, name, source.place("robot"), session.library, diagnostics)
+    body = session.body(path, diagnostics)
     for node, (first, last) in _reversed_spans(loaded.document, source.root):
-        findings.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
+        diagnostics.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
     for key, context in loaded.document.contexts.items():
-        check_presentations(loaded, findings, key, context, body)
-    _names(loaded, findings)
-    check_meshes(loaded, findings)
-    _matter(loaded, findings)
-    check_scenes(loaded, body, findings)
+        check_presentations(loaded, diagnostics, key, context, body)
+    _names(loaded, diagnostics)
+    check_meshes(loaded, diagnostics)
+    _matter(loaded, diagnostics)
+    check_scenes(loaded, body, diagnostics)
     if body is not None:
-        _joints(loaded, body, findings)
-        _sizes(loaded, body, findings)
+        _joints(loaded, body, diagnostics)
+        _sizes(loaded, body, diagnostics)
 
 
-def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings) -> None:
+def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, diagnostics: Diagnostics) -> None:
     """Warn of things that are, in any orientation, wider than the reach of any tip."""
     farthest = farthest_tip(body)
     for name, thing in loaded.document.things.items():
@@ -52,7 +54,7 @@ def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings
         if farthest is not None and width > farthest:
             place = loaded.source.place("things", name, "form", _size_key(thing.form))
             ends = {"width": f"{width:.4g}", "farthest": f"{farthest:.3g}"}
-            findings.add("CB721", place, name=name, robot=body.document.name, **ends)
+            diagnostics.add("CB721", place, name=name, robot=body.document.name, **ends)
 
 
 def _size_key(form: Form) -> str:
@@ -64,7 +66,7 @@ def _size_key(form: Form) -> str:
     return "size" if isinstance(form, (BoxForm, OpenBoxForm)) else "radius"
 
 
-def _matter(loaded: Loaded[StageDocument], findings: Findings) -> None:
+def _matter(loaded: Loaded[StageDocument], diagnostics: Diagnostics) -> None:
     """Warn of implausible masses and friction."""
     stage = loaded.document
     for name, thing in stage.things.items():
@@ -72,7 +74,7 @@ def _matter(loaded: Loaded[StageDocument], findings: Findings) -> None:
         if beyond is not None:
             place = loaded.source.place("things", name, "mass")
             limits = {"least": f"{1000 * _LIGHTEST:g}", "most": f"{_HEAVIEST:g}"}
-            findings.add("CB760", place, name=name, mass=f"{beyond:g}", **limits)
+            diagnostics.add("CB760", place, name=name, mass=f"{beyond:g}", **limits)
     for section, items in (("fixtures", stage.fixtures), ("things", stage.things)):
         for name, item in items.items():
             for key, most in _MOST_FRICTION.items():
@@ -80,7 +82,7 @@ def _matter(loaded: Loaded[StageDocument], findings: Findings) -> None:
                 if value is not None and value > most:
                     place = loaded.source.place(section, name, key)
                     details = {"value": f"{value:g}", "most": f"{most:g}", "key": key}
-                    findings.add("CB761", place, name=name, **details)
+                    diagnostics.add("CB761", place, name=name, **details)
 
 
 def _narrowest(form: Form) -> float:
@@ -93,7 +95,7 @@ def _narrowest(form: Form) -> float:
     return across if isinstance(form, BallForm) else min(across, form.height[0])
 
 
-def _names(loaded: Loaded[StageDocument], findings: Findings) -> None:
+def _names(loaded: Loaded[StageDocument], diagnostics: Diagnostics) -> None:
     """Check that fixtures and things have different names, and that each thing is shown."""
     stage, source = loaded.document, loaded.source
     shows = [each for context in stage.contexts.values() for each in context.presentations.values()]
@@ -103,23 +105,25 @@ def _names(loaded: Loaded[StageDocument], findings: Findings) -> None:
     for name in stage.things:
         place = source.key("things", name)
         if name in stage.fixtures:
-            _shared(name, place, loaded, findings)
+            _shared(name, place, loaded, diagnostics)
         elif name not in shown and are_known and not is_forgotten:
-            findings.add("CB715", place, name=name)
+            diagnostics.add("CB715", place, name=name)
     for key, context in stage.contexts.items():
         for name in context.placed:
             if name in stage.fixtures:
                 place = source.key("contexts", key, "placed", name)
-                _shared(name, place, loaded, findings)
+                _shared(name, place, loaded, diagnostics)
 
 
-def _shared(name: str, place: Place, loaded: Loaded[StageDocument], findings: Findings) -> None:
+def _shared(
+    name: str, place: Place, loaded: Loaded[StageDocument], diagnostics: Diagnostics
+) -> None:
     """Report a thing with the name of a fixture."""
     related = [(loaded.source.key("fixtures", name), "the fixture")]
-    findings.add("CB354", place, related=related, name=name)
+    diagnostics.add("CB354", place, related=related, name=name)
 
 
-def _joints(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings) -> None:
+def _joints(loaded: Loaded[StageDocument], body: CheckedRobot, diagnostics: Diagnostics) -> None:
     """Check that contexts start actuated joints of the robot within their limits."""
     known = [joint for each in body.document.effectors.values() for joint in each.joints]
     for key, context in loaded.document.contexts.items():
@@ -127,13 +131,13 @@ def _joints(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Finding
         for joint in starts:
             if joint not in known:
                 place = loaded.source.key("contexts", key, "joints", joint)
-                findings.add("CB351", place, names=known, name=joint, what="actuated joint")
+                diagnostics.add("CB351", place, names=known, name=joint, what="actuated joint")
         for (joint, span), limits in zip(starts.items(), body.limits(starts), strict=True):
             beyond = [i for i, a in enumerate(span) if limits and not limits[0] <= a <= limits[1]]
             if limits is not None and beyond:
                 node = loaded.source.node(("contexts", key, "joints", joint, beyond[0]))
                 limits_text = limit_details(node.value, span[beyond[0]], limits)
-                findings.add("CB355", node.place, joint=joint, **limits_text)
+                diagnostics.add("CB355", node.place, joint=joint, **limits_text)
 
 
 def _reversed_spans(value: object, node: Node) -> Iterator[tuple[Node, tuple[float, float]]]:

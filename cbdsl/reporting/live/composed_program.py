@@ -37,12 +37,12 @@ class ComposedProgram(NamedTuple):
 
     Attributes:
         text: Text of the document.
-        findings: Findings of the checker, with the document beside the original program.
+        diagnostics: Diagnostics of the checker, with the document beside the original program.
         left_out: Controllers of other programs, whose changes it cannot hold.
     """
 
     text: str
-    findings: tuple[Diagnostic, ...]
+    diagnostics: tuple[Diagnostic, ...]
     left_out: tuple[str, ...]
 
 

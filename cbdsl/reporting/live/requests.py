@@ -111,8 +111,8 @@ class Requests:
             made = self._save(name, changes)
         except ValueError as error:
             raise RequestError(str(error)) from error
-        findings = [f"{each.code} {each.message}" for each in made.findings]
-        return {"text": made.text, "findings": findings, "left_out": list(made.left_out)}
+        diagnostics = [f"{each.code} {each.message}" for each in made.diagnostics]
+        return {"text": made.text, "findings": diagnostics, "left_out": list(made.left_out)}
 
     def _ask(self, change: Callable[[], Any]) -> Any:
         """Execute a change between two ticks."""

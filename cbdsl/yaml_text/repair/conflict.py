@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from itertools import groupby
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 
 _MARKER = re.compile(r"(?:<{7}|\|{7}|>{7})(?: .*)?\Z|={7}\Z")
 _FIRST, _LAST = "<<<<<<<", ">>>>>>>"
@@ -28,18 +28,18 @@ _NEWER = re.compile(r"\+\s*(?:- \s*\S|[\w*'\"-]+\s*:(?:\s|$))")
 
 
 def conflicts(lines: list[str], file: str) -> Iterator[Diagnostic]:
-    """Yield one finding for each conflict or diff, and for each stray marker."""
+    """Yield one diagnostic for each conflict or diff, and for each stray marker."""
     is_inside = False
     for number, line in enumerate(lines, 1):
         if not _is_marker(line):
             continue
         mark = line[:7]
         if mark == _FIRST or not is_inside:
-            yield diagnostic("CB122", Place(file, number, 1, 8), problem=f"'{mark}' {_MERGED}")
+            yield diagnose("CB122", Place(file, number, 1, 8), problem=f"'{mark}' {_MERGED}")
         is_inside = mark == _FIRST or (is_inside and mark != _LAST)
     for number, *_ in _comparisons(lines):
         mark = lines[number - 1][0]
-        yield diagnostic("CB122", Place(file, number, 1, 2), problem=f"'{mark}' {_COMPARED}")
+        yield diagnose("CB122", Place(file, number, 1, 2), problem=f"'{mark}' {_COMPARED}")
 
 
 def one_side(lines: list[str]) -> list[str]:

@@ -10,7 +10,7 @@ from pydantic_core import ErrorDetails
 
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 from cbdsl.types.quantity_slip import quantity_problem
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.comma import decimal_comma
@@ -76,7 +76,7 @@ class Fault(NamedTuple):
         return self.is_wrong_kind or is_whole or self.error["type"] == "too_short"
 
 
-def diagnose(
+def diagnose_value(
     path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
     """Return the diagnostic of the faults of one value.
@@ -93,11 +93,11 @@ def diagnose(
         expected = " or ".join(dict.fromkeys(fault.expected for fault in same))
         value = source.node(path).value
         if "a mapping" in expected and (slip := slip_in_text(value)):
-            return diagnostic("CB205", source.place(*path), problem=slip)
+            return diagnose("CB205", source.place(*path), problem=slip)
         if example := form(model, path, source.node(path)):
             expected += f", as in {example}"
         given = describe(value) + left_out(value, expected)
-        return diagnostic("CB204", source.place(*path), expected=expected, found=given)
+        return diagnose("CB204", source.place(*path), expected=expected, found=given)
     return _special(path, same, source, model)
 
 
@@ -115,17 +115,15 @@ def _row(
     if row is None or (isinstance(node.value, str) and row.count(",") + 1 < places):
         return None
     given = "a list within a list" if is_inner else describe(node.value)
-    return diagnostic("CB204", node.place, expected="a list", found=f"{given}; write {row}")
+    return diagnose("CB204", node.place, expected="a list", found=f"{given}; write {row}")
 
 
 def not_allowed(place: Place, names: Sequence[str], value: object) -> Diagnostic:
     """Return the diagnostic of a value that is not among the allowed names."""
     if isinstance(value, str):
-        return diagnostic("CB206", place, names=names, name=value)
+        return diagnose("CB206", place, names=names, name=value)
     expected = "one of the allowed words"
-    return diagnostic(
-        "CB204", place, names=names, given="", expected=expected, found=describe(value)
-    )
+    return diagnose("CB204", place, names=names, given="", expected=expected, found=describe(value))
 
 
 def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Diagnostic:
@@ -137,7 +135,7 @@ def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Di
     parts = _PARTS.get(str(path[-1]))
     names = f": {parts}" if parts else ""
     problem = f"{given_values} given, {wanted} required{names}"
-    return diagnostic("CB208", given.place, problem=problem)
+    return diagnose("CB208", given.place, problem=problem)
 
 
 def _special(
@@ -148,7 +146,7 @@ def _special(
     name = str(path[-1]) if path else ""
     context: dict[str, Any] = error.get("ctx", {})
     if error["type"] in _OF_KEYS and (slip := slip_in_key(path, source)):
-        return diagnostic("CB205", source.key(*path), problem=slip)
+        return diagnose("CB205", source.key(*path), problem=slip)
     match error["type"]:
         case "missing" if isinstance(error["loc"][-1], int):
             return _too_few(path, same, source)
@@ -156,13 +154,13 @@ def _special(
             # A missing key has no place of its own: the place of its parent's key is reported.
             place = source.key(*path[:-1])
             related = [(place, text) for text in _documentation(path, model)]
-            return diagnostic("CB203", place, key=name, related=related)
+            return diagnose("CB203", place, key=name, related=related)
         case "extra_forbidden":
             shape = SchemaShape((model,)).located(error["loc"][:-1])
             if new := shape.renamed.get(name):
-                return diagnostic("CB211", source.key(*path), old=name, new=new)
+                return diagnose("CB211", source.key(*path), old=name, new=new)
             keys = sorted(shape.keys)
-            return diagnostic("CB202", source.key(*path), names=keys, key=name)
+            return diagnose("CB202", source.key(*path), names=keys, key=name)
         case "literal_error" | "union_tag_invalid":
             expected = str(context.get("expected") or context.get("expected_tags"))
             names = [text.strip(" '") for text in expected.replace(" or ", ",").split(",")]
@@ -170,14 +168,14 @@ def _special(
             return not_allowed(source.place(*steps), names, source.node(steps).value)
         case "string_pattern_mismatch":
             at = source.key(*path) if "[key]" in error["loc"] else source.place(*path)
-            return diagnostic("CB207", at, name=error["input"], hint=named_instead(error["input"]))
+            return diagnose("CB207", at, name=error["input"], hint=named_instead(error["input"]))
         case "value_error":
             problem = _problem(context["error"], error["input"])
-            return diagnostic("CB205", source.place(*path), problem=problem)
+            return diagnose("CB205", source.place(*path), problem=problem)
     if error["type"] == "too_long" and (comma := decimal_comma(source.node(path))):
-        return diagnostic("CB205", source.place(*path), problem=comma)
+        return diagnose("CB205", source.place(*path), problem=comma)
     problem = _PROBLEMS.get(error["type"], error["msg"]).format(**context)
-    return diagnostic("CB208", source.place(*path), problem=problem)
+    return diagnose("CB208", source.place(*path), problem=problem)
 
 
 def _problem(error: ValueError, value: object) -> str:

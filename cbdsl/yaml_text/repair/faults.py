@@ -9,8 +9,8 @@ from pydantic_core import ErrorDetails
 
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.nearest import nearest_name
-from cbdsl.diagnostics.wording import diagnostic
-from cbdsl.yaml_text.repair.fault import Fault, diagnose
+from cbdsl.diagnostics.wording import diagnose
+from cbdsl.yaml_text.repair.fault import Fault, diagnose_value
 from cbdsl.yaml_text.repair.form import form
 from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
@@ -42,7 +42,11 @@ def faults(
     explained |= _numbered_again(by_path)
     return [
         *(_without_a_name(path, source, model) for path in sorted(nameless)),
-        *(diagnose(p, same, source, model) for p, same in by_path.items() if p not in explained),
+        *(
+            diagnose_value(p, same, source, model)
+            for p, same in by_path.items()
+            if p not in explained
+        ),
     ]
 
 
@@ -80,7 +84,7 @@ def _without_a_name(
     value = source.node(path).value
     keys = ", ".join(f"'{key}'" for key in value) if isinstance(value, dict) else ""
     expected = f"names, as in {form(model, path)}"
-    return diagnostic("CB204", source.key(*path), expected=expected, found=f"{keys} without a name")
+    return diagnose("CB204", source.key(*path), expected=expected, found=f"{keys} without a name")
 
 
 def _misspelt(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tuple[Step, ...]]:

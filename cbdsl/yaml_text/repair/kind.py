@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, models
 from cbdsl.yaml_text.node import Node
@@ -18,17 +18,17 @@ _LEAST_EVIDENCE = 2
 
 
 def identify(
-    source: SourceMap, findings: tuple[Diagnostic, ...]
+    source: SourceMap, diagnostics: tuple[Diagnostic, ...]
 ) -> tuple[type[Document], tuple[Diagnostic, ...]]:
-    """Return the model of a document's kind, and all findings, including a wrong ``kind``."""
+    """Return the model of a document's kind, and all diagnostics, including a wrong ``kind``."""
     root = source.root
     if not isinstance(root.value, dict):
         described = describe(root.value)
-        fault = diagnostic("CB204", root.place, expected="a mapping", found=described)
-        raise DiagnosticsError([*findings, fault])
+        fault = diagnose("CB204", root.place, expected="a mapping", found=described)
+        raise DiagnosticsError([*diagnostics, fault])
     kind: Node | None = root.value.get("kind")
     if kind is not None and (kind.faulty or any(part.faulty for part in kind.children())):
-        raise DiagnosticsError(findings)
+        raise DiagnosticsError(diagnostics)
     declared = None if kind is None else str(kind.value)
     model = None if declared is None else _model_of(declared)
     suggestion = _contradicted(root.value, declared, model)
@@ -36,10 +36,10 @@ def identify(
     wrong = () if is_right else (_wrong_kind(source, declared, model, suggestion),)
     model = _model_of(suggestion) if suggestion else model
     if model is None:
-        raise DiagnosticsError([*findings, *wrong])
+        raise DiagnosticsError([*diagnostics, *wrong])
     place = root.place if kind is None else kind.place
     root.value["kind"] = Node(place, kind_name(model))
-    return model, (*findings, *wrong)
+    return model, (*diagnostics, *wrong)
 
 
 def _model_of(kind: str) -> type[Document] | None:
@@ -65,13 +65,13 @@ def _wrong_kind(
     """Return the diagnostic of a kind that is missing, unknown or contradicted by the keys."""
     if declared is None:
         names = [suggestion] if suggestion else list(models())
-        return diagnostic("CB203", source.root.place, names=names, key="kind")
+        return diagnose("CB203", source.root.place, names=names, key="kind")
     place = source.place("kind")
     if model is None:
         return not_allowed(place, list(models()), source.node(("kind",)).value)
     assert suggestion is not None, "nothing is wrong with it otherwise"
     keys = ", ".join(telling_keys(source.root.keys, suggestion, declared, models()))
-    return diagnostic("CB210", place, said=declared, found=suggestion, keys=keys)
+    return diagnose("CB210", place, said=declared, found=suggestion, keys=keys)
 
 
 def kind_by_keys(

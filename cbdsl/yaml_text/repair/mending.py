@@ -1,4 +1,4 @@
-"""Correction of unambiguous mistakes in invalid YAML, so that they hide no other findings."""
+"""Correction of unambiguous mistakes in invalid YAML, so that they hide no other diagnostics."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from itertools import islice
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.lines import lines_of
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 from cbdsl.yaml_text.characters import invisible_in, without_invisible
 from cbdsl.yaml_text.composer import (
     Composed,
@@ -29,16 +29,16 @@ def mend(text: str, file: str, known: Composed | None = None) -> Composed:
 
     Args:
         text: Text as written.
-        file: Name of the file in findings.
+        file: Name of the file in diagnostics.
         known: Nodes of the text as written, if they are already composed.
 
     Raises:
-        DiagnosticsError: A fatal finding, together with all findings up to it.
+        DiagnosticsError: A fatal diagnostic, together with all diagnostics up to it.
     """
     require_readable(text, file)
-    given, (text, findings) = text, _legible(text, file)
+    given, (text, diagnostics) = text, _legible(text, file)
     if known is not None and text == given:
-        return known._replace(findings=(*findings, *known.findings))
+        return known._replace(diagnostics=(*diagnostics, *known.diagnostics))
     while True:
         try:
             composed = compose(text, file)
@@ -46,23 +46,23 @@ def mend(text: str, file: str, known: Composed | None = None) -> Composed:
             require_short_lines(text, file)
             slip = find_slip(fault.error, lines_of(text))
             place = Place(file, slip.line, slip.column, slip.column + 1)
-            findings.append(diagnostic(slip.code, place, problem=slip.problem))
-            if not slip.lines or len(findings) >= _MOST_SLIPS:
-                raise DiagnosticsError([*findings, *fault.findings]) from None
+            diagnostics.append(diagnose(slip.code, place, problem=slip.problem))
+            if not slip.lines or len(diagnostics) >= _MOST_SLIPS:
+                raise DiagnosticsError([*diagnostics, *fault.diagnostics]) from None
             text = "\n".join(slip.mended(lines_of(text)))
         except DiagnosticsError as error:
-            raise DiagnosticsError([*findings, *error.diagnostics]) from None
+            raise DiagnosticsError([*diagnostics, *error.diagnostics]) from None
         else:
-            return composed._replace(findings=(*findings, *composed.findings))
+            return composed._replace(diagnostics=(*diagnostics, *composed.diagnostics))
 
 
 def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
-    """Return a text without invisible characters and conflicts, and the findings about these."""
-    findings = []
+    """Return a text without invisible characters and conflicts, and the diagnostics about these."""
+    diagnostics = []
     if invisible := invisible_in(text):
-        # One finding represents all: invisible characters tend to occur in large numbers.
-        findings.append(unseen("CB118", invisible, file))
+        # One diagnostic represents all: invisible characters tend to occur in large numbers.
+        diagnostics.append(unseen("CB118", invisible, file))
         text = without_invisible(text)
     lines = lines_of(text)
-    findings += islice(conflicts(lines, file), _MOST_SLIPS)
-    return "\n".join(one_side(lines)), findings
+    diagnostics += islice(conflicts(lines, file), _MOST_SLIPS)
+    return "\n".join(one_side(lines)), diagnostics

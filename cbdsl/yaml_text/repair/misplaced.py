@@ -2,7 +2,7 @@
 
 If a section is written flat, or at the level of its parent, its keys are unknown in their mapping.
 They are known in a section inside or around it, and are moved there. One mistake thus
-yields one finding, and the rest is checked as intended.
+yields one diagnostic, and the rest is checked as intended.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import NamedTuple
 from pydantic import BaseModel
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -56,7 +56,7 @@ def find_moves(source: SourceMap, model: type[BaseModel], wrong: Iterable[Steps]
 
 def move(source: SourceMap, moved: Move) -> Diagnostic:
     """Move keys to the mapping to which they belong, and return the diagnostic."""
-    fault = diagnostic(
+    fault = diagnose(
         "CB209", source.key(*moved.start, moved.keys[0]), problem=_message(source, moved)
     )
     start = source.node(moved.start)

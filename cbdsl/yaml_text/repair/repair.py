@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from cbdsl.diagnostics.errors import DiagnosticsError
-from cbdsl.diagnostics.wording import diagnostic
+from cbdsl.diagnostics.wording import diagnose
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_name
 from cbdsl.yaml_text.composer import Composed
@@ -34,12 +34,12 @@ def repair(path: Path, kind: type[D], text: str, composed: Composed | None = Non
     composed = mend(text, str(path), composed)
     source = SourceMap(path, composed.lines, composed.root)
     _require_version(source)
-    model, findings = identify(source, composed.findings)
+    model, diagnostics = identify(source, composed.diagnostics)
     if not issubclass(model, kind):
         place, given = source.place("kind"), str(source.node(("kind",)).value)
-        wrong = diagnostic("CB201", place, wanted=kind_name(kind), found=given)
+        wrong = diagnose("CB201", place, wanted=kind_name(kind), found=given)
         raise DiagnosticsError([wrong])
-    return salvage(source, model, findings)
+    return salvage(source, model, diagnostics)
 
 
 def _require_version(source: SourceMap) -> None:
@@ -51,4 +51,4 @@ def _require_version(source: SourceMap) -> None:
     root = source.root.value
     version = root.get("cbdsl") if isinstance(root, dict) else None
     if version is not None and isinstance(version.value, int) and version.value > 1:
-        raise DiagnosticsError([diagnostic("CB240", version.place, version=version.value)])
+        raise DiagnosticsError([diagnose("CB240", version.place, version=version.value)])

@@ -38,25 +38,27 @@ _MOST_ROUNDS = 12
 D = TypeVar("D", bound=Document)
 
 
-def salvage(source: SourceMap, model: type[D], findings: Iterable[Diagnostic]) -> Loaded[D]:
+def salvage(source: SourceMap, model: type[D], diagnostics: Iterable[Diagnostic]) -> Loaded[D]:
     """Read a document from its nodes, after removal of the faulty ones.
 
     Args:
         source: Source map of the document; its nodes are modified.
         model: Model of the kind of document.
-        findings: Findings about the values that are marked as faulty.
+        diagnostics: Diagnostics about the values that are marked as faulty.
 
     Raises:
         DiagnosticsError: No remaining part can be checked.
     """
-    return _Salvage(source, model, findings).salvage()
+    return _Salvage(source, model, diagnostics).salvage()
 
 
 class _Salvage(Generic[D]):
-    def __init__(self, source: SourceMap, model: type[D], findings: Iterable[Diagnostic]) -> None:
+    def __init__(
+        self, source: SourceMap, model: type[D], diagnostics: Iterable[Diagnostic]
+    ) -> None:
         self._source = source
         self._model = model
-        self._faults = list(findings)
+        self._faults = list(diagnostics)
         self._broken = Broken()
         self._respelt: set[Steps] = set()
         self._unknown: dict[str, object] = {}
@@ -85,7 +87,7 @@ class _Salvage(Generic[D]):
 
         Quoting a word is a remedy only if a text is allowed.
         """
-        words = {finding.place for finding in self._faults if finding.code == _WORD}
+        words = {diagnostic.place for diagnostic in self._faults if diagnostic.code == _WORD}
         if not words:
             return
         wrong = {path_of(error, self._source) for error in self._errors()}

@@ -292,10 +292,10 @@ UNREADY: dict[str, tuple[Peer, str]] = {
 def test_unready_robot_has_one_finding_before_anything_moves(
     name: str, urdf: Path, stage: StageDocument
 ) -> None:
-    peer, finding = UNREADY[name]
+    peer, diagnostic = UNREADY[name]
     with pytest.raises(BackendError) as raised:
         begin(backend(peer, urdf), stage)
-    assert str(raised.value).splitlines()[1:] == [f"- {finding}"]
+    assert str(raised.value).splitlines()[1:] == [f"- {diagnostic}"]
     assert not peer.commands
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import shipped
@@ -16,7 +16,7 @@ from cbdsl.yaml_text.library import shipped
 
 @pytest.mark.parametrize("name", ["dexter", "sixaxis", "desk"])
 def test_no_tip_gets_farther_than_its_links_are_long(name: str) -> None:
-    body = Session().body(shipped() / "robots" / f"{name}.yaml", Findings())
+    body = Session().body(shipped() / "robots" / f"{name}.yaml", Diagnostics())
     assert body is not None and body.model is not None
     robot, model = body.document, body.model
     kinematics = Kinematics(robot, shipped() / "robots" / robot.model)

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.states import check_states
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.source_map import SourceMap
 
@@ -18,14 +18,14 @@ PATTERNS = st.lists(st.text("X-01**", min_size=2, max_size=2), min_size=1, max_s
 
 
 def found(policy: dict[str, str]) -> dict[str, set[str]]:
-    """Return the patterns that have findings, by code."""
+    """Return the patterns that have diagnostics, by code."""
     text = "policy:\n" + "".join(f'  "{state}": {action}\n' for state, action in policy.items())
-    findings = Findings()
+    diagnostics = Diagnostics()
     source = SourceMap(Path("p.yaml"), text.split("\n"), compose(text, "p.yaml").root)
-    check_states(policy, ("a", "b"), source, findings)
+    check_states(policy, ("a", "b"), source, diagnostics)
     lines = list(policy)
     by_code: dict[str, set[str]] = {}
-    for diagnostic in findings.sorted():
+    for diagnostic in diagnostics.sorted():
         by_code.setdefault(diagnostic.code, set()).add(lines[diagnostic.place.line - 2])
     return by_code
 
@@ -63,6 +63,6 @@ def test_many_members_and_patterns_come_to_an_end(members: int) -> None:
     policy |= {"*" * i + "XX" + "*" * (members - i - 2): "a" for i in range(members - 1)}
     text = "policy: {}\n"
     source = SourceMap(Path("p.yaml"), text.split("\n"), compose(text, "p.yaml").root)
-    findings = Findings()
-    check_states(policy, ["a"] * members, source, findings)
-    assert all(diagnostic.code == "CB707" for diagnostic in findings.sorted())
+    diagnostics = Diagnostics()
+    check_states(policy, ["a"] * members, source, diagnostics)
+    assert all(diagnostic.code == "CB707" for diagnostic in diagnostics.sorted())

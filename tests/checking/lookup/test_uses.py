@@ -1,4 +1,4 @@
-"""Programs that use programs: checking terminates, and its order changes no finding."""
+"""Programs that use programs: checking terminates, and its order changes no diagnostic."""
 
 from __future__ import annotations
 

@@ -92,10 +92,10 @@ def test_an_effort_of_0_is_noted_unless_the_document_bounds_it(
     file = write(folder, base=FRAME, upper=SOLID, lower=SOLID, effort=0)
     assert cb(monkeypatch, "validate", file, "--format", "json") == 0
     report = json.loads(capsys.readouterr().out)
-    (finding,) = report["findings"]
-    assert (finding["code"], finding["severity"], report["notes"]) == ("CB743", "note", 1)
+    (diagnostic,) = report["findings"]
+    assert (diagnostic["code"], diagnostic["severity"], report["notes"]) == ("CB743", "note", 1)
     assert report["warnings"] == report["errors"] == 0
-    assert finding["message"].endswith("taken for no limit, to turn")
+    assert diagnostic["message"].endswith("taken for no limit, to turn")
     write(
         folder,
         base=FRAME,

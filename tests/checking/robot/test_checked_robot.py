@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.document import check_document
-from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.yaml_text.library import Library, shipped
 
 ROBOTS = sorted((shipped() / "robots").glob("*.yaml"))
@@ -18,7 +18,7 @@ ROBOTS = sorted((shipped() / "robots").glob("*.yaml"))
 
 @pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
 def test_every_resource_is_declared_in_the_robots_document(path: Path) -> None:
-    body = Session().body(path, Findings())
+    body = Session().body(path, Diagnostics())
     lines = path.read_text("utf-8").split("\n")
     for name, resource in body.resources.items():
         place = body.declaration(resource)
@@ -60,8 +60,8 @@ def _with_its_programs(name: str, folder: Path) -> list[Path]:
 
 def _found(paths: list[Path], folder: Path) -> set[tuple[str, str]]:
     session = Session(Library(folder))
-    findings = [found for path in paths for found in check_document(path, session=session)]
-    return {(found.code, Path(found.place.file).name) for found in findings}
+    diagnostics = [found for path in paths for found in check_document(path, session=session)]
+    return {(found.code, Path(found.place.file).name) for found in diagnostics}
 
 
 @pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)

@@ -18,8 +18,8 @@ GOOD = """
 WRENCHES = "    wrenches: {left_hand: {finger_1: /touch}}\n"
 
 
-def findings(tmp_path: Path, drivers: str) -> list[str]:
-    """Return the findings of Dexter with other drivers."""
+def diagnostics(tmp_path: Path, drivers: str) -> list[str]:
+    """Return the diagnostics of Dexter with other drivers."""
     text = (ROOT / "robots" / "dexter.yaml").read_text("utf-8")
     head, rest = text.split("drivers:\n")
     tail = rest[rest.index("\nsimulation:") :]
@@ -33,7 +33,7 @@ def findings(tmp_path: Path, drivers: str) -> list[str]:
 
 
 def test_shipped_drivers_have_no_findings(tmp_path: Path) -> None:
-    assert findings(tmp_path, GOOD + WRENCHES) == []
+    assert diagnostics(tmp_path, GOOD + WRENCHES) == []
 
 
 @pytest.mark.parametrize(
@@ -97,5 +97,5 @@ def test_driver_that_cannot_work_is_found(
 ) -> None:
     drivers = GOOD + WRENCHES
     assert old in drivers
-    found = findings(tmp_path, drivers.replace(old, new, 1))
-    assert any(expected in finding for finding in found), found
+    found = diagnostics(tmp_path, drivers.replace(old, new, 1))
+    assert any(expected in diagnostic for diagnostic in found), found

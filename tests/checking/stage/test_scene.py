@@ -32,7 +32,7 @@ def codes(folder: Path, text: str) -> list[str]:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
     found = check_document(path, session=Session(Library(folder)))
-    return [finding.code for finding in found if finding.code != "CB715"]
+    return [diagnostic.code for diagnostic in found if diagnostic.code != "CB715"]
 
 
 def placed(**places: str) -> str:

@@ -31,7 +31,7 @@ def made(file: Path, changes: Changes, values: dict[str, str] | None = None) -> 
 def test_a_stack_is_the_only_action_of_its_document(file: Path) -> None:
     changes = Changes({"approach": 5.0}, {"approach": (0.5, -0.2, 0.1)}, ("approach", "orient"))
     composed = made(file, changes, LEFT)
-    assert composed.findings == () and composed.left_out == ()
+    assert composed.diagnostics == () and composed.left_out == ()
     saved = file.with_name("mine.yaml")
     saved.write_text(composed.text, encoding="utf-8")
     assert check_document(saved) == []
@@ -50,7 +50,7 @@ def test_a_stack_is_the_only_action_of_its_document(file: Path) -> None:
 
 def test_without_a_stack_the_program_stays_with_its_changes(file: Path) -> None:
     composed = made(file, Changes({"touch": 2.5}, {}, None))
-    assert composed.findings == ()
+    assert composed.diagnostics == ()
     assert composed.text.count("gain:") == 1 and "gain: 2.5 /s" in composed.text
     for kept in ("searchtrack_table", "X10: reach ◁ touch", "posture ◁ orient ◁ approach"):
         assert kept in composed.text
@@ -65,7 +65,7 @@ def test_what_one_controller_needs_of_another_is_kept(file: Path) -> None:
 def test_findings_are_reported_and_changes_of_other_programs_left_out(file: Path) -> None:
     composed = made(file, Changes({"searchtrack.track": 3.0}, {}, ("posture", "home")))
     assert composed.left_out == ("searchtrack.track",)
-    assert [each.code for each in composed.findings] == ["CB709"]
+    assert [each.code for each in composed.diagnostics] == ["CB709"]
 
 
 @pytest.mark.parametrize("name", ["", "../etc/passwd", "a b", "1a", "a.yaml", "x\n"])

@@ -1,4 +1,4 @@
-"""Keys on the wrong level, which are one finding and are read at their proper place."""
+"""Keys on the wrong level, which are one diagnostic and are read at their proper place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Salvage of faulty documents: all other parts are checked, without consequential findings."""
+"""Salvage of faulty documents: all other parts are checked, without consequential diagnostics."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ SEVERAL = ("controllers", "effectors", "contexts", "things")
 
 
 def found(file: Path, *changes: tuple[Callable[[Any, Steps], None], Steps]) -> list[Diagnostic]:
-    """Return the findings of a shipped document after changes, as JSON, which is YAML."""
+    """Return the diagnostics of a shipped document after changes, as JSON, which is YAML."""
     data = copy.deepcopy(PLAIN[file])
     for change, path in changes:
         change(at(data, path[:-1]), path)

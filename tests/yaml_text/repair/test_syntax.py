@@ -44,7 +44,7 @@ WITH_VALUES = [(p, n, end) for p, n, end in KEYS if len(LINES[p][n]) > end + 1]
 
 
 def found(path: Path, number: int, line: str) -> list[Diagnostic]:
-    """Return the findings of a shipped document with one line replaced."""
+    """Return the diagnostics of a shipped document with one line replaced."""
     lines = [*LINES[path][:number], line, *LINES[path][number + 1 :]]
     library = Library(given={path: "\n".join(lines).encode()})
     return check_document(path, session=Session(library))
@@ -69,9 +69,9 @@ def test_a_missing_space_is_reported_on_its_line(key: tuple[Path, int, int]) -> 
 
 
 def slips(text: str) -> list[Diagnostic]:
-    """Return the findings of a YAML text, with or without a successful repair."""
+    """Return the diagnostics of a YAML text, with or without a successful repair."""
     try:
-        return list(mend(text, "a.yaml").findings)
+        return list(mend(text, "a.yaml").diagnostics)
     except DiagnosticsError as error:
         return list(error.diagnostics)
 
@@ -184,5 +184,5 @@ def test_what_is_mended_hides_nothing() -> None:
 def test_a_merge_conflict_is_one_finding(ours: str, theirs: str) -> None:
     conflict = f"<<<<<<< a\n{ours}=======\n{theirs}>>>>>>> b\n"
     composed = mend(f"a: 1\n{conflict}c: yes\n", "a.yaml")
-    assert [d.code for d in composed.findings] == ["CB122", "CB114"]
-    assert composed.findings[0].place.line == 2
+    assert [d.code for d in composed.diagnostics] == ["CB122", "CB114"]
+    assert composed.diagnostics[0].place.line == 2

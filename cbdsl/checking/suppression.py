@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def apply_suppressions(
-    diagnostics: Iterable[Diagnostic], files: Iterable[Path], library: Library
+    diagnostics: Collection[Diagnostic], files: Iterable[Path], library: Library
 ) -> list[Diagnostic]:
     """Remove suppressed diagnostics and add those of the suppressions, causes first.
 
@@ -24,10 +24,9 @@ def apply_suppressions(
     """
     from cbdsl.checking.cause_order import causes_first
 
-    findings = list(diagnostics)
     # The same file may have been read by a shorter path before.
     own = {library.real(file): file for file in files}
-    places = (Path(diagnostic.place.file) for diagnostic in findings)
+    places = (Path(diagnostic.place.file) for diagnostic in diagnostics)
     texts = {**{library.real(path): path for path in places}, **own}
     ignores = {file: _ignores(path, library) for file, path in texts.items()}
     silencing = {
@@ -36,7 +35,7 @@ def apply_suppressions(
         for ignore in all_
     }
     kept, hits = [], set()
-    for diagnostic in findings:
+    for diagnostic in diagnostics:
         place = diagnostic.place
         ignore = silencing.get((library.real(Path(place.file)), place.line, diagnostic.code))
         if ignore is None:
@@ -63,13 +62,13 @@ def _ignores(path: Path, library: Library) -> list[Ignore]:
 
 
 def _faults(ignore: Ignore, hits: set[Ignore]) -> Iterator[Diagnostic]:
-    from cbdsl.diagnostics.wording import diagnostic
+    from cbdsl.diagnostics.wording import diagnose
     from cbdsl.documents.kinds import entry_of
 
     if entry_of(ignore.code) is None:
-        yield diagnostic("CB803", ignore.place, name=ignore.code)
+        yield diagnose("CB803", ignore.place, name=ignore.code)
         return
     if ignore not in hits:
-        yield diagnostic("CB801", ignore.place, ignored=ignore.code)
+        yield diagnose("CB801", ignore.place, ignored=ignore.code)
     if not ignore.reason:
-        yield diagnostic("CB802", ignore.place, ignored=ignore.code)
+        yield diagnose("CB802", ignore.place, ignored=ignore.code)

@@ -13,7 +13,7 @@ class ValidationReport(NamedTuple):
     """Diagnostics of one run.
 
     Attributes:
-        findings: Diagnostics by file and place.
+        diagnostics: Diagnostics by file and place.
         documents: Number of checked documents.
         left_out: Number of diagnostics omitted beyond the limit per file.
         text_of: Function that returns the text of a file, or ``None`` if it has none.
@@ -21,7 +21,7 @@ class ValidationReport(NamedTuple):
         unreadable: Number of folders that cannot be read.
     """
 
-    findings: tuple[Diagnostic, ...]
+    diagnostics: tuple[Diagnostic, ...]
     documents: int
     left_out: int
     text_of: Callable[[str], str | None]
@@ -49,18 +49,18 @@ class ValidationReport(NamedTuple):
         Args:
             strict: True if warnings count as errors.
         """
-        if any(finding.code == FAILED_CHECK for finding in self.findings):
+        if any(diagnostic.code == FAILED_CHECK for diagnostic in self.diagnostics):
             return 2
         return 1 if self.errors or (strict and self.warnings) else 0
 
     def without_notes_elsewhere(self, files: Collection[str]) -> ValidationReport:
         """Return the report without notes on files other than these."""
         kept = (
-            finding
-            for finding in self.findings
-            if finding.severity is not Severity.NOTE or finding.place.file in files
+            diagnostic
+            for diagnostic in self.diagnostics
+            if diagnostic.severity is not Severity.NOTE or diagnostic.place.file in files
         )
-        return self._replace(findings=tuple(kept))
+        return self._replace(diagnostics=tuple(kept))
 
     def _count(self, severity: Severity) -> int:
-        return sum(diagnostic.severity is severity for diagnostic in self.findings)
+        return sum(diagnostic.severity is severity for diagnostic in self.diagnostics)

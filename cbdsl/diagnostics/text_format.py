@@ -5,18 +5,18 @@ from __future__ import annotations
 import os
 import sys
 
-from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.report import ValidationReport
 
 
 def text(report: ValidationReport) -> str:
     """Return the diagnostics and their numbers as text, in colour for a terminal."""
-    if not report.findings:
+    if not report.diagnostics:
         return f"{count(report.documents, 'document')}, no findings{_skipped(report)}"
-    from cbdsl.diagnostics.rendering import render  # only a finding needs it
+    from cbdsl.diagnostics.rendering import render  # documents without diagnostics do without
 
     color = _is_colorful()
-    lines = [render(d, report.text_of(d.place.file), color) for d in report.findings]
+    lines = [render(d, report.text_of(d.place.file), color) for d in report.diagnostics]
     return "\n".join([*lines, _tally(report)])
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.report import ValidationReport
 
 #: Version, increased if a key changes its meaning or is removed, but not for a new key.
 VERSION = 1
@@ -23,12 +23,12 @@ def json_report(report: ValidationReport) -> str:
         "left_out": report.left_out,
         "others": report.others,
         "unreadable": report.unreadable,
-        "findings": [_finding(diagnostic) for diagnostic in report.findings],
+        "findings": [_diagnostic(diagnostic) for diagnostic in report.diagnostics],
     }
     return json.dumps(data, indent=2, ensure_ascii=False)
 
 
-def _finding(diagnostic: Diagnostic) -> dict[str, Any]:
+def _diagnostic(diagnostic: Diagnostic) -> dict[str, Any]:
     return {
         "code": diagnostic.code,
         "severity": diagnostic.severity.value,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.diagnostics.diagnostic import Diagnostic, Severity
+from cbdsl.diagnostics.report import ValidationReport
 
 _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
 # Escapes of characters that workflow commands reserve; the escape sign itself comes first.
@@ -15,7 +15,7 @@ _IN_PROPERTIES = {**_IN_MESSAGES, ":": "%3A", ",": "%2C"}
 
 def github(report: ValidationReport) -> str:
     """Return one workflow command per diagnostic, each on a line."""
-    return "\n".join(_annotation(diagnostic) for diagnostic in report.findings)
+    return "\n".join(_annotation(diagnostic) for diagnostic in report.diagnostics)
 
 
 def _annotation(diagnostic: Diagnostic) -> str:

@@ -1,4 +1,4 @@
-"""Findings in SARIF 2.1.0, the OASIS standard for the results of static analysis."""
+"""Diagnostics in SARIF 2.1.0, the OASIS standard for the results of static analysis."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.entry import Entry
+from cbdsl.diagnostics.report import ValidationReport
 from cbdsl.documents.kinds import entry_of
 
 _SCHEMA = (
@@ -22,7 +22,7 @@ _SCHEMA = (
 
 def sarif(report: ValidationReport) -> str:
     """Return a SARIF log of one run, with the codes of its diagnostics as rules."""
-    codes = sorted({diagnostic.code for diagnostic in report.findings})
+    codes = sorted({diagnostic.code for diagnostic in report.diagnostics})
     driver = {
         "name": "cbdsl",
         "version": version("cbdsl"),
@@ -32,7 +32,7 @@ def sarif(report: ValidationReport) -> str:
         "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
         "invocations": [{"executionSuccessful": report.exit_code(strict=False) != 2}],
-        "results": [_result(diagnostic, codes) for diagnostic in report.findings],
+        "results": [_result(diagnostic, codes) for diagnostic in report.diagnostics],
     }
     log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
     return json.dumps(log, indent=2, ensure_ascii=False)
