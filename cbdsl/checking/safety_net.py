@@ -7,12 +7,9 @@ from pathlib import Path
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.diagnostics.diagnostic import Diagnostic, Place
+from cbdsl.diagnostics.diagnostic import FAILED_CHECK, Diagnostic, Place
 from cbdsl.diagnostics.wording import diagnose
 from cbdsl.types.registry import PluginError
-
-#: Code of the diagnostic that reports a failed check.
-FAILED_CHECK = "CB901"
 
 
 def check_safely(path: Path, session: Session) -> list[Diagnostic]:

@@ -51,7 +51,7 @@ def _run(words: list[str]) -> None:
         if asks_for_backends(words):
             words = ["show", "backends"]
         if _plain_validation(words):
-            from cbdsl.cli.findings import check_paths
+            from cbdsl.cli.validation import check_paths
 
             sys.exit(check_paths(words[1:], {}))
         build_app(_requested(words))(words)

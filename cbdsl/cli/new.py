@@ -162,8 +162,8 @@ def _write(
 
 def _conclude(file: Path, written: Sequence[Path], remarks: Sequence[str] = ()) -> NoReturn:
     """Print the written files and remarks, and check the document."""
-    from cbdsl.cli.findings import check_paths
     from cbdsl.cli.terminal import print_problem
+    from cbdsl.cli.validation import check_paths
 
     for path in written:
         print(f"wrote {path}", flush=True)

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.cli.findings import STANDARD_INPUT_NAME
 from cbdsl.cli.options import Paths
+from cbdsl.cli.validation import STANDARD_INPUT_NAME
 
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.
 With = Annotated[
@@ -44,7 +44,7 @@ def validate(
     Exit 0 without errors, 1 with errors, 2 for wrong arguments or an internal error.
     """
     from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.findings import check_paths
+    from cbdsl.cli.validation import check_paths
 
     values = read_assignments(with_)
     if fix:

@@ -5,6 +5,9 @@ from typing import NamedTuple
 
 from cbdsl.diagnostics.nearest import nearest_name
 
+#: Code of the diagnostic that reports a failed check.
+FAILED_CHECK = "CB901"
+
 
 class Severity(Enum):
     """Severity: errors prevent the use of a document, warnings do not, notes state assumptions."""

@@ -1,12 +1,18 @@
-"""Result of ``cb validate``, before it is formatted."""
+"""Report of one run of ``cb validate``, which the writers format."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from cbdsl.checking.safety_net import FAILED_CHECK
-from cbdsl.diagnostics.diagnostic import Diagnostic, Severity
+from cbdsl.diagnostics.diagnostic import FAILED_CHECK, Diagnostic, Severity
+
+if TYPE_CHECKING:
+    from cbdsl.diagnostics.entry import Entry
+
+
+def _no_entry(code: str) -> None:
+    """Return no entry, for reports whose codes are not looked up."""
 
 
 class ValidationReport(NamedTuple):
@@ -19,6 +25,7 @@ class ValidationReport(NamedTuple):
         text_of: Function that returns the text of a file, or ``None`` if it has none.
         others: Number of YAML files of other tools that were skipped.
         unreadable: Number of folders that cannot be read.
+        entry_of: Function that returns the entry of a code, also of a plug-in.
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -27,6 +34,7 @@ class ValidationReport(NamedTuple):
     text_of: Callable[[str], str | None]
     others: int = 0
     unreadable: int = 0
+    entry_of: Callable[[str], Entry | None] = _no_entry
 
     @property
     def errors(self) -> int:

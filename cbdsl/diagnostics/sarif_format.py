@@ -13,7 +13,6 @@ from urllib.parse import quote
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.entry import Entry
 from cbdsl.diagnostics.report import ValidationReport
-from cbdsl.documents.kinds import entry_of
 
 _SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -26,7 +25,7 @@ def sarif(report: ValidationReport) -> str:
     driver = {
         "name": "cbdsl",
         "version": version("cbdsl"),
-        "rules": [_rule(entry) for code in codes if (entry := entry_of(code))],
+        "rules": [_rule(entry) for code in codes if (entry := report.entry_of(code))],
     }
     run = {
         "tool": {"driver": driver},

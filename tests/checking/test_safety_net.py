@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from cbdsl.api.check import check
-from cbdsl.checking.safety_net import FAILED_CHECK
-from cbdsl.cli.findings import FORMATS
+from cbdsl.cli.validation import FORMATS
+from cbdsl.diagnostics.diagnostic import FAILED_CHECK
 from cbdsl.documents.kinds import KINDS
 from cbdsl.editor.buffers import Buffers
 from cbdsl.yaml_text.library import shipped

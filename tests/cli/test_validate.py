@@ -14,7 +14,7 @@ from urllib.parse import unquote
 
 import pytest
 
-from cbdsl.cli.findings import FORMATS, check_paths
+from cbdsl.cli.validation import FORMATS, check_paths
 from cbdsl.diagnostics.catalogue import catalogue
 from cbdsl.diagnostics.json_format import VERSION
 from cbdsl.yaml_text.library import shipped

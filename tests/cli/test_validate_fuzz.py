@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cbdsl.cli.findings import FORMATS, check_paths
+from cbdsl.cli.validation import FORMATS, check_paths
 from tests.cli.mutations import documents
 
 TOLERANT = settings(

@@ -12,11 +12,11 @@ import pytest
 from cbdsl.checking.document import check_document
 from cbdsl.checking.program import check_program
 from cbdsl.checking.reward import check_rewarded
-from cbdsl.checking.safety_net import FAILED_CHECK, check_safely
+from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
 from cbdsl.checking.suppression import apply_suppressions
 from cbdsl.diagnostics.catalogue import catalogue, hundred
-from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.diagnostic import FAILED_CHECK, Diagnostic
 from cbdsl.diagnostics.entry import Entry
 from cbdsl.documents.kinds import entries
 from cbdsl.yaml_text.library import Library

@@ -13,7 +13,7 @@ from urllib.parse import unquote_to_bytes
 import jsonschema
 import pytest
 
-from cbdsl.cli.findings import check_paths
+from cbdsl.cli.validation import check_paths
 from cbdsl.yaml_text.library import shipped
 
 SCHEMA = json.loads(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cbdsl.diagnostics.report import ValidationReport
     from cbdsl.yaml_text.library import Library
 
-#: Writer of each format: a module of this package, and its function of a report.
+#: Writer of each format: a module of ``cbdsl.diagnostics``, and its function of a report.
 FORMATS = {
     "text": ("text_format", "text"),
     "json": ("json_format", "json_report"),
@@ -73,7 +73,7 @@ def _writer(form: str) -> Callable[[ValidationReport], str]:
         raise UsageError.unknown("format", form, FORMATS)
     module, function = FORMATS[form]
     writer: Callable[[ValidationReport], str] = getattr(
-        import_module(f"cbdsl.cli.{module}"), function
+        import_module(f"cbdsl.diagnostics.{module}"), function
     )
     return writer
 
@@ -84,7 +84,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     from cbdsl.checking.suppression import apply_suppressions
     from cbdsl.cli.terminal import print_problem
     from cbdsl.diagnostics.report import ValidationReport
-    from cbdsl.documents.kinds import KINDS
+    from cbdsl.documents.kinds import KINDS, entry_of
     from cbdsl.yaml_text.composer import MOST_BYTES
     from cbdsl.yaml_text.library import Library
 
@@ -95,10 +95,10 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     files = chosen.files
     session = Session(library, values)
     # A robot's diagnostics come with every program on it: each is reported once.
-    found: dict[Diagnostic, None] = {}
+    every: dict[Diagnostic, None] = {}
     for file in files:
-        found.update(dict.fromkeys(check_safely(file, session)))
-    diagnostics = apply_suppressions(found, files, session.library)
+        every.update(dict.fromkeys(check_safely(file, session)))
+    diagnostics = apply_suppressions(every, files, session.library)
     for fault in KINDS.met_faults:
         print_problem(f"warning: {fault}")
     shown = _first_of_each_file(diagnostics)
@@ -109,6 +109,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
         _texts(session.library),
         chosen.others,
         chosen.unreadable,
+        entry_of,
     )
 
 
