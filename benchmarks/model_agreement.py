@@ -92,10 +92,10 @@ def by_kinematics(robot: RobotDocument, model: UrdfModel) -> Placing:
 
 def by_tree(robot: RobotDocument, model: UrdfModel) -> Placing:
     """Return placements of the engine ``kinematic``."""
-    from cbdsl.backends.kinematic.tree import Tree
+    from cbdsl.kinematics.link_tree import LinkTree
     from cbdsl.robot.joints import Joints
 
-    tree = Tree(model, Joints(robot), robot.base)
+    tree = LinkTree(model, Joints(robot), robot.base)
 
     def place(posture: Floats) -> Placements:
         tree.update(posture)

@@ -7,25 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cbdsl.kinematics.quaternion import quaternion_about, quaternion_of, rotations
 from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.urdf import UrdfOrigin
+from cbdsl.robot.urdf import UrdfJoint, UrdfOrigin
 
 _X, _Y, _Z = np.eye(3)
-
-
-def rotations(quaternions: Floats) -> Floats:
-    """Return matrices, shape (..., 3, 3), of unit quaternions (x, y, z, w), shape (..., 4)."""
-    single = quaternions.ndim == 1
-    # Plain numbers take a tenth of the time for a single quaternion.
-    x, y, z, w = quaternions.tolist() if single else np.moveaxis(quaternions, -1, 0)
-    entries = (
-        *(1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
-        *(2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
-        *(2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
-    )
-    if single:
-        return np.array(entries).reshape(3, 3)
-    return np.stack(entries, axis=-1).reshape(*quaternions.shape[:-1], 3, 3)
 
 
 @dataclass(frozen=True)
@@ -48,8 +34,7 @@ class Pose:
     @classmethod
     def turned(cls, axis: Floats, angle: float) -> Pose:
         """Return a rotation at the origin about a unit ``axis``, shape (3,), by ``angle``, rad."""
-        quaternion = np.append(np.sin(angle / 2) * axis, np.cos(angle / 2))
-        return cls(np.zeros(3), rotations(quaternion))
+        return cls(np.zeros(3), rotations(quaternion_about(axis, angle)))
 
     @classmethod
     def at(cls, origin: UrdfOrigin) -> Pose:
@@ -64,17 +49,26 @@ class Pose:
 
     def quaternion(self) -> tuple[float, float, float, float]:
         """Return the rotation as (x, y, z, w)."""
-        m = self.rotation
-        # Of the four formulas, the one with the largest divisor is numerically safe.
-        divisors = np.array([1 + np.trace(m), *(1 - np.trace(m) + 2 * np.diag(m))])
-        case = int(np.argmax(divisors))
-        root = 2 * np.sqrt(divisors[case])
-        skew = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
-        if case == 0:
-            x, y, z = skew / root
-            return float(x), float(y), float(z), float(root / 4)
-        axis = case - 1
-        vector = (m[axis] + m[:, axis]) / root
-        vector[axis] = root / 4
-        x, y, z = vector
-        return float(x), float(y), float(z), float(skew[axis] / root)
+        return quaternion_of(self.rotation)
+
+
+def axis_of(joint: UrdfJoint) -> Floats:
+    """Return the axis of a joint's motion in its own frame, of unit length, shape (3,).
+
+    The axis of a fixed joint means nothing, and is 0 in some models; it stays 0.
+    """
+    axis = np.array(joint.axis)
+    unit: Floats = axis / (np.linalg.norm(axis) or 1.0)
+    return unit
+
+
+def displacement(joint: UrdfJoint, position: float) -> Pose:
+    """Return the pose of a joint's child, relative to that at zero.
+
+    Args:
+        joint: Joint that turns, slides, or is fixed.
+        position: Position of the joint, rad or m.
+    """
+    if joint.slides:
+        return Pose(position * axis_of(joint), np.eye(3))
+    return Pose.turned(axis_of(joint), position)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
+from cbdsl.kinematics.joint_tree import JointTree, PlacedJoint
+from cbdsl.kinematics.pose import axis_of
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import Numbers, UrdfJoint, UrdfModel, Vector
 
@@ -30,43 +31,6 @@ _NEIGHBOURHOOD = 0.3
 # Costs of a violation and of a turn away from zero, in logarithms of manipulability.
 _FORBIDDEN = 100.0
 _AWAY = 0.02
-
-
-class _Frame(NamedTuple):
-    """Frame in the root's: rotation, shape (3, 3), and position, m, shape (3,)."""
-
-    rotation: Floats
-    position: Floats
-
-    def placed(self, vector: Floats) -> Floats:
-        """Return a vector of this frame in the root's, m."""
-        place: Floats = self.position + self.rotation @ vector
-        return place
-
-
-class _Hinge(NamedTuple):
-    """Joint in the form of arrays.
-
-    Attributes:
-        joint: Joint of the model.
-        origin: Frame in the frame of its parent.
-        axis: Axis of unit length, shape (3,).
-        cross: Matrix of the cross product of the axis with a vector, shape (3, 3).
-    """
-
-    joint: UrdfJoint
-    origin: _Frame
-    axis: Floats
-    cross: Floats
-
-    def moved(self, frame: _Frame, position: float) -> _Frame:
-        """Return the frame of its child, from its own (Rodrigues' formula)."""
-        if self.joint.slides:
-            return _Frame(frame.rotation, frame.placed(position * self.axis))
-        turn = (
-            math.sin(position) * self.cross + (1.0 - math.cos(position)) * self.cross @ self.cross
-        )
-        return _Frame(frame.rotation + frame.rotation @ turn, frame.position)
 
 
 class ReadyPosture:
@@ -94,11 +58,12 @@ class ReadyPosture:
         offset: Numbers = (0.0, 0.0, 0.0),
     ) -> None:
         self._joints, self._offset = tuple(joints), np.array(offset)
-        self._way = [_hinge(joint) for joint in _way(model, tip)]
+        self._tree = JointTree(reversed(model.way(tip)))
+        # Positions of all joints, of which those of the chain are replaced.
+        self._positions = {j.name: at_first(j) for j in self._tree.joints if j.movable}
         self.length = sum(math.hypot(*joint.origin.xyz) for joint in self._beyond()) or 1.0
         self.length += math.hypot(*offset)
-        at_first = self.at_first
-        points = self._points(at_first)
+        points = self._points(self.at_first)
         self._floor = points[0][2] >= -1e-6 and points[-1][2] > points[0][2] - 0.1 * self.length
 
     @property
@@ -144,14 +109,12 @@ class ReadyPosture:
 
     def _beyond(self) -> list[UrdfJoint]:
         """Return the joints beyond the first one of the chain."""
-        joints = [hinge.joint for hinge in self._way]
-        names = [joint.name for joint in joints]
-        return joints[names.index(self._joints[0].name) + 1 :]
+        names = [joint.name for joint in self._tree.joints]
+        return list(self._tree.joints[names.index(self._joints[0].name) + 1 :])
 
     def _score(self, positions: Sequence[float]) -> float:
-        hinges, frames = self._frames(positions)
-        points = np.array([each.position for each in frames])
-        jacobian = self._jacobian(hinges, frames)
+        joints, points = self._place(positions)
+        jacobian = self._jacobian(joints, points)
         square = jacobian.T @ jacobian + _DAMPING * np.eye(jacobian.shape[1])
         turns = math.fsum(
             abs(position) for position, joint in zip(positions, self._joints, strict=True)
@@ -163,20 +126,21 @@ class ReadyPosture:
             - _AWAY * turns
         )
 
-    def _jacobian(self, hinges: Sequence[_Hinge], frames: Sequence[_Frame]) -> Floats:
+    def _jacobian(self, joints: Sequence[PlacedJoint], points: Floats) -> Floats:
         """Return the motions of the tip by joint: translation, in parts of the length, and turn.
+
+        Args:
+            joints: Joints of the chain.
+            points: Positions of the joints and the tip, m, shape (n + 1, 3).
 
         Returns:
             Row per joint, shape (n, 3), or (n, 6) if the tip can be turned, too.
         """
-        slides = np.array([hinge.joint.slides for hinge in hinges])[:, None]
-        axes = np.array(
-            [frame.rotation @ hinge.axis for hinge, frame in zip(hinges, frames[:-1], strict=True)]
-        )
-        places = np.array([frame.position for frame in frames])
-        arms = (places[-1] - places[:-1]) / self.length
+        slides = np.array([placed.joint.slides for placed in joints])[:, None]
+        axes = np.array([placed.frame.rotation @ axis_of(placed.joint) for placed in joints])
+        arms = (points[-1] - points[:-1]) / self.length
         along = np.where(slides, axes, np.cross(axes, arms))
-        if len(hinges) < _TURNING:
+        if len(joints) < _TURNING:
             return along
         return np.hstack([along, np.where(slides, 0.0, axes)])
 
@@ -197,23 +161,15 @@ class ReadyPosture:
 
     def _points(self, positions: Sequence[float]) -> Floats:
         """Return the positions of the joints and the tip, m, shape (n + 1, 3)."""
-        return np.array([frame.position for frame in self._frames(positions)[1]])
+        return self._place(positions)[1]
 
-    def _frames(self, positions: Sequence[float]) -> tuple[list[_Hinge], list[_Frame]]:
-        """Return the chain's joints, their frames, and the frame of the tip after them."""
+    def _place(self, positions: Sequence[float]) -> tuple[list[PlacedJoint], Floats]:
+        """Return the chain's joints, and their positions and the tip's, m, shape (n + 1, 3)."""
         given = dict(zip((joint.name for joint in self._joints), positions, strict=True))
-        frame = _Frame(np.eye(3), np.zeros(3))
-        hinges, frames = [], []
-        for hinge in self._way:
-            joint = hinge.joint
-            rotation = frame.rotation @ hinge.origin.rotation
-            frame = _Frame(rotation, frame.placed(hinge.origin.position))
-            if joint.name in given:
-                hinges.append(hinge)
-                frames.append(frame)
-            if joint.movable:
-                frame = hinge.moved(frame, given.get(joint.name, at_first(joint)))
-        return hinges, [*frames, _Frame(frame.rotation, frame.placed(self._offset))]
+        way = list(self._tree.place(self._positions | given).values())
+        end, joints = way[-1].child, [placed for placed in way if placed.joint.name in given]
+        tip = end.position + end.rotation @ self._offset
+        return joints, np.array([*(placed.frame.position for placed in joints), tip])
 
 
 def at_first(joint: UrdfJoint) -> float:
@@ -243,22 +199,6 @@ def _choices(joint: UrdfJoint) -> list[float]:
     steps = range(round(-_FARTHEST / _STEP), round(_FARTHEST / _STEP) + 1)
     angles = [round(step * _STEP, 9) for step in sorted(steps, key=lambda step: (abs(step), step))]
     return [a for a in angles if joint.lower + margin <= a <= joint.upper - margin]
-
-
-def _way(model: UrdfModel, link: str) -> list[UrdfJoint]:
-    """Return the joints from the root to a link."""
-    above = {joint.child: joint for joint in model.joints.values()}
-    way: list[UrdfJoint] = []
-    while link in above and above[link] not in way:
-        way.append(above[link])
-        link = above[link].parent
-    return way[::-1]
-
-
-def _hinge(joint: UrdfJoint) -> _Hinge:
-    axis = np.array(joint.axis) / (math.hypot(*joint.axis) or 1.0)
-    origin = _Frame(np.array(joint.origin.rotation), np.array(joint.origin.xyz))
-    return _Hinge(joint, origin, axis, np.cross(axis, np.eye(3)).T)
 
 
 def _vector(point: Floats) -> Vector:

@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cbdsl.kinematics.joint_tree import JointTree
+from cbdsl.kinematics.pose import Pose
 from cbdsl.kinematics.ready_posture import at_first
-from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.mesh_file import find_mesh
-from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
+from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfShape
 
 LinkPair = tuple[str, str]
 
@@ -28,11 +29,11 @@ class ConvexPart(NamedTuple):
 
     Attributes:
         geometry: Geometry of coal.
-        pose: Pose in the link's frame, shape (4, 4).
+        pose: Pose in the link's frame.
     """
 
     geometry: Any
-    pose: Floats
+    pose: Pose
 
 
 class SelfContacts:
@@ -52,7 +53,7 @@ class SelfContacts:
         import coal  # installed with Pinocchio
 
         self._coal, self._model = coal, model
-        self._order = list(_outwards(model))
+        self._tree = JointTree(joint for root in model.roots for joint in model.beyond(root))
         shapes = {name: [*self._shapes(body.collisions)] for name, body in model.bodies.items()}
         self._shapes_of = {name: own for name, own in shapes.items() if own}
         ways = {name: {joint.parent for joint in model.way(name)} for name in self._shapes_of}
@@ -78,18 +79,20 @@ class SelfContacts:
         for _ in range(_SAMPLES):
             if not left:
                 break
-            drawn = {joint.name: _drawn(joint, rng) for joint in self._order if joint.movable}
+            drawn = {joint.name: _drawn(joint, rng) for joint in self._tree.joints if joint.movable}
             left = self._touching(drawn, sorted(left))
         return left
 
     def _touching(
         self, positions: Mapping[str, float], pairs: list[LinkPair]
     ) -> frozenset[LinkPair]:
-        frames = self._frames(positions)
-        placed = {
-            name: [(each.geometry, self._transform(frames[name] @ each.pose)) for each in own]
-            for name, own in self._shapes_of.items()
-        }
+        joints = [joint for joint in self._tree.joints if joint.movable]
+        links = self._tree.place({joint.name: self._position(joint, positions) for joint in joints})
+        placed = {}
+        for name, shapes in self._shapes_of.items():
+            poses = [links[name].child @ s.pose if name in links else s.pose for s in shapes]
+            transforms = [self._coal.Transform3s(pose.rotation, pose.position) for pose in poses]
+            placed[name] = [(s.geometry, at) for s, at in zip(shapes, transforms, strict=True)]
         return frozenset(
             (one, other)
             for one, other in pairs
@@ -99,19 +102,6 @@ class SelfContacts:
     def _touch(self, one: Any, its_pose: Any, other: Any, other_pose: Any) -> bool:
         result = self._coal.CollisionResult()
         return bool(self._coal.collide(one, its_pose, other, other_pose, self._request, result))
-
-    def _transform(self, pose: Floats) -> Any:
-        return self._coal.Transform3s(pose[:3, :3], pose[:3, 3])
-
-    def _frames(self, positions: Mapping[str, float]) -> dict[str, Floats]:
-        """Return the frames of all links in the root's, shape (4, 4)."""
-        frames = dict.fromkeys(self._model.links - {j.child for j in self._order}, np.eye(4))
-        for joint in self._order:
-            frame = frames[joint.parent] @ _pose(joint.origin)
-            if joint.movable:
-                frame = frame @ _motion(joint, self._position(joint, positions))
-            frames[joint.child] = frame
-        return frames
 
     def _position(self, joint: UrdfJoint, positions: Mapping[str, float]) -> float:
         """Return the position of a joint; a passive one follows another."""
@@ -125,7 +115,7 @@ class SelfContacts:
         for shape in shapes:
             geometry = self._geometry(shape)
             if geometry is not None:
-                yield ConvexPart(geometry, _pose(shape.origin))
+                yield ConvexPart(geometry, Pose.at(shape.origin))
 
     def _geometry(self, shape: UrdfShape) -> Any:
         """Return the coal geometry of a shape, or ``None`` if it has no volume."""
@@ -146,36 +136,5 @@ class SelfContacts:
         return mesh.convex
 
 
-def _outwards(model: UrdfModel) -> Iterator[UrdfJoint]:
-    """Yield joints, each after its parents."""
-    below: dict[str, list[UrdfJoint]] = {}
-    for joint in model.joints.values():
-        below.setdefault(joint.parent, []).append(joint)
-    waiting = [link for link in model.links if not model.way(link)]
-    while waiting:
-        for joint in below.get(waiting.pop(), []):
-            yield joint
-            waiting.append(joint.child)
-
-
 def _drawn(joint: UrdfJoint, rng: np.random.Generator) -> float:
     return float(rng.uniform(max(joint.lower, -_TURN), min(joint.upper, _TURN)))
-
-
-def _pose(origin: UrdfOrigin) -> Floats:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = origin.rotation, origin.xyz
-    return pose
-
-
-def _motion(joint: UrdfJoint, position: float) -> Floats:
-    """Return the motion of a joint from zero, shape (4, 4)."""
-    axis = np.array(joint.axis) / (math.hypot(*joint.axis) or 1.0)
-    motion = np.eye(4)
-    if joint.slides:
-        motion[:3, 3] = position * axis
-        return motion
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    motion[:3, :3] += math.sin(position) * cross + (1 - math.cos(position)) * cross @ cross
-    return motion

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from cbdsl.kinematics.quaternion import product, quaternion_about, turned
 from cbdsl.numeric.arrays import Floats
 from cbdsl.reporting.model import DrawnLink
 
@@ -24,24 +23,5 @@ def placed(link: DrawnLink, positions: Floats) -> tuple[Floats, Floats]:
     if link.motion == "slide":
         return place + turned(turn, axis * angle), turn
     if link.motion == "turn":
-        return place, product(turn, np.array([*(math.sin(angle / 2) * axis), math.cos(angle / 2)]))
+        return place, product(turn, quaternion_about(axis, angle))
     return place, turn
-
-
-def product(first: Floats, second: Floats) -> Floats:
-    """Return the product of two quaternions, the rotation by ``second`` followed by ``first``."""
-    vector = first[3] * second[:3] + second[3] * first[:3] + np.cross(first[:3], second[:3])
-    return np.array([*vector, first[3] * second[3] - first[:3] @ second[:3]])
-
-
-def inverse(turn: Floats) -> Floats:
-    """Return the inverse of a unit quaternion."""
-    conjugate: Floats = turn * np.array([-1.0, -1.0, -1.0, 1.0])
-    return conjugate
-
-
-def turned(turn: Floats, vector: Floats) -> Floats:
-    """Return a vector, shape (3,), rotated by a unit quaternion."""
-    twice = 2.0 * np.cross(turn[:3], vector)
-    result: Floats = vector + turn[3] * twice + np.cross(turn[:3], twice)
-    return result

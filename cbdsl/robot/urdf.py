@@ -1,7 +1,7 @@
 """URDF models: links, joints, limits and shapes."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -244,6 +244,19 @@ class UrdfModel:
         reach = sum(joint.length for joint in between)
         return reach if bounded and math.isfinite(reach) else None
 
+    def beyond(self, link: str) -> Iterator[UrdfJoint]:
+        """Yield all joints beyond a link, each after its parent joint."""
+        waiting = self._branches.get(link, [])[::-1]
+        while waiting:
+            joint = waiting.pop()
+            yield joint
+            waiting += self._branches.get(joint.child, [])[::-1]
+
+    @property
+    def roots(self) -> list[str]:
+        """Names of the links that no joint moves, sorted."""
+        return sorted(self.links - self._parents.keys())
+
     def way(self, link: str) -> tuple[UrdfJoint, ...]:
         """Return all joints between a link and the root, from the link upwards."""
         return way_to_root(link, self._parents)
@@ -252,6 +265,14 @@ class UrdfModel:
     def _moving(self) -> dict[str, tuple[str, ...]]:
         """Names of movable joints above links, filled on request."""
         return {}
+
+    @cached_property
+    def _branches(self) -> Mapping[str, list[UrdfJoint]]:
+        """Joints by the link that carries them, in the file's order."""
+        branches: dict[str, list[UrdfJoint]] = {}
+        for joint in self.joints.values():
+            branches.setdefault(joint.parent, []).append(joint)
+        return branches
 
     @cached_property
     def _parents(self) -> Mapping[str, UrdfJoint]:

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.kinematics.pose import Pose, rotations
+from cbdsl.kinematics.pose import Pose
+from cbdsl.kinematics.quaternion import rotations
 
 component = st.floats(-1, 1)
 quaternions = (

@@ -11,7 +11,7 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.kinematics.pose import rotations
+from cbdsl.kinematics.quaternion import rotations
 from cbdsl.reporting.link_shape import LinkShape
 from cbdsl.reporting.model import DrawnLink, read_links
 from cbdsl.robot.urdf_reader import parse_urdf

@@ -13,8 +13,9 @@ import pybullet
 import pytest
 
 from cbdsl.backends.bullet.robot import BulletRobot
-from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.mujoco.robot_spec import body_name, make_robot_spec
+from cbdsl.kinematics.joint_tree import JointTree
+from cbdsl.kinematics.link_tree import LinkTree
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf_reader import read_urdf
 from tests.robots.small_robot import Hinge, SmallRobot, chain, write_robot
@@ -62,10 +63,20 @@ def by_kinematics(small: SmallRobot, posture: Floats) -> dict[str, Floats]:
 
 def by_tree(small: SmallRobot, posture: Floats) -> dict[str, Floats]:
     joints = small.kinematics().joints
-    tree = Tree(read_urdf(small.urdf), joints, small.document.base)
+    tree = LinkTree(read_urdf(small.urdf), joints, small.document.base)
     tree.update(posture)
     poses = {link: tree.pose(link) for link in tree.rows}
     return {link: placement(pose.rotation, pose.position) for link, pose in poses.items()}
+
+
+def by_interpreter(small: SmallRobot, posture: Floats) -> dict[str, Floats]:
+    model, joints = read_urdf(small.urdf), small.kinematics().joints
+    positions = zip(joints.all, joints.expand(posture).tolist(), strict=True)
+    base = small.document.base
+    placed = JointTree(model.beyond(base)).place({**model.rests, **dict(positions)})
+    poses = {link: joint.child for link, joint in placed.items()}
+    frames = {link: placement(pose.rotation, pose.position) for link, pose in poses.items()}
+    return {base: np.eye(4)} | frames
 
 
 def by_mujoco(small: SmallRobot, posture: Floats) -> dict[str, Floats]:
@@ -103,7 +114,13 @@ def placement(rotation: Floats, position: Floats) -> Floats:
     return matrix
 
 
-READERS = {"kinematics": by_kinematics, "tree": by_tree, "mujoco": by_mujoco, "bullet": by_bullet}
+READERS = {
+    "kinematics": by_kinematics,
+    "tree": by_tree,
+    "interpreter": by_interpreter,
+    "mujoco": by_mujoco,
+    "bullet": by_bullet,
+}
 # A servo of an engine holds its joint so near its reference.
 TOLERANCES = {"bullet": 1e-3}
 

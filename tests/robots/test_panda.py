@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.simulated_backend import simulate
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.link_tree import LinkTree
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
@@ -29,7 +29,7 @@ def panda(library: Library) -> RobotDocument:
 
 def test_both_forward_kinematics_slide_the_fingers(panda: RobotDocument) -> None:
     kinematics, model = Kinematics(panda, URDF), read_urdf(URDF)
-    tree = Tree(model, Joints(panda), panda.base)
+    tree = LinkTree(model, Joints(panda), panda.base)
     rng = np.random.default_rng(0)
     for _ in range(20):
         posture = rng.uniform(kinematics.lower, kinematics.upper)

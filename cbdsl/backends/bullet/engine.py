@@ -16,7 +16,8 @@ from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.pose import Pose, rotations
+from cbdsl.kinematics.pose import Pose
+from cbdsl.kinematics.quaternion import rotations
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.observation import Cell

@@ -11,7 +11,7 @@ import pybullet as p
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.links import matching_links
 from cbdsl.documents.robot import RobotDocument, Simulation
-from cbdsl.kinematics.pose import rotations
+from cbdsl.kinematics.quaternion import rotations
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel

@@ -15,7 +15,7 @@ from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.solids import POSITION, ROTATION
 from cbdsl.backends.staging.world_state import Part
-from cbdsl.kinematics.pose import rotations
+from cbdsl.kinematics.quaternion import rotations
 from cbdsl.numeric.arrays import Floats, Image
 from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.urdf import UrdfModel, UrdfShape

@@ -7,11 +7,11 @@ import numpy as np
 from cbdsl.backends.kinematic.hands import FingertipContact, Hands
 from cbdsl.backends.kinematic.manipulation import Manipulation
 from cbdsl.backends.kinematic.servos import Servos
-from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.link_tree import LinkTree
 from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
@@ -31,7 +31,7 @@ class KinematicEngine(Engine):
     def __init__(self, robot: RobotDocument, model: UrdfModel, period: float) -> None:
         joints = Joints(robot)
         self._period = period
-        self._tree = Tree(model, joints, robot.base)
+        self._tree = LinkTree(model, joints, robot.base)
         self._servos = Servos(joints, model, self._tree, period)
         self._hands = Hands(robot, model, joints, self._tree)
         self.rows, self.cells = self._tree.rows, self._hands.cells

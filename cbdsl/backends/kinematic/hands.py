@@ -12,9 +12,9 @@ import numpy as np
 from cbdsl.backends.cameras.limbs import solid_shapes
 from cbdsl.backends.kinematic.depths import depths
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
-from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.link_tree import LinkTree
 from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.robot.joints import Joints
@@ -89,7 +89,9 @@ class Hands:
         hands: Hands by name.
     """
 
-    def __init__(self, robot: RobotDocument, model: UrdfModel, joints: Joints, tree: Tree) -> None:
+    def __init__(
+        self, robot: RobotDocument, model: UrdfModel, joints: Joints, tree: LinkTree
+    ) -> None:
         self._robot, self._model, self._joints, self._tree = robot, model, joints, tree
         self.cells = tuple(
             (hand, finger) for hand, fingers in robot.load_cells.items() for finger in fingers

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cbdsl.backends.kinematic.tree import Tree, place
-from cbdsl.numeric.arrays import Booleans, Floats, Rows
+from cbdsl.kinematics.forward import place_joints
+from cbdsl.kinematics.link_tree import LinkTree
+from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
@@ -24,7 +25,7 @@ class Servos:
         period: Period of a control tick, s.
     """
 
-    def __init__(self, joints: Joints, model: UrdfModel, tree: Tree, period: float) -> None:
+    def __init__(self, joints: Joints, model: UrdfModel, tree: LinkTree, period: float) -> None:
         self._period = period
         self._chain = tree.chain
         limits = [model.joints[name] for name in joints.names]
@@ -53,11 +54,10 @@ def _follow(
     period: float,
     reached: Floats,
     velocities: Floats,
-    follows: Rows,
-    parts: Floats,
-    angles: Floats,
-    moved: Booleans,
-    placed: Floats,
+    moving: Integers,
+    joints: Records,
+    frames: Floats,
+    axes: Floats,
 ) -> None:
     """Write reached positions and velocities, and place the links.
 
@@ -70,4 +70,4 @@ def _follow(
         wanted = min(max(reference[joint], least), most)
         reached[joint] = min(max(wanted, lower), upper)
         velocities[joint] = (reached[joint] - positions[joint]) / period
-    place(reached, follows, parts, angles, moved, placed)
+    place_joints(reached, moving, joints, frames, axes)

@@ -15,8 +15,7 @@ from cbdsl.backends.mujoco.geometry import add_shape
 from cbdsl.backends.staging.links import matching_links
 from cbdsl.backends.staging.scenario import GRAVITY
 from cbdsl.documents.robot import Coupling, MujocoSection, RobotDocument
-from cbdsl.kinematics.displacement import displacement
-from cbdsl.kinematics.pose import Pose
+from cbdsl.kinematics.pose import Pose, displacement
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfInertial, UrdfJoint, UrdfModel
 

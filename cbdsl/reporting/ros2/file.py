@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.reporting.link_pose import inverse, turned
+from cbdsl.kinematics.quaternion import inverse, turned
 from cbdsl.reporting.model import DrawnLink, read_links
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.ros2.bag import Bag

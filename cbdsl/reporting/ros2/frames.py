@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from cbdsl.kinematics.quaternion import product, quaternion_about
 from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.link_pose import placed, product
+from cbdsl.reporting.link_pose import placed
 from cbdsl.reporting.model import DrawnLink
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.ros2.message import header, make, quaternion, vector
@@ -84,4 +85,4 @@ def _rotation(rotation: Sequence[float]) -> Floats:
     """Return the quaternion of a rotation vector, rad, shape (3,)."""
     angle = math.hypot(*rotation)
     axis = np.array(rotation) / (angle or 1.0)
-    return np.array([*(math.sin(angle / 2) * axis), math.cos(angle / 2)])
+    return quaternion_about(axis, angle)
