@@ -33,6 +33,7 @@ class ExploreRequest:
         algorithm: ``explore_catalog`` (Algorithm 3) or ``explore_models`` (Section 6.3).
         constants: Constants of the algorithm by name, as text with units or in SI.
         join: True to continue with additional programs, or with a changed stage.
+        folder: Folder to search for documents by name; the working folder if ``None``.
         command: Command that repeats the exploration, for the provenance of the catalog.
     """
 
@@ -50,6 +51,7 @@ class ExploreRequest:
     algorithm: str = "explore_catalog"
     constants: Mapping[str, str] = field(default_factory=dict)
     join: bool = False
+    folder: Path | None = None
     command: str = ""
 
     def task(self) -> tuple[RunRequest, ExplorationTask]:
@@ -71,13 +73,13 @@ class ExploreRequest:
             raise UsageError(f"--out {self.out}: a catalog is <name>.yaml")
         if self.algorithm not in EXPLORATIONS:
             raise UsageError.unknown("exploration", self.algorithm, EXPLORATIONS)
-        requests, explorable = read_actions(self.programs, self.feature, self.stage)
+        requests, explorable = read_actions(self.programs, self.feature, self.stage, self.folder)
         run = requests[0]
         require_persistent(run.stage)
         constants = EXPLORATIONS[self.algorithm].Constants
         return run, ExplorationTask(
             actions=explorable,
-            between=read_request(self.between, self.stage, None, {}).program,
+            between=read_request(self.between, self.stage, None, {}, folder=self.folder).program,
             feature=self.feature,
             robot=run.robot,
             urdf=run.urdf.absolute(),

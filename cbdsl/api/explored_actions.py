@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from cbdsl.api.run_request import RunRequest
     from cbdsl.documents.catalog import CatalogDocument
     from cbdsl.training.explorable import Explorable
@@ -35,8 +37,8 @@ def read_action(text: str) -> ActionText:
     import re
     from pathlib import Path
 
-    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.document import NAME_PATTERN
+    from cbdsl.diagnostics.errors import UsageError
 
     head, _, tail = text.partition(":")
     label, given, program = head.rpartition("=")
@@ -53,7 +55,7 @@ def read_action(text: str) -> ActionText:
 
 
 def read_actions(
-    texts: Sequence[str], feature: str, stage: str
+    texts: Sequence[str], feature: str, stage: str, folder: Path | None = None
 ) -> tuple[list[RunRequest], tuple[Explorable, ...]]:
     """Read, check and resolve the actions of an exploration.
 
@@ -61,6 +63,7 @@ def read_actions(
         texts: Actions as typed.
         feature: Value of the parameter ``feature`` of actions that do not assign it.
         stage: Stage of the exploration.
+        folder: Folder to search for documents by name; the working folder if ``None``.
 
     Raises:
         DiagnosticsError: A document has errors.
@@ -71,7 +74,7 @@ def read_actions(
     requests: list[RunRequest] = []
     actions: list[Explorable] = []
     for each in map(read_action, texts):
-        request, action = _explorable(each, feature, stage)
+        request, action = _explorable(each, feature, stage, folder)
         if action.name in {known.name for known in actions}:
             raise UsageError(f"two actions are named '{action.name}': give one a LABEL=")
         requests.append(request)
@@ -88,7 +91,7 @@ def recorded_actions(
     channels that had no action, so that it has to search for those again.
 
     Args:
-        catalog: Catalog without diagnostics.
+        catalog: Catalog without findings.
         stage: Stage on which the actions will run.
 
     Returns:
@@ -117,7 +120,9 @@ def _opened(catalog: CatalogDocument, name: str) -> set[str]:
     }
 
 
-def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
+def _explorable(
+    text: ActionText, feature: str, stage: str, folder: Path | None = None
+) -> tuple[RunRequest, Explorable]:
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.training.explorable import OPEN, with_marks
 
@@ -125,33 +130,33 @@ def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest,
     if len(open_keys) > 1:
         raise UsageError(f"'{text.label}' leaves {' and '.join(open_keys)} open: one can be")
     closed = {key: value for key, value in text.values.items() if value != OPEN}
-    request, action = bound_action(text._replace(values=closed), feature, stage)
+    request, action = bound_action(text._replace(values=closed), feature, stage, folder)
     if not open_keys:
         return request, action
 
     def bind(label: str, values: Mapping[str, str]) -> Explorable:
-        return bound_action(ActionText(label, text.program, values), feature, stage)[1]
+        return bound_action(ActionText(label, text.program, values), feature, stage, folder)[1]
 
     return request, with_marks(text.label, text.values, bind, request.robot)
 
 
-def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
+def bound_action(
+    text: ActionText, feature: str, stage: str, folder: Path | None = None
+) -> tuple[RunRequest, Explorable]:
     """Return a program with its values, and the features of its model."""
     from cbdsl.api.run_request import read_request
-    from cbdsl.checking.knowledge.digest import program_digest
-    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.program import ProgramDocument
+    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.training.explorable import explorable
     from cbdsl.yaml_text.library import Library
 
-    library = Library()
+    library = Library(folder)
     document = library.read(library.locate(ProgramDocument, text.program), ProgramDocument)
     values = dict(text.values)
     if "feature" in document.document.parameters:
         values.setdefault("feature", feature)
-    request = read_request(text.program, stage, None, values)
-    digest = program_digest(request.program_file, request.library)
-    action = explorable(text.label, request.program, digest, _resources(request))
+    request = read_request(text.program, stage, None, values, folder=folder)
+    action = explorable(text.label, request.program, request.digest, _resources(request))
     if action is None:
         raise UsageError(
             f"'{text.program}' cannot be explored: nothing that it tracks or touches is rewarded"

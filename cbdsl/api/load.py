@@ -19,6 +19,7 @@ def load(
     calibration: str | Path | None = None,
     body: int | None = None,
     values: Mapping[str, str] | None = None,
+    folder: Path | None = None,
 ) -> RunRequest:
     """Read and check a program and all documents that it needs to run.
 
@@ -30,6 +31,8 @@ def load(
         calibration: File or name of the cameras' calibration; the robot's own if ``None``.
         body: Number of the simulated body, which keeps its cameras' errors.
         values: Values of the program's parameters, by name, as written in documents.
+        folder: Folder to search for documents by name before the shipped ones; the working folder
+            if ``None``.
 
     Raises:
         DiagnosticsError: A document has errors; its ``diagnostics`` list them.
@@ -48,6 +51,7 @@ def load(
         schema=_word(schema),
         calibration=_word(calibration),
         body=body,
+        folder=folder,
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cbdsl.documents.digest import ProgramDigest
     from cbdsl.documents.document import Document
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.documents.robot import RobotDocument
@@ -39,6 +40,13 @@ class RunRequest:
     library: Library
     values: Mapping[str, str] = field(default_factory=dict)
 
+    @property
+    def digest(self) -> ProgramDigest:
+        """Digest of the program and of the policies that it uses."""
+        from cbdsl.checking.knowledge.digest import program_digest
+
+        return program_digest(self.program_file, self.library)
+
 
 def read_request(
     program: str,
@@ -50,6 +58,7 @@ def read_request(
     calibration: str | None = None,
     body: int | None = None,
     uncalibrated: bool = False,
+    folder: Path | None = None,
 ) -> RunRequest:
     """Read and check the requested documents.
 
@@ -62,6 +71,7 @@ def read_request(
         calibration: File or name of the cameras' calibration; the robot's own if ``None``.
         body: Number of the simulated body; the stage's if ``None``.
         uncalibrated: True if the robot uses the camera poses of its model.
+        folder: Folder to search for documents by name; the working folder if ``None``.
 
     Raises:
         DiagnosticsError: A document has errors.
@@ -74,7 +84,7 @@ def read_request(
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.yaml_text.library import Library
 
-    library = Library()
+    library = Library(folder)
     path = library.locate(ProgramDocument, program)
     checked = check_program(path, values, library)
     robot_file = library.find(RobotDocument, checked.robot, path)

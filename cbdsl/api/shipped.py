@@ -2,11 +2,47 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.yaml_text.library import Library, shipped
+
+if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
+
+D = TypeVar("D", bound=Document)
+
+
+def shipped_folder() -> Path:
+    """Return the folder of the shipped documents, as ``folder`` of ``cbdsl.load``."""
+    return shipped()
+
+
+def shipped_names(kind: type[Document]) -> list[str]:
+    """Return the names of the shipped documents of a kind, in order."""
+    return Library(shipped()).names(kind)
+
+
+def shipped_document(kind: type[D], name: str) -> D:
+    """Return a shipped document.
+
+    Raises:
+        LookupError: The document is not shipped.
+    """
+    library = Library(shipped())
+    return library.read(shipped_file(library, kind, name), kind).document
+
+
+def shipped_path(kind: type[Document], name: str) -> Path:
+    """Return the file of a shipped document.
+
+    Raises:
+        LookupError: The document is not shipped.
+    """
+    return shipped_file(Library(shipped()), kind, name)
 
 
 def shipped_robot(name: str, library: Library | None = None) -> tuple[RobotDocument, Path]:
@@ -27,3 +63,16 @@ def shipped_file(library: Library, kind: type[Document], name: str) -> Path:
     if file is None:
         raise LookupError(f"'{name}' is not shipped")
     return file
+
+
+def shipped_program(
+    name: str,
+    *,
+    stage: str | None = None,
+    policy: str | None = None,
+    values: Mapping[str, str] | None = None,
+) -> RunRequest:
+    """Load a shipped program with shipped documents alone; see ``cbdsl.load``."""
+    from cbdsl.api.load import load
+
+    return load(name, stage=stage, policy=policy, values=values, folder=shipped())

@@ -8,17 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cbdsl.api.shipped import shipped_file, shipped_robot
+from cbdsl.api.shipped import shipped_program
 from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
-from cbdsl.checking.program import check_program
-from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner
 from cbdsl.types.policy import Policy
-from cbdsl.yaml_text.library import Library, shipped
 
 #: Backend on which the experiments of the source are measured.
 REFERENCE = "bullet"
@@ -60,7 +57,7 @@ def simulation_fixture(
     """Set up a shipped program and its robot on the simulator.
 
     Args:
-        name: Name of the program.
+        name: Name of the shipped program.
         values: Values of its parameters.
         stage: Name of a stage that replaces the program's own.
         engine: Name of the backend.
@@ -70,18 +67,15 @@ def simulation_fixture(
         BackendError: The simulator cannot embody the robot.
         ImportError: The simulator is not installed.
     """
-    # The shipped documents, instead of documents of the same names in the working folder.
-    library = Library(shipped())
-    program = check_program(shipped_file(library, ProgramDocument, name), values or {}, library)
-    robot, urdf = shipped_robot(program.robot, library)
-    stage_file = shipped_file(library, StageDocument, stage or program.stage or "")
+    request = shipped_program(name, stage=stage, values=values)
+    robot, urdf = request.robot, request.urdf
     backend = simulate(engine, robot, urdf, cameras=cameras)
     try:
         yield SimulationFixture(
             robot=robot,
             urdf=urdf,
-            program=program,
-            stage=library.read(stage_file, StageDocument).document,
+            program=request.program,
+            stage=request.stage,
             kinematics=Kinematics(robot, urdf),
             backend=backend,
         )

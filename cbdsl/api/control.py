@@ -1,0 +1,39 @@
+"""Control law, potentials and measures of a posture, without a program.
+
+Postures are rad or m, shape (n,); Jacobians have one row per dimension of the space.
+"""
+
+from __future__ import annotations
+
+from cbdsl.control.law import Law, LawSettings
+from cbdsl.control.level import Level
+from cbdsl.control.localizability import seen_by as localizability_potential
+from cbdsl.control.manipulability import of_jacobian as manipulability_potential
+from cbdsl.control.potential import Potential, Rule
+from cbdsl.control.range import between as range_potential
+from cbdsl.kinematics.rotation import log as rotation_vector
+from cbdsl.control.signal import Floats
+from cbdsl.control.spring import spring as spring_potential
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.kinematics.kinematics import Frame, Kinematics
+from cbdsl.sensing.tips import Tips
+
+__all__ = [
+    "Floats",
+    "Frame",
+    "Kinematics",
+    "Law",
+    "LawSettings",
+    "Level",
+    "Potential",
+    "Rule",
+    "Tips",
+    "UrdfModel",
+    "localizability_potential",
+    "manipulability_potential",
+    "range_potential",
+    "read_urdf",
+    "rotation_vector",
+    "spring_potential",
+]

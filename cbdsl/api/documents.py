@@ -1,0 +1,39 @@
+"""Documents as typed data, to read, change, write and identify.
+
+``load`` and ``check`` read files; ``cbdsl.api.shipped`` reads the documents of the package.
+"""
+
+from __future__ import annotations
+
+from cbdsl.documents.catalog import CatalogDocument, StepColumns
+from cbdsl.documents.digest import digest, digest_of_text
+from cbdsl.documents.form import BoxForm
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
+from cbdsl.documents.policy import PolicyDocument, Provenance
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.schema import SchemaDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.yaml_text.writer import make_room, write, write_text
+
+__all__ = [
+    "BoxForm",
+    "CatalogDocument",
+    "Gaussian",
+    "Kernel",
+    "MetaCatalogDocument",
+    "ModelDocument",
+    "PolicyDocument",
+    "ProgramDocument",
+    "Provenance",
+    "RobotDocument",
+    "SchemaDocument",
+    "StageDocument",
+    "StepColumns",
+    "digest",
+    "digest_of_text",
+    "make_room",
+    "write",
+    "write_text",
+]

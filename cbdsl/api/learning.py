@@ -1,0 +1,46 @@
+"""Learning algorithms and their data, for learners of other packages and for analyses.
+
+``ACCOMMODATE`` is Algorithm 1 of the source, ``ASSIMILATE`` Algorithm 2, ``EXPLORE`` Algorithm 3.
+"""
+
+from __future__ import annotations
+
+from cbdsl.learning.accommodate import Accommodate
+from cbdsl.learning.action_outcome import NOOP, ActionOutcome
+from cbdsl.learning.allocation_tree import TriedContext
+from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
+from cbdsl.learning.constants import AccommodateConstants, Form
+from cbdsl.learning.decisions import Decisions
+from cbdsl.learning.experience import Experience
+from cbdsl.learning.exploration import ExplorationStep
+from cbdsl.learning.exploration_constants import ExplorationConstants
+from cbdsl.learning.impedance import AXES, DIRECTIONS, KINDS, ImpedanceProfile, ImpedanceTest
+from cbdsl.learning.learner import ASSIMILATE
+from cbdsl.learning.stack_plan import StackPlan, plan_stack
+from cbdsl.learning.thing_graph import support_graph
+from cbdsl.learning.transition_counts import TransitionCounts
+
+__all__ = [
+    "ASSIMILATE",
+    "AXES",
+    "DIRECTIONS",
+    "KINDS",
+    "NOOP",
+    "Accommodate",
+    "AccommodateConstants",
+    "ActionOutcome",
+    "Assimilate",
+    "AssimilateConstants",
+    "Decisions",
+    "Experience",
+    "ExplorationConstants",
+    "ExplorationStep",
+    "Form",
+    "ImpedanceProfile",
+    "ImpedanceTest",
+    "StackPlan",
+    "TransitionCounts",
+    "TriedContext",
+    "plan_stack",
+    "support_graph",
+]

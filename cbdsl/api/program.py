@@ -1,0 +1,42 @@
+"""Checked programs, their parts, and the policies that choose among their actions.
+
+All of them are immutable: a variant of a program is ``program._replace(...)``.
+"""
+
+from __future__ import annotations
+
+from cbdsl.language.expression import SUBJECT_TO
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import Composition, Controller, Primitive, Relative
+from cbdsl.program.own_policy import own_policy
+from cbdsl.program.schema import Ranking, Schema
+from cbdsl.program.schema_policy import Features, SchemaPolicy
+from cbdsl.program.state_values import state_values
+from cbdsl.types.decision_tree import Split, Tree, decide, splits
+from cbdsl.types.policy import Policy, WrittenPolicy
+from cbdsl.types.state import ANY, Predicate, matches
+
+__all__ = [
+    "ANY",
+    "SUBJECT_TO",
+    "Action",
+    "CheckedProgram",
+    "Composition",
+    "Controller",
+    "Features",
+    "Policy",
+    "Predicate",
+    "Primitive",
+    "Ranking",
+    "Relative",
+    "Schema",
+    "SchemaPolicy",
+    "Split",
+    "Tree",
+    "WrittenPolicy",
+    "decide",
+    "matches",
+    "own_policy",
+    "splits",
+    "state_values",
+]

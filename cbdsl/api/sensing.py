@@ -1,0 +1,39 @@
+"""Signals of a robot: images, resources by name, and their values at a control tick."""
+
+from __future__ import annotations
+
+from cbdsl.program.binding import bind
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.pair_names import pair_features
+from cbdsl.robot.resources import resources
+from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.feature_reader import FeatureReader
+from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.sensing.camera import heading
+from cbdsl.sensing.channels import bin_mask
+from cbdsl.sensing.observation import Image
+from cbdsl.sensing.signals import Signals
+from cbdsl.types.resource import Headings, KernelSample, NetForces, NetLoad, Resource, Tip
+
+__all__ = [
+    "ControllerRun",
+    "FeatureReader",
+    "Headings",
+    "Image",
+    "KernelSample",
+    "NetForces",
+    "NetLoad",
+    "ProgramRun",
+    "Resource",
+    "Runner",
+    "Signals",
+    "Tick",
+    "Tip",
+    "bin_mask",
+    "bind",
+    "channel_names",
+    "heading",
+    "pair_features",
+    "resources",
+]
