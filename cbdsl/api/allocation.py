@@ -61,9 +61,9 @@ def exchanged(request: RunRequest, member: str, program: str) -> CheckedProgram:
     session = Session(request.library)
 
     def examine(
-        file: Path, with_: Mapping[str, str], findings: Diagnostics
+        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
     ) -> CheckedProgram | None:
-        return examine_program(file, with_, session, findings)
+        return examine_program(file, with_, session, diagnostics)
 
     exchange = MemberExchange(request.program_file, session, examine)
     changed, refusal = exchange.exchanged(request.program, member, program)

@@ -11,12 +11,12 @@ from cbdsl.control.localizability import seen_by as localizability_potential
 from cbdsl.control.manipulability import of_jacobian as manipulability_potential
 from cbdsl.control.potential import Potential, Rule
 from cbdsl.control.range import between as range_potential
-from cbdsl.kinematics.rotation import log as rotation_vector
-from cbdsl.control.signal import Floats
 from cbdsl.control.spring import spring as spring_potential
+from cbdsl.kinematics.kinematics import Frame, Kinematics
+from cbdsl.kinematics.rotation import log as rotation_vector
+from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.sensing.tips import Tips
 
 __all__ = [

@@ -37,8 +37,8 @@ def read_action(text: str) -> ActionText:
     import re
     from pathlib import Path
 
-    from cbdsl.documents.document import NAME_PATTERN
     from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.documents.document import NAME_PATTERN
 
     head, _, tail = text.partition(":")
     label, given, program = head.rpartition("=")
@@ -145,8 +145,8 @@ def bound_action(
 ) -> tuple[RunRequest, Explorable]:
     """Return a program with its values, and the features of its model."""
     from cbdsl.api.run_request import read_request
-    from cbdsl.documents.program import ProgramDocument
     from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.documents.program import ProgramDocument
     from cbdsl.training.explorable import explorable
     from cbdsl.yaml_text.library import Library
 

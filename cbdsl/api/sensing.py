@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cbdsl.numeric.arrays import Image
 from cbdsl.program.binding import bind
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.pair_names import pair_features
@@ -12,7 +13,6 @@ from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.camera import heading
 from cbdsl.sensing.channels import bin_mask
-from cbdsl.sensing.observation import Image
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Headings, KernelSample, NetForces, NetLoad, Resource, Tip
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.learning.action_outcome import NOOP
+from cbdsl.api.documents import CatalogDocument
+from cbdsl.api.learning import NOOP
 from cbdsl_reproduction.bar_chart import Bar, BarChart
 from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.habituation import actions_of

@@ -7,10 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from cbdsl.language.expression import SUBJECT_TO
-from cbdsl.learning.experience import Experience
-from cbdsl.reporting.drawing.policy_transitions import ABOVE
-from cbdsl.types.state import matches
+from cbdsl.api.drawing import ABOVE
+from cbdsl.api.learning import Experience
+from cbdsl.api.program import SUBJECT_TO, matches
 
 
 class ActionArc(NamedTuple):

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cbdsl.documents.model import Kernel, ModelDocument
-from cbdsl.yaml_text.writer import write
+from cbdsl.api.documents import Kernel, ModelDocument, write
 
 # Deviation of expected from tracked postures, rad: a head at rest is within 5 deg of the tracked
 # object.

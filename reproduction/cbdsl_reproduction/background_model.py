@@ -14,9 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cbdsl.api.sensing import Tick, channel_names
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
-from cbdsl.robot.channel_names import channel_names
-from cbdsl.runtime.episode import Tick
 from cbdsl_reproduction.background_documents import write_backgrounds
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.experiment import Result, RunSettings

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.documents.form import BoxForm
-from cbdsl.documents.stage import StageDocument
+from cbdsl.api.documents import BoxForm, StageDocument
 from cbdsl_reproduction import code39
 
 #: Edge of every pattern, m.

@@ -8,8 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.numeric.arrays import Image
-from cbdsl.sensing.channels import bin_mask
+from cbdsl.api.sensing import Image, bin_mask
 from cbdsl_reproduction.barcode import Barcode
 
 Floats = NDArray[np.float64]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.numeric.arrays import Image
+from cbdsl.api.sensing import Image
 from cbdsl_reproduction.barcode import Barcode
 from cbdsl_reproduction.barcode_reader import classify
 from cbdsl_reproduction.lens import Lens

@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from cbdsl.api.control import Floats
+from cbdsl.api.documents import RobotDocument, StageDocument
+from cbdsl.api.sensing import Image
+from cbdsl.api.shipped import shipped_robot
 from cbdsl.api.simulation_fixture import REFERENCE
-from cbdsl.backends.cameras.view import View
-from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.numeric.arrays import Image
-from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.api.trials import SimulatedBackend, embody_simulated
 from cbdsl_reproduction.barcode import SIZE
 from cbdsl_reproduction.barcode_trial import FOCAL_LENGTH
 
@@ -80,7 +79,8 @@ class CameraRig:
         """
         rng = np.random.default_rng(0)
         self._backend.reset(self._stage({"joints": _AHEAD}, []), None, rng)
-        place = _place(self._backend.cameras.views()["left"], placement)
+        camera = self._backend.cameras.views()["left"].pose
+        place = _place(camera.position, camera.rotation, placement)
         context: dict[str, object] = {
             "joints": _AHEAD,
             "things": ["box"],
@@ -104,12 +104,10 @@ class CameraRig:
         )
 
 
-def _place(view: View, placement: Placement) -> dict[str, float]:
+def _place(position: Floats, axes: Floats, placement: Placement) -> dict[str, float]:
     """Return the pose of the box that puts its printed side at a placement."""
-    forward, left, up = view.pose.rotation.T
-    side = (
-        view.pose.position + placement.depth * forward + placement.left * left + placement.up * up
-    )
+    forward, left, up = axes.T
+    side = position + placement.depth * forward + placement.left * left + placement.up * up
     yaw = float(np.arctan2(forward[1], forward[0])) + placement.turn
     x, y, z = side + _BOX_EDGE / 2 * np.array([np.cos(yaw), np.sin(yaw), 0.0])
     return {"x": float(x), "y": float(y), "z": float(z), "yaw": yaw}
@@ -122,11 +120,9 @@ def camera_rig(engine: str = REFERENCE) -> Iterator[CameraRig]:
     Raises:
         BackendError: The simulator cannot embody it.
     """
-    # The shipped document, instead of a document of the same name in the working folder.
-    library = Library(shipped())
-    path = library.locate(RobotDocument, "dexter")
-    robot = with_source_cameras(library.read(path, RobotDocument).document)
-    backend = simulate(engine, robot, path.parent / robot.model)
+    own, urdf = shipped_robot("dexter")
+    robot = with_source_cameras(own)
+    backend = embody_simulated(engine, robot, urdf)
     try:
         yield CameraRig(robot, backend)
     finally:

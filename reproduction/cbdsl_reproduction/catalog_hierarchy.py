@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import NamedTuple
 
-from cbdsl.reporting.drawing.catalog_icon import WIDTH, Layer, icon_parts
+from cbdsl.api.drawing import ICON_WIDTH, Layer, icon_parts
 
 _GAP, _RISE, _MARGIN, _EDGE, _LINE, _INK = 24, 56, 14, 12, "#888888", "#222222"
 
@@ -44,9 +44,9 @@ def catalog_hierarchy(nodes: Mapping[str, CatalogNode]) -> str:
         f'<rect width="{width:g}" height="{height:g}" fill="#ffffff"/>',
     ]
     for name, node in nodes.items():
-        start = (places[name][0] + WIDTH / 2, places[name][1] + icons[name][0] - _EDGE)
+        start = (places[name][0] + ICON_WIDTH / 2, places[name][1] + icons[name][0] - _EDGE)
         for other in node.below:
-            end = (places[other][0] + WIDTH / 2, places[other][1] + _EDGE)
+            end = (places[other][0] + ICON_WIDTH / 2, places[other][1] + _EDGE)
             parts.append(_line(start, end))
         if node.below:
             parts.append(
@@ -65,7 +65,7 @@ def _places(
 ) -> tuple[dict[str, tuple[float, float]], float, float]:
     """Return the upper left corner of each icon, and the size of the drawing, px."""
     rows = [[name for name in levels if levels[name] == n] for n in range(1 + max(levels.values()))]
-    widths = [len(row) * (WIDTH + _GAP) - _GAP for row in rows]
+    widths = [len(row) * (ICON_WIDTH + _GAP) - _GAP for row in rows]
     width, top = 2 * _MARGIN + max(widths), float(_MARGIN)
     places: dict[str, tuple[float, float]] = {}
     for row, wide in reversed([*zip(rows, widths, strict=True)]):
@@ -73,7 +73,7 @@ def _places(
         left = (width - wide) / 2
         for column, name in enumerate(row):
             # All icons of a row share one base line.
-            places[name] = (left + column * (WIDTH + _GAP), top + tallest - heights[name])
+            places[name] = (left + column * (ICON_WIDTH + _GAP), top + tallest - heights[name])
         top += tallest + _RISE
     return places, width, top - _RISE + _MARGIN
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.learning.action_outcome import NOOP
-from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
+from cbdsl.api.documents import CatalogDocument
+from cbdsl.api.drawing import Layer, catalog_icon
+from cbdsl.api.learning import NOOP
 from cbdsl_reproduction.action_counts import (
     action_bars,
     share_of_actions,

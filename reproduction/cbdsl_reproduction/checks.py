@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cbdsl.learning.experience import Experience
+from cbdsl.api.learning import Experience
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.series import Series
 from cbdsl_reproduction.trial_runner import LearnedTrial, TrialRunner

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
+from cbdsl.api.control import Kinematics
+from cbdsl.api.sensing import FeatureReader, Runner, Tick, pair_features, resources
 from cbdsl.api.simulation_fixture import simulation_fixture
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.robot.pair_names import pair_features
-from cbdsl.robot.resources import resources
-from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl_reproduction.stack_trials import StackJudge
 from cbdsl_reproduction.trial_digest import trial_digest
 

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.sensing.signals import Signals
+from cbdsl.api.sensing import Signals
 
 Floats = NDArray[np.float64]
 

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.learning.experience import Experience
-from cbdsl.learning.transition_counts import TransitionCounts
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.reporting.drawing.policy_graph import policy_graph
-from cbdsl.reporting.drawing.policy_transitions import PolicyTransitions, policy_transitions
-from cbdsl.reporting.drawing.svg import svg
+from cbdsl.api.documents import PolicyDocument
+from cbdsl.api.drawing import PolicyTransitions, draw_policy, policy_transitions
+from cbdsl.api.learning import Experience, TransitionCounts
+from cbdsl.api.program import CheckedProgram
 
 
 @dataclass(frozen=True)
@@ -40,7 +37,7 @@ class Diagram:
 
     def svg(self) -> str:
         """Return the picture as the text of an SVG file."""
-        return svg(policy_graph(self.graph))
+        return draw_policy(self.graph)
 
 
 def graph_of(

@@ -6,24 +6,21 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from statistics import median
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from cbdsl.api.shipped import shipped_file, shipped_robot
-from cbdsl.backends.backend import find_backend
-from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
-from cbdsl.checking.knowledge.digest import program_digest
-from cbdsl.checking.knowledge.learned import with_policy
-from cbdsl.checking.program import check_program
-from cbdsl.documents.digest import digest_of_text
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.runtime.episode import Runner
-from cbdsl.yaml_text.library import Library, shipped
+from cbdsl import Truth
+from cbdsl.api.control import Kinematics, read_urdf
+from cbdsl.api.documents import (
+    PolicyDocument,
+    ProgramDocument,
+    RobotDocument,
+    StageDocument,
+    digest_of_text,
+)
+from cbdsl.api.program import CheckedProgram
+from cbdsl.api.sensing import Runner
+from cbdsl.api.shipped import shipped_document, shipped_names, shipped_program, shipped_robot
+from cbdsl.api.trials import embody_simulated, find_backend
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.kept_episodes import KeptEpisodes, PlayedEpisode
@@ -97,14 +94,13 @@ def run(settings: RunSettings) -> Result:
     """Run all shipped programs and policies of Dexter on all engines."""
     episodes = settings.trials or (_QUICK_EPISODES if settings.quick else _EPISODES)
     seeds = range(settings.seed, settings.seed + episodes)
-    library = Library(shipped())
-    parts = list(_parts(library))
+    parts = list(_parts())
     for setup in _SETUPS:
         find_backend(setup.backend)  # reports a missing installation before any run
     played: dict[EngineSetup, dict[str, Episodes]] = {setup: {} for setup in _SETUPS}
     for number, setup in enumerate(_SETUPS):
         kept = KeptEpisodes(settings.folder / f"{setup.backend}_{setup.cameras}.jsonl")
-        body = EmbodiedRobot(setup, library)
+        body = EmbodiedRobot(setup)
         for index, part in enumerate(parts):
             what = part.digest_with(body.robot, setup)
             play = body.player(part)
@@ -119,13 +115,12 @@ class EmbodiedRobot:
 
     Args:
         setup: Engine and its cameras.
-        library: Library that holds the robot.
     """
 
-    def __init__(self, setup: EngineSetup, library: Library) -> None:
-        self.robot, self._urdf = shipped_robot(_ROBOT, library)
+    def __init__(self, setup: EngineSetup) -> None:
+        self.robot, self._urdf = shipped_robot(_ROBOT)
         self._hands = palms(self.robot, read_urdf(self._urdf))
-        self.backend: SimulatedBackend[Any] = simulate(
+        self.backend = embody_simulated(
             setup.backend, self.robot, self._urdf, cameras=setup.cameras
         )
 
@@ -136,33 +131,28 @@ class EmbodiedRobot:
         fixtures = frozenset(part.stage.fixtures)
 
         def play(seed: int) -> PlayedEpisode:
-            slip = SlipGauge(self.backend.truth, self._hands, fixtures)
+            slip = SlipGauge(Truth(self.backend.truth), self._hands, fixtures)
             result = runner.run(part.stage, seed, on_tick=slip.watch)
             return PlayedEpisode(result, result.rewarded or runner.predicate == "1", slip.largest)
 
         return play
 
 
-def _parts(library: Library) -> Iterator[PlayedPart]:
-    for name in library.names(ProgramDocument):
-        file = shipped_file(library, ProgramDocument, name)
-        program = check_program(file, {}, library)
-        if program.robot == _ROBOT and program.stage is not None:
-            digest = digest_of_text(str(program_digest(file, library)))
-            own = digest + file.read_text(encoding="utf-8")
-            yield PlayedPart(name, program, _stage(library, program.stage), own)
-    for name in library.names(PolicyDocument):
-        loaded = library.read(shipped_file(library, PolicyDocument, name), PolicyDocument)
-        learned = loaded.document.provenance
+def _parts() -> Iterator[PlayedPart]:
+    for name in shipped_names(ProgramDocument):
+        document = shipped_document(ProgramDocument, name)
+        if document.robot == _ROBOT and document.stage is not None:
+            request = shipped_program(name)
+            digest = digest_of_text(str(request.digest))
+            own = digest + request.program_file.read_text(encoding="utf-8")
+            yield PlayedPart(name, request.program, request.stage, own)
+    for name in shipped_names(PolicyDocument):
+        policy = shipped_document(PolicyDocument, name)
+        learned = policy.provenance
         if learned is not None:
-            file = shipped_file(library, ProgramDocument, loaded.document.program)
-            program = with_policy(check_program(file, {}, library), loaded, library)
-            digest = str(program_digest(file, library)) + loaded.document.model_dump_json()
-            yield PlayedPart(f"policy {name}", program, _stage(library, learned.stage.name), digest)
-
-
-def _stage(library: Library, name: str) -> StageDocument:
-    return library.read(shipped_file(library, StageDocument, name), StageDocument).document
+            request = shipped_program(policy.program, stage=learned.stage.name, policy=name)
+            digest = str(request.digest) + policy.model_dump_json()
+            yield PlayedPart(f"policy {name}", request.program, request.stage, digest)
 
 
 def _quantities(played: Mapping[EngineSetup, Mapping[str, Episodes]]) -> Iterator[Quantity]:

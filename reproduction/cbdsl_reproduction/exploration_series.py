@@ -8,19 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from cbdsl.api.shipped import shipped_file
-from cbdsl.checking.knowledge.digest import program_digest
-from cbdsl.checking.program import check_program
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.constants import read_constants
-from cbdsl.learning.explorations import EXPLORATIONS
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.robot.resources import resources
-from cbdsl.training.explorable import OPEN, Explorable, explorable, with_marks
-from cbdsl.training.exploration_task import ExplorationTask
-from cbdsl.yaml_text.library import Library
+from cbdsl import ExploreRequest
+from cbdsl.api.shipped import shipped_folder
 
 
 class ExploredAction(NamedTuple):
@@ -83,60 +72,28 @@ class ExplorationSeries:
         words += ["--join"] if self.grown_from is not None else []
         return shlex.join([*words, "--actions", str(actions)])
 
-    def task(
-        self, library: Library, robot: RobotDocument, urdf: Path, path: Path
-    ) -> ExplorationTask:
-        """Return the task of one exploration, without backend and seed."""
-        stage = library.read(shipped_file(library, StageDocument, self.stage), StageDocument)
-        constants = EXPLORATIONS[self.algorithm].Constants
-        return ExplorationTask(
-            actions=tuple(self._explorable(each, library, robot) for each in self.explored),
-            between=_checked("let_go", {}, library),
+    def request(self, path: Path) -> ExploreRequest:
+        """Return the request of one exploration, without backend and seed."""
+        return ExploreRequest(
+            programs=[each.text for each in self.explored],
+            stage=self.stage,
+            out=path,
             feature=self.feature,
-            robot=robot,
-            urdf=urdf,
-            stage=stage.document,
-            backend="",
+            actions=self.actions,
             algorithm=self.algorithm,
-            constants=read_constants(constants, self.constants, self.algorithm),
-            seed=0,
-            number=0,
-            count=self.actions,
-            until_habituated=False,
-            command="",
-            path=path,
-            joins=self.grown_from is not None,
+            constants=self.constants,
+            join=self.grown_from is not None,
+            folder=shipped_folder(),
         )
 
-    def _explorable(
-        self, action: ExploredAction, library: Library, robot: RobotDocument
-    ) -> Explorable:
-        values = {"feature": self.feature, **action.values}
 
-        def bind(name: str, bound: Mapping[str, str]) -> Explorable:
-            return _bound(name, action.program, bound, library, robot)
-
-        return with_marks(action.name, values, bind, robot)
-
-
-def _bound(
-    name: str, program: str, values: Mapping[str, str], library: Library, robot: RobotDocument
-) -> Explorable:
-    file = shipped_file(library, ProgramDocument, program)
-    checked = _checked(program, values, library)
-    made = explorable(name, checked, program_digest(file, library), resources(robot))
-    assert made is not None, "shipped programs are rewarded"
-    return made
-
-
-def _checked(program: str, values: Mapping[str, str], library: Library) -> CheckedProgram:
-    return check_program(shipped_file(library, ProgramDocument, program), values, library)
-
+# Value of a parameter for each channel that a run detects.
+_OPEN = "?"
 
 _LOOK = ExploredAction("searchtrack", "searchtrack")
 _TOUCH = ExploredAction("reachtouch", "reachtouch")
 _BOTH = ExploredAction("bimanualtouch", "bimanualtouch")
-_INSPECT = ExploredAction("visualinspect", "visualinspect", {"mark": OPEN})
+_INSPECT = ExploredAction("visualinspect", "visualinspect", {"mark": _OPEN})
 _SURFACE = ExploredAction("reachtouch", "touch_table")
 
 

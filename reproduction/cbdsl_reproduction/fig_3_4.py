@@ -14,20 +14,16 @@ from typing import Any
 
 import numpy as np
 
+from cbdsl.api.control import Floats, Potential, manipulability_potential, range_potential
+from cbdsl.api.documents import StageDocument
+from cbdsl.api.program import WrittenPolicy
+from cbdsl.api.sensing import Runner, Tick
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
-from cbdsl.control.manipulability import of_jacobian
-from cbdsl.control.potential import Potential
-from cbdsl.control.range import between
-from cbdsl.documents.stage import StageDocument
-from cbdsl.numeric.arrays import Floats
-from cbdsl.numeric.proportion import TAIL
-from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.types.policy import WrittenPolicy
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above, at_least, at_most, below
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.interval import resampled_interval
+from cbdsl_reproduction.interval import TAIL, resampled_interval
 from cbdsl_reproduction.percentage import clustered_percentage, percentage
 from cbdsl_reproduction.quantity import Quantity
 
@@ -135,7 +131,7 @@ def _reach(
     record = _Reach()
     columns = lab.kinematics.joints.of(_ARM)
     limits = lab.kinematics.lower[columns], lab.kinematics.upper[columns]
-    range_, manipulability = between(*limits), of_jacobian(3, len(columns))
+    range_, manipulability = range_potential(*limits), manipulability_potential(3, len(columns))
 
     def note(tick: Tick) -> None:
         if tick.run.action is None or tick.run.action.name != action:

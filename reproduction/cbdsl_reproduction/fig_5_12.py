@@ -6,28 +6,15 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from cbdsl import Transition
-from cbdsl.api.shipped import shipped_file, shipped_robot
-from cbdsl.backends.backend import embody
-from cbdsl.checking.knowledge.learned import with_policy
-from cbdsl.checking.member_exchange import MemberExchange
-from cbdsl.checking.program import check_program, examine_program
-from cbdsl.checking.session import Session
-from cbdsl.diagnostics.diagnostics import Diagnostics
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.learning.experience import Experience
-from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import Composition, Primitive
-from cbdsl.program.own_policy import own_policy
-from cbdsl.training.episode_runner import BackendEpisodeRunner
-from cbdsl.training.journal import Journal
-from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.api.allocation import exchanged
+from cbdsl.api.control import Kinematics
+from cbdsl.api.learning import Experience
+from cbdsl.api.program import Action, CheckedProgram, Composition, Primitive, own_policy
+from cbdsl.api.shipped import shipped_program
+from cbdsl.api.trials import BackendEpisodeRunner, Journal, embody
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from cbdsl_reproduction.estimate import mean_of
@@ -77,24 +64,10 @@ _NOTES = (
 
 def reparameterised() -> dict[str, CheckedProgram]:
     """Return the shipped program in three variants, by the way of making contact."""
-    library = Library(shipped())
-    path = shipped_file(library, ProgramDocument, _PROGRAM)
-    policy = library.read(shipped_file(library, PolicyDocument, _PROGRAM), PolicyDocument)
-    session = Session(library)
-
-    def examine(
-        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
-    ) -> CheckedProgram | None:
-        return examine_program(file, with_, session, diagnostics)
-
-    own = check_program(path, {}, library)
-    probing, refusal = MemberExchange(path, session, examine).exchanged(own, _MEMBER, _PROBE)
-    assert probing is not None, refusal
-    ways = {PASSIVE: _without_seeking(own), SEEKING: own, PROBING: probing}
-    return {
-        way: with_policy(program, policy, library)._replace(**_LIMITS)
-        for way, program in ways.items()
-    }
+    own = shipped_program(_PROGRAM, stage=_STAGE, policy=_PROGRAM)
+    probing = exchanged(own, _MEMBER, _PROBE)
+    ways = {PASSIVE: _without_seeking(own.program), SEEKING: own.program, PROBING: probing}
+    return {way: program._replace(**_LIMITS) for way, program in ways.items()}
 
 
 def _without_seeking(program: CheckedProgram) -> CheckedProgram:
@@ -137,11 +110,10 @@ def _episodes(settings: RunSettings, way: str, program: CheckedProgram) -> Itera
         yield from kept
         if len(kept) == count:
             return
-        library = Library(shipped())
-        robot, urdf = shipped_robot(program.robot, library)
-        stage = library.read(shipped_file(library, StageDocument, _STAGE), StageDocument).document
-        with closing(embody(settings.backend, robot, urdf, cameras=cameras)) as body:
-            runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage)
+        at = shipped_program(_PROGRAM, stage=_STAGE)
+        with closing(embody(settings.backend, at.robot, at.urdf, cameras=cameras)) as body:
+            kinematics = Kinematics(at.robot, at.urdf)
+            runner = BackendEpisodeRunner(at.robot, kinematics, body, at.stage)
             for number in range(len(kept), count):
                 began = time.perf_counter()
                 seed = settings.seed + number

@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.api.control import Kinematics
 from cbdsl.api.shipped import shipped_robot
-from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl_reproduction.claim import at_least, at_most, below
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings

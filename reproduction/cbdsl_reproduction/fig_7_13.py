@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
-from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile
+from cbdsl.api.learning import DIRECTIONS, ImpedanceProfile
 from cbdsl_reproduction.bar_chart import Bar, BarChart
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.experiment import Result, RunSettings

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from cbdsl.reporting.drawing.catalog_icon import Layer
+from cbdsl.api.drawing import Layer
 from cbdsl_reproduction.affordance_trials import (
     AffordanceTrial,
     affordance_digest,

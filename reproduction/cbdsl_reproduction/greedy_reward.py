@@ -7,9 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.program.binding import bind
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.types.resource import KernelSample
+from cbdsl.api.program import CheckedProgram
+from cbdsl.api.sensing import KernelSample, bind
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.estimate import mean_of

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+from cbdsl.api.control import Kinematics
+from cbdsl.api.sensing import Resource, Runner, Signals, Tick, resources
 from cbdsl.api.simulation_fixture import simulation_fixture
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.robot.resources import resources
-from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import Resource
 from cbdsl_reproduction.constellation_trials import CHANNELS, STAGE
 from cbdsl_reproduction.stack_trials import StackJudge
 from cbdsl_reproduction.trial_digest import trial_digest

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.reporting.drawing.catalog_icon import Layer
+from cbdsl.api.documents import CatalogDocument
+from cbdsl.api.drawing import Layer
 from cbdsl_reproduction.action_counts import action_bars, share_of_actions, tally
 from cbdsl_reproduction.catalog_hierarchy import CatalogNode
 from cbdsl_reproduction.chart import Chart, Line

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.documents.catalog import CatalogDocument, StepColumns
-from cbdsl.learning.action_outcome import NOOP
-from cbdsl.learning.exploration_constants import ExplorationConstants
+from cbdsl.api.documents import CatalogDocument, StepColumns
+from cbdsl.api.learning import NOOP, ExplorationConstants
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import between
 from cbdsl_reproduction.estimate import chance_of_samples, median

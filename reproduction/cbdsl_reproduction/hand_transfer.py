@@ -14,30 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl import Transition
-from cbdsl.api.shipped import shipped_file
-from cbdsl.checking.assimilation import program_to_assimilate
-from cbdsl.checking.session import Session
-from cbdsl.documents.digest import digest
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.schema import SchemaDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.accommodate import Accommodate
-from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
-from cbdsl.learning.experience import Experience
-from cbdsl.learning.learner import ASSIMILATE
-from cbdsl.numeric.proportion import TAIL
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.schema_policy import SchemaPolicy
-from cbdsl.program.state_values import state_values
-from cbdsl.training.journal import Journal
-from cbdsl.training.trial import Trial
-from cbdsl.training.trial_loop import identity_of
+from cbdsl.api.allocation import allocated
+from cbdsl.api.documents import SchemaDocument, digest
+from cbdsl.api.learning import ASSIMILATE, Accommodate, Assimilate, AssimilateConstants, Experience
+from cbdsl.api.program import CheckedProgram, SchemaPolicy, state_values
+from cbdsl.api.shipped import shipped_program
+from cbdsl.api.trials import Journal, Trial, identity_of
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above, below
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import (
+    TAIL,
     interquartile_interval,
     interquartile_mean,
     resampled_interval,
@@ -132,14 +120,9 @@ class _AssimilatedTrials:
 
     def __init__(self, dexter: TrialRunner, parts: tuple[int, int, int]) -> None:
         self._dexter, self._parts = dexter, parts
-        library = dexter.library
-        path = shipped_file(library, ProgramDocument, PICKANDPLACE.program)
-        policy = library.read(
-            shipped_file(library, PolicyDocument, PICKANDPLACE.program), PolicyDocument
-        )
-        self._program = program_to_assimilate(path, policy, Session(library), {})
-        file = shipped_file(library, StageDocument, _STAGE)
-        self._stage = library.read(file, StageDocument).document
+        request = shipped_program(PICKANDPLACE.program, stage=_STAGE)
+        self._program = allocated(request, PICKANDPLACE.program)
+        self._stage = request.stage
         self._runner = dexter.episode_runner(self._stage)
 
     def go_on(self, learned: LearnedTrial) -> AssimilatedTrial:

@@ -9,26 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cbdsl import Transition
-from cbdsl.api.shipped import shipped_file
-from cbdsl.checking.assimilation import program_to_assimilate, variants_of
-from cbdsl.checking.knowledge.digest import program_digest
-from cbdsl.checking.program import check_program
-from cbdsl.checking.session import Session
-from cbdsl.documents.digest import digest
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.assimilate import AssimilateConstants
-from cbdsl.learning.constants import AccommodateConstants
-from cbdsl.learning.experience import Experience
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.schema import Ranking
-from cbdsl.program.schema_policy import SchemaPolicy
-from cbdsl.training.journal import Journal
-from cbdsl.training.provenance import versions
-from cbdsl.training.trial_loop import journal_file
-from cbdsl.types.policy import Policy
-from cbdsl.types.state import Predicate
+from cbdsl.api.allocation import allocated, allocations
+from cbdsl.api.documents import StageDocument, digest
+from cbdsl.api.learning import AccommodateConstants, AssimilateConstants, Experience
+from cbdsl.api.program import CheckedProgram, Policy, Predicate, Ranking, SchemaPolicy
+from cbdsl.api.shipped import shipped_program
+from cbdsl.api.trials import Journal, journal_file, versions
 from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, HandednessSeries
 from cbdsl_reproduction.learners.concurrent import Concurrent
 from cbdsl_reproduction.learners.context_letters import LETTERS, context_letters
@@ -69,21 +55,15 @@ class Situation(NamedTuple):
     right: StageDocument
 
 
-def situation(dexter: TrialRunner) -> Situation:
+def situation() -> Situation:
     """Read and check the shipped documents."""
-    library = dexter.library
-    path = shipped_file(library, ProgramDocument, _PROGRAM)
-    policy = library.read(shipped_file(library, PolicyDocument, _PROGRAM), PolicyDocument)
-    session = Session(library)
-    own = check_program(path, {}, library)._replace(**_LIMITS)
-    schema = program_to_assimilate(path, policy, session, {})._replace(**_LIMITS)
+    request = shipped_program(_PROGRAM, stage=_STAGE)
+    own = request.program._replace(**_LIMITS)
+    schema = allocated(request, _PROGRAM)._replace(**_LIMITS)
     assert schema.schema is not None
-    variants = {
-        name: variant._replace(**_LIMITS)
-        for name, variant in variants_of(path, session, {}).items()
-    }
+    variants = {name: variant._replace(**_LIMITS) for name, variant in allocations(request).items()}
     flat = side_by_side(variants, schema.schema)
-    stage = library.read(shipped_file(library, StageDocument, _STAGE), StageDocument).document
+    stage = request.stage
     right = stage.model_copy(update={"contexts": {_OWN: stage.contexts[_OWN]}})
     return Situation(schema, own, flat, stage, right)
 
@@ -98,7 +78,7 @@ class HandednessTrials:
 
     def __init__(self, dexter: TrialRunner, seed: int) -> None:
         self._dexter, self._seed = dexter, seed
-        self._at = situation(dexter)
+        self._at = situation()
         self._everything = dexter.episode_runner(self._at.everything)
         self._right = dexter.episode_runner(self._at.right)
 
@@ -182,8 +162,7 @@ class HandednessTrials:
     def _identity(self, series: HandednessSeries, number: int) -> dict[str, Any]:
         """Return all inputs of the episodes of a trial."""
         dexter = self._dexter
-        file = shipped_file(dexter.library, ProgramDocument, _PROGRAM)
-        program = program_digest(file, dexter.library)
+        program = shipped_program(_PROGRAM).digest
         return {
             "learner": series.name,
             "constrained": self.constrained(series),

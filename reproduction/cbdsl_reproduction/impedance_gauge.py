@@ -12,16 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.kinematics.rotation import log
-from cbdsl.learning.impedance import AXES, KINDS, ImpedanceProfile, ImpedanceTest
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.controller import Controller, Relative
-from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.runtime.episode import Tick
-from cbdsl.runtime.program_run import ProgramRun
-from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import NetLoad, Resource, Tip
-from cbdsl.types.state import Predicate
+from cbdsl.api.control import rotation_vector
+from cbdsl.api.learning import AXES, KINDS, ImpedanceProfile, ImpedanceTest
+from cbdsl.api.program import CheckedProgram, Controller, Predicate, Relative
+from cbdsl.api.sensing import ControllerRun, NetLoad, ProgramRun, Resource, Signals, Tick, Tip
 
 Floats = NDArray[np.float64]
 
@@ -202,4 +196,4 @@ def _moved(probe: _Probe, before: Floats, after: Floats) -> float:
     """Return the displacement along or about the axis of a test, m or rad."""
     if probe.motion.type.name == "position":
         return float((after - before)[probe.axis])
-    return float(log(after @ before.T)[probe.axis])
+    return float(rotation_vector(after @ before.T)[probe.axis])

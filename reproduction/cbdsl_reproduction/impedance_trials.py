@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from cbdsl.api.learning import ImpedanceProfile
 from cbdsl.api.simulation_fixture import simulation_fixture
-from cbdsl.learning.impedance import ImpedanceProfile
 from cbdsl_reproduction.impedance_gauge import ImpedanceGauge
 from cbdsl_reproduction.thing_pairs import ALL_PAIRS
 from cbdsl_reproduction.trial_digest import trial_digest

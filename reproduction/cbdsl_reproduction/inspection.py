@@ -9,13 +9,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from cbdsl.api.control import Floats, localizability_potential
+from cbdsl.api.documents import BoxForm
+from cbdsl.api.sensing import Headings, Image, NetForces, Signals, Tick
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
-from cbdsl.control.localizability import seen_by
-from cbdsl.documents.form import BoxForm
-from cbdsl.numeric.arrays import Floats, Image
-from cbdsl.runtime.episode import Tick
-from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import Headings, NetForces
 from cbdsl_reproduction.barcode import Barcode
 
 #: Factor by which the pictures exceed 640 x 480 pixels, along each axis.
@@ -146,7 +143,8 @@ def _phi(signals: Signals) -> float:
     headings = signals.sight.headings(Headings(_FEATURE), ())
     if headings is None:
         return math.nan
-    return seen_by(signals.sight.cameras()).evaluate(headings.value, np.zeros(0), 4)[0]
+    potential = localizability_potential(signals.sight.cameras())
+    return potential.evaluate(headings.value, np.zeros(0), 4)[0]
 
 
 def _place_in_hands(lab: SimulationFixture, signals: Signals) -> Floats:

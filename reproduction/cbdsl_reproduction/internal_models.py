@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.api.control import Kinematics
+from cbdsl.api.documents import Gaussian, Kernel
 from cbdsl.api.shipped import shipped_robot
-from cbdsl.documents.model import Gaussian, Kernel
-from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import Claim, above, below
 from cbdsl_reproduction.estimate import estimate

@@ -13,6 +13,29 @@ if TYPE_CHECKING:
 
 Sample = TypeVar("Sample")
 
+#: Probability on either side of an interval.
+TAIL = 0.025
+
+
+def exact_interval(hits: float, trials: float) -> tuple[float, float]:
+    """Return the Clopper-Pearson interval of a proportion.
+
+    Args:
+        hits: Number of successes; between integers, the bounds are interpolated by the beta law.
+        trials: Number of trials, above 0; an effective number need not be an integer.
+
+    Raises:
+        ValueError: If there were no trials, or fewer than hits.
+    """
+    # ``binomtest`` solves for the same bounds numerically, and takes integers only.
+    from scipy.stats import beta
+
+    if not (0 <= hits <= trials and trials > 0):
+        raise ValueError(f"{hits} of {trials} is not a proportion")
+    lower = 0.0 if hits == 0 else float(beta.ppf(TAIL, hits, trials - hits + 1))
+    upper = 1.0 if hits == trials else float(beta.ppf(1 - TAIL, hits + 1, trials - hits))
+    return lower, upper
+
 
 def bootstrap_interval(samples: Sequence[float], seed: int = 0) -> tuple[float, float]:
     """Return the bootstrap interval of the mean; ``seed`` controls the resampling.

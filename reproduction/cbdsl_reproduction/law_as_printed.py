@@ -13,16 +13,20 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cbdsl.api.control import (
+    Floats,
+    Kinematics,
+    Law,
+    LawSettings,
+    Level,
+    Potential,
+    Rule,
+    Tips,
+    manipulability_potential,
+    range_potential,
+    spring_potential,
+)
 from cbdsl.api.shipped import shipped_robot
-from cbdsl.control.law import Law, LawSettings
-from cbdsl.control.level import Level
-from cbdsl.control.manipulability import of_jacobian
-from cbdsl.control.potential import Potential, Rule
-from cbdsl.control.range import between
-from cbdsl.control.spring import spring
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.tips import Tips
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above, at_least
 from cbdsl_reproduction.experiment import Result, RunSettings
@@ -98,7 +102,7 @@ class _Curves:
 
 def _condition(rng: np.random.Generator, starts: int) -> list[_Curves]:
     """Return manipulability, m^2, while it alone moves the planar arm."""
-    potential = of_jacobian(2, len(_LINKS))
+    potential = manipulability_potential(2, len(_LINKS))
     law = Law(np.full(3, -np.inf), np.full(3, np.inf), _SETTINGS)
 
     def evaluate(q: Floats) -> _Evaluation:
@@ -163,7 +167,8 @@ class _Arm:
         self._columns = self._kinematics.joints.of(_ARM)
         self.lower = self._kinematics.lower[self._columns]
         self.upper = self._kinematics.upper[self._columns]
-        self._spring, self._range = spring("position", 3), between(self.lower, self.upper)
+        self._spring = spring_potential("position", 3)
+        self._range = range_potential(self.lower, self.upper)
 
     def hand(self, q: Floats) -> Floats:
         """Return the position of the tip, m, shape (3,)."""

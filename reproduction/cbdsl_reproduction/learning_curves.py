@@ -8,16 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.learning.experience import Experience
-from cbdsl.numeric.proportion import TAIL
-from cbdsl.training.journal_follower import JournalFollower
-from cbdsl.training.trial_loop import journal_file
+from cbdsl.api.learning import Experience
+from cbdsl.api.trials import JournalFollower, journal_file
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.checks import Check, checks, schedule
 from cbdsl_reproduction.claim import Claim, above, near
 from cbdsl_reproduction.estimate import estimate
 from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.interval import interquartile_interval, interquartile_mean, interval_of
+from cbdsl_reproduction.interval import (
+    TAIL,
+    interquartile_interval,
+    interquartile_mean,
+    interval_of,
+)
 from cbdsl_reproduction.learned_in import learned_in_quantities
 from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.series import COARTICULATED, SEQUENTIAL, Series

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from cbdsl.numeric.arrays import Image
+from cbdsl.api.sensing import Image
 
 
 @dataclass(frozen=True)

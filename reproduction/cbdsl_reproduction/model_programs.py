@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.learning.action_outcome import NOOP
+from cbdsl.api.documents import CatalogDocument
+from cbdsl.api.learning import NOOP
 from cbdsl_reproduction.action_counts import share_of_actions
 from cbdsl_reproduction.claim import above, at_least
 from cbdsl_reproduction.estimate import chance_of_samples, mean

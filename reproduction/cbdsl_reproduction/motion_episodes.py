@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cbdsl.api.sensing import Tick
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
-from cbdsl.runtime.episode import Tick
 from cbdsl_reproduction.trial_digest import trial_digest
 
 PROGRAM, STAGE, EFFECTOR = "watch_for_motion", "shaken", "head"

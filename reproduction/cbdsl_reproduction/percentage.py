@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from cbdsl.numeric.proportion import TAIL, exact_interval
 from cbdsl_reproduction.claim import Claim
+from cbdsl_reproduction.interval import TAIL, exact_interval
 from cbdsl_reproduction.quantity import Quantity
 
 

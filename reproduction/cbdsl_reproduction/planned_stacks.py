@@ -8,13 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.api.shipped import shipped_file
+from cbdsl.api.documents import MetaCatalogDocument, StageDocument
+from cbdsl.api.learning import StackPlan, plan_stack, support_graph
+from cbdsl.api.shipped import shipped_document
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
-from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.stack_plan import StackPlan, plan_stack
-from cbdsl.learning.thing_graph import support_graph
-from cbdsl.yaml_text.library import Library, shipped
 from cbdsl_reproduction.constellation_trials import STAGE
 from cbdsl_reproduction.stack_trials import StackJudge
 
@@ -58,8 +55,7 @@ def run_planned(
         ImportError: The simulator is not installed.
         ValueError: The meta-catalog has no stack of the presented objects.
     """
-    library = Library(shipped())
-    stage = library.read(shipped_file(library, StageDocument, STAGE), StageDocument).document
+    stage = shipped_document(StageDocument, STAGE)
     shown = {
         name: tuple(context.placed)
         for name, context in stage.contexts.items()

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.options import Cameras, Json
-from cbdsl.cli.workers import require_workers
+from cbdsl.cli.command import Cameras, Json, require_workers
 
 if TYPE_CHECKING:
     from cbdsl_reproduction.experiment import Experiment, Result, RunSettings
@@ -91,7 +90,7 @@ def reproduce(
     Exit 0 after a run with any verdicts, 2 if it cannot run.
     """
     from cbdsl import UsageError
-    from cbdsl.cli.terminal import print_json
+    from cbdsl.cli.command import print_json
     from cbdsl_reproduction.experiment import RunSettings
     from cbdsl_reproduction.report import data
 
@@ -169,9 +168,8 @@ def _kept(folder: Path | None) -> Iterator[Path]:
     from tempfile import TemporaryDirectory
 
     from cbdsl import UsageError
-    from cbdsl.cli.terminal import print_problem
-    from cbdsl.diagnostics.reason import reason
-    from cbdsl.runtime.line_journal import DamagedJournalError, JournalError
+    from cbdsl.api.trials import DamagedJournalError, JournalError
+    from cbdsl.cli.command import print_problem, reason
 
     if folder is None:
         with TemporaryDirectory() as passing:
@@ -201,7 +199,7 @@ def _require_sound(folder: Path) -> None:
         UsageError: A damaged line cannot be skipped.
     """
     from cbdsl import UsageError
-    from cbdsl.cli.terminal import print_problem
+    from cbdsl.cli.command import print_problem
     from cbdsl_reproduction.kept_files import damaged_lines
 
     for line in damaged_lines(folder):
@@ -211,7 +209,7 @@ def _require_sound(folder: Path) -> None:
 
 
 def _list(as_json: bool) -> None:
-    from cbdsl.cli.terminal import print_json
+    from cbdsl.cli.command import print_json
     from cbdsl_reproduction.registry import EXPERIMENTS
 
     rows = [
@@ -239,10 +237,7 @@ def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
     from dataclasses import replace
 
     from cbdsl import UsageError
-    from cbdsl.backends.quiet import quiet_stderr
-    from cbdsl.cli.native_output import shown_on_failure
-    from cbdsl.cli.progress import Progress
-    from cbdsl.cli.termination import termination_interrupts
+    from cbdsl.cli.command import Progress, quiet_stderr, shown_on_failure, termination_interrupts
     from cbdsl_reproduction.trial_jobs import run_jobs
 
     try:
@@ -278,7 +273,7 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
     """Print rows as a table on a terminal, and as one line per row to a pipe."""
     import sys
 
-    from cbdsl.cli.terminal import print_table
+    from cbdsl.cli.command import print_table
 
     if sys.stdout.isatty():
         print_table(title, rows)
@@ -291,8 +286,8 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
 def _require_writable(out: Path) -> None:
     """Check before the experiments that their outcomes can be written."""
     from cbdsl import UsageError
-    from cbdsl.diagnostics.reason import reason
-    from cbdsl.yaml_text.writer import make_room
+    from cbdsl.api.documents import make_room
+    from cbdsl.cli.command import reason
 
     if out.suffix not in ("", ".json"):
         raise UsageError(f"--out {out}: expected a folder, or a file that ends in .json")
@@ -311,7 +306,7 @@ def _write(
 ) -> None:
     import json
 
-    from cbdsl.yaml_text.writer import write_text
+    from cbdsl.api.documents import write_text
     from cbdsl_reproduction.pages import (
         SUMMARY,
         chapter_page,

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from cbdsl import Transition
-from cbdsl.learning.experience import Experience
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.api.learning import Experience
+from cbdsl.api.program import CheckedProgram
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from cbdsl_reproduction.percentage import clustered_percentage, percentage

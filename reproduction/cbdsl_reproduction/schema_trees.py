@@ -11,28 +11,23 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
-from cbdsl.api.shipped import shipped_file, shipped_robot
-from cbdsl.backends.backend import embody
-from cbdsl.checking.assimilation import program_to_assimilate
-from cbdsl.checking.session import Session
-from cbdsl.documents.digest import digest_of_text
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.schema import SchemaDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.learning.allocation_tree import TriedContext
-from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
-from cbdsl.learning.learner import ASSIMILATE
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.schema import Ranking
-from cbdsl.program.schema_policy import Features, SchemaPolicy
-from cbdsl.reporting.drawing.schema_graph import schema_graph
-from cbdsl.reporting.drawing.svg import svg
-from cbdsl.training.episode_runner import BackendEpisodeRunner
-from cbdsl.training.trial import Trial
-from cbdsl.types.decision_tree import Split, Tree, decide, splits
-from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.api.allocation import allocated
+from cbdsl.api.control import Kinematics
+from cbdsl.api.documents import PolicyDocument, SchemaDocument, digest_of_text
+from cbdsl.api.drawing import draw_schema
+from cbdsl.api.learning import ASSIMILATE, Assimilate, AssimilateConstants, TriedContext
+from cbdsl.api.program import (
+    CheckedProgram,
+    Features,
+    Ranking,
+    SchemaPolicy,
+    Split,
+    Tree,
+    decide,
+    splits,
+)
+from cbdsl.api.shipped import shipped_path, shipped_program
+from cbdsl.api.trials import BackendEpisodeRunner, Trial, embody
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
@@ -99,7 +94,7 @@ class SchemaPicture:
 
     def svg(self) -> str:
         """Return the picture as the text of an SVG file."""
-        return svg(schema_graph(self.schema))
+        return draw_schema(self.schema)
 
     def data(self) -> dict[str, object]:
         """Return the schema, for scripts."""
@@ -162,21 +157,16 @@ def _learner(program: CheckedProgram, tried: Iterable[TriedContext]) -> Assimila
 
 def _digest(seed: int, episodes: int, program: str) -> str:
     """Return the digest of all inputs of a trial except its number."""
-    library = Library(shipped())
-    policy = shipped_file(library, PolicyDocument, program).read_text(encoding="utf-8")
+    policy = shipped_path(PolicyDocument, program).read_text(encoding="utf-8")
     return digest_of_text(f"{trial_digest(program, {}, _STAGE)} {seed} {episodes}\n{policy}")
 
 
 def _prepared() -> tuple[CheckedProgram, BackendEpisodeRunner]:
     """Return the shipped program with all its allocations and its policy, and its runner."""
-    library = Library(shipped())
-    path = shipped_file(library, ProgramDocument, _PROGRAM)
-    policy = library.read(shipped_file(library, PolicyDocument, _PROGRAM), PolicyDocument)
-    program = program_to_assimilate(path, policy, Session(library), {})
-    robot, urdf = shipped_robot(program.robot, library)
-    stage = library.read(shipped_file(library, StageDocument, _STAGE), StageDocument).document
-    body = embody(_BACKEND, robot, urdf)
-    runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage)
+    request = shipped_program(_PROGRAM, stage=_STAGE)
+    program, robot = allocated(request, _PROGRAM), request.robot
+    body = embody(_BACKEND, robot, request.urdf)
+    runner = BackendEpisodeRunner(robot, Kinematics(robot, request.urdf), body, request.stage)
     return program._replace(transition_time=8.0, idle_time=1.0), runner
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass, replace
 
-from cbdsl.learning.constants import Form
-from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.api.learning import Form
+from cbdsl.api.program import Action, CheckedProgram
 
 
 @dataclass(frozen=True)

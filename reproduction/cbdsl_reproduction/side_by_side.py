@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import Composition, Controller, Primitive
-from cbdsl.program.schema import Schema
+from cbdsl.api.program import Action, CheckedProgram, Composition, Controller, Primitive, Schema
 
 
 def side_by_side(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedProgram:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.staging.engine import Engine
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.urdf import UrdfModel
+from cbdsl import Truth
+from cbdsl.api.control import UrdfModel
+from cbdsl.api.documents import RobotDocument
 
 Floats = NDArray[np.float64]
 
@@ -39,12 +39,12 @@ class SlipGauge:
     two fingertips. From then on, each displacement in the hand's frame is slip.
 
     Args:
-        truth: Engine with the ground truth.
+        truth: Truth of the simulated world.
         hands: Link whose frame is the hand's frame, by hand.
         fixtures: Names of objects that cannot be carried.
     """
 
-    def __init__(self, truth: Engine, hands: Mapping[str, str], fixtures: frozenset[str]) -> None:
+    def __init__(self, truth: Truth, hands: Mapping[str, str], fixtures: frozenset[str]) -> None:
         self._truth, self._hands, self._fixtures = truth, hands, fixtures
         self._heights: dict[str, float] = {}
         self._held: dict[tuple[str, str], Floats] = {}
@@ -53,10 +53,10 @@ class SlipGauge:
 
     def watch(self, _: Any) -> None:
         """Measure the slip after a tick."""
-        for name in self._truth.names():
+        for name in self._truth.objects:
             if name in self._fixtures:
                 continue
-            place = self._truth.pose(name).position
+            place = self._truth.position(name)
             height = self._heights.setdefault(name, float(place[2]))
             carrying = self._carrying(name) if place[2] - height > _LIFTED else frozenset()
             for hand in self._hands:
@@ -71,7 +71,9 @@ class SlipGauge:
         return frozenset(hand for hand in touching if touching.count(hand) >= _FINGERS)
 
     def _measure(self, name: str, hand: str, place: Floats) -> None:
-        palm = self._truth.link_pose(self._hands[hand])
-        inside: Floats = palm.rotation.T @ (place - palm.position)
+        palm = self._hands[hand]
+        inside: Floats = self._truth.link_rotation(palm).T @ (
+            place - self._truth.link_position(palm)
+        )
         first = self._held.setdefault((name, hand), inside)
         self.largest = max(self.largest or 0.0, float(np.linalg.norm(inside - first)))

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from cbdsl.learning.experience import Experience
-from cbdsl.training.trial import Trial
+from cbdsl.api.learning import Experience
+from cbdsl.api.trials import Trial
 from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.estimate import estimate, median
 from cbdsl_reproduction.interval import median_interval

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cbdsl import UsageError
+from cbdsl.api.sensing import Tick
 from cbdsl.api.simulation_fixture import simulation_fixture
-from cbdsl.runtime.episode import Tick
 from cbdsl_reproduction.trial_digest import trial_digest
 
 # Largest speed at rest, m/s; time to stand, time after the release in which the pace is measured,

@@ -7,10 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.localizability import seen_by
-from cbdsl.kinematics.kinematics import Frame
-from cbdsl.numeric.arrays import Image
-from cbdsl.sensing.camera import heading
+from cbdsl.api.control import Frame, localizability_potential
+from cbdsl.api.sensing import Image, heading
 from cbdsl_reproduction.barcode import SIZE, barcodes
 from cbdsl_reproduction.barcode_trial import FOCAL_LENGTH
 from cbdsl_reproduction.camera_rig import FINENESS, CameraRig, Placement, camera_rig
@@ -101,7 +99,7 @@ def localizability(baseline: float, depth: float) -> float:
     point = np.array([depth, 0.0, 0.0])
     headings = np.concatenate([heading(point - place) for place in places])
     cameras = tuple(Frame(place, np.eye(3)) for place in places)
-    return seen_by(cameras).evaluate(headings, np.zeros(0), 4)[0]
+    return localizability_potential(cameras).evaluate(headings, np.zeros(0), 4)[0]
 
 
 def _ratio(baseline: float, near_depth: float) -> float:

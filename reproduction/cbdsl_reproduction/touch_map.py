@@ -13,12 +13,8 @@ from contextlib import ExitStack
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.api.shipped import shipped_file
-from cbdsl.documents.form import BoxForm
-from cbdsl.documents.model import Kernel, ModelDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.yaml_text.library import Library, shipped
-from cbdsl.yaml_text.writer import write
+from cbdsl.api.documents import BoxForm, Kernel, ModelDocument, StageDocument, write
+from cbdsl.api.shipped import shipped_document
 from cbdsl_reproduction.claim import at_least, below, between, near
 from cbdsl_reproduction.cross_sections import CrossSections
 from cbdsl_reproduction.estimate import mean_of
@@ -188,9 +184,7 @@ def _peak(picture: CrossSections) -> Quantity:
 
 def _table() -> Floats:
     """Return the corners of the table that all stages share, m, shape (2, 3)."""
-    library = Library(shipped())
-    path = shipped_file(library, StageDocument, "bare_table")
-    table = library.read(path, StageDocument).document.fixtures["table"]
+    table = shipped_document(StageDocument, "bare_table").fixtures["table"]
     assert isinstance(table.form, BoxForm)
     middle = np.array([first for first, _ in table.position])
     half = np.array([first for first, _ in table.form.size]) / 2

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import NamedTuple
 
+from cbdsl.api.sensing import Tick
 from cbdsl.api.simulation_fixture import simulation_fixture
-from cbdsl.runtime.episode import Tick
 from cbdsl_reproduction.contact_place import contact_places
 from cbdsl_reproduction.trial_digest import trial_digest
 

@@ -6,11 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from cbdsl.language.expression import SUBJECT_TO
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.reporting.drawing.policy_transitions import ABOVE
-from cbdsl.training.trial import Trial
-from cbdsl.types.state import ANY, matches
+from cbdsl.api.drawing import ABOVE
+from cbdsl.api.program import ANY, SUBJECT_TO, CheckedProgram, matches
+from cbdsl.api.trials import Trial
 from cbdsl_reproduction.arcs import ActionArc, DrawnArc, diagram_of
 from cbdsl_reproduction.checks import Check, Schedule, checks, schedule
 from cbdsl_reproduction.claim import above, at_least, at_most, in_hindsight

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cbdsl.api.shipped import shipped_file, shipped_robot
-from cbdsl.checking.knowledge.digest import program_digest
-from cbdsl.documents.digest import digest_of_text
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.api.documents import digest_of_text
+from cbdsl.api.shipped import shipped_program
 
 
 def trial_digest(program: str, values: Mapping[str, str], stage: str) -> str:
@@ -20,16 +16,13 @@ def trial_digest(program: str, values: Mapping[str, str], stage: str) -> str:
         values: Values of its parameters.
         stage: Name of a stage, its own or another.
     """
-    library = Library(shipped())
-    file = shipped_file(library, ProgramDocument, program)
-    robot, _ = shipped_robot(library.read(file, ProgramDocument).document.robot, library)
-    place = library.read(shipped_file(library, StageDocument, stage), StageDocument).document
+    request = shipped_program(program, stage=stage, values=values)
     parts = (
-        str(program_digest(file, library)),
+        str(request.digest),
         # The program's digest does not cover its policy.
-        file.read_text(encoding="utf-8"),
+        request.program_file.read_text(encoding="utf-8"),
         str(sorted(values.items())),
-        robot.model_dump_json(),
-        place.model_dump_json(),
+        request.robot.model_dump_json(),
+        request.stage.model_dump_json(),
     )
     return digest_of_text("\n".join(parts))

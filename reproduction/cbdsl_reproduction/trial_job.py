@@ -9,11 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from cbdsl.backends.backend import Backend
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.training.trial_loop import TrialObserver
-from cbdsl.yaml_text.writer import write_text
+from cbdsl.api.control import Kinematics
+from cbdsl.api.documents import RobotDocument, write_text
+from cbdsl.api.trials import Backend, TrialObserver
 from cbdsl_reproduction.experiment import Experiment, RunSettings
 from cbdsl_reproduction.trial_runner import TrialRunner, shipped_dexter, trials
 

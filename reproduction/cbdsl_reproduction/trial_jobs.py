@@ -22,8 +22,7 @@ def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> Non
     Raises:
         UsageError: A job failed; finished episodes are kept.
     """
-    from cbdsl.backends.backend import find_backend
-    from cbdsl.training.local_workers import run_on_workers
+    from cbdsl.api.trials import find_backend, run_on_workers
     from cbdsl_reproduction.trial_job import trial_jobs
 
     find_backend(settings.backend)

@@ -10,37 +10,33 @@ from pathlib import Path
 
 import numpy as np
 
-from cbdsl import Transition
-from cbdsl.api.shipped import shipped_file, shipped_robot
-from cbdsl.backends.backend import Backend, embody
-from cbdsl.checking.knowledge.digest import program_digest
-from cbdsl.checking.program import check_program
-from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.documents.policy import Provenance
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.learning.action_outcome import ActionOutcome
-from cbdsl.learning.constants import AccommodateConstants
-from cbdsl.learning.experience import Experience
-from cbdsl.learning.exploration import ExplorationStep
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.training.episode_runner import BackendEpisodeRunner
-from cbdsl.training.exploration_task import exploration_journal
-from cbdsl.training.journal import Journal
-from cbdsl.training.provenance import TrialSetting, provenance_of
-from cbdsl.training.trial import Trial
-from cbdsl.training.trial_loop import (
+from cbdsl import RunRequest, Transition
+from cbdsl.api.control import Kinematics
+from cbdsl.api.documents import (
+    CatalogDocument,
+    Provenance,
+    RobotDocument,
+    StageDocument,
+    write_text,
+)
+from cbdsl.api.learning import AccommodateConstants, ActionOutcome, Experience, ExplorationStep
+from cbdsl.api.program import CheckedProgram, Policy, WrittenPolicy
+from cbdsl.api.shipped import shipped_program, shipped_robot
+from cbdsl.api.trials import (
+    Backend,
+    BackendEpisodeRunner,
+    Journal,
     NullObserver,
+    Trial,
     TrialObserver,
+    TrialSetting,
+    embody,
+    exploration_journal,
     identity_of,
     open_journal,
+    provenance_of,
     run_trial,
 )
-from cbdsl.types.policy import Policy, WrittenPolicy
-from cbdsl.yaml_text.library import Library, shipped
-from cbdsl.yaml_text.writer import write_text
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.exploration_series import ExplorationSeries
 from cbdsl_reproduction.handedness_series import HandednessSeries
@@ -99,7 +95,6 @@ class TrialRunner:
 
     Attributes:
         robot: Embodied robot.
-        library: Library of the shipped documents.
     """
 
     def __init__(
@@ -113,7 +108,6 @@ class TrialRunner:
         self._settings = settings
         self._body, self.robot, self._kinematics = body, robot, kinematics
         self._observer = observer or NullObserver()
-        self.library = Library(shipped())
         self._done = self._expected = 0
 
     @property
@@ -162,16 +156,16 @@ class TrialRunner:
     def _explore(self, series: ExplorationSeries, number: int) -> CatalogDocument:
         settings, count, done = self._settings, self.actions(series), 0
         where, before = (settings.backend, settings.cameras), self._grow(series, number)
-        task = series.task(self.library, self.robot, shipped_dexter()[1], self.path(series, number))
-        task = replace(
-            task,
+        request = replace(
+            series.request(self.path(series, number)),
             backend=settings.backend,
             cameras=settings.cameras,
             seed=settings.seed,
             number=number,
-            count=count,
+            actions=count,
             command=series.command(settings.seed, count, *where),
         )
+        _, task = request.task()
 
         def note(over: int, step: ExplorationStep, outcome: ActionOutcome, seconds: float) -> None:
             nonlocal done
@@ -199,11 +193,12 @@ class TrialRunner:
 
     def program(self, series: Series) -> CheckedProgram:
         """Return the program of a series, with the actions to choose from."""
-        program = check_program(self._file(series), {}, self.library)
+        program = self._request(series).program
         return program._replace(actions=series.actions(program))
 
-    def _file(self, series: Series) -> Path:
-        return shipped_file(self.library, ProgramDocument, series.program)
+    def _request(self, series: Series) -> RunRequest:
+        """Return the program of a series on its stage."""
+        return shipped_program(series.program, stage=series.stage)
 
     def greedy(
         self,
@@ -259,9 +254,10 @@ class TrialRunner:
     def _follow(self, series: Series, program: CheckedProgram, number: int) -> LearnedTrial:
         """Run one trial from its beginning, or from the point of its interruption."""
         settings, episodes = self._settings, self.episodes(series)
-        stage = self._stage(series)
+        request = self._request(series)
+        stage = request.stage
         setting = TrialSetting(
-            digest=program_digest(self._file(series), self.library),
+            digest=request.digest,
             robot=self.robot,
             stage=stage,
             backend=settings.backend,
@@ -277,10 +273,6 @@ class TrialRunner:
         with open_journal(path, provenance) as journal:
             run_trial(trial, self.episode_runner(stage), journal, provenance, path, self)
         return LearnedTrial(trial, provenance, stage, path)
-
-    def _stage(self, series: Series) -> StageDocument:
-        file = shipped_file(self.library, StageDocument, series.stage)
-        return self.library.read(file, StageDocument).document
 
     def episode_runner(self, stage: StageDocument) -> BackendEpisodeRunner:
         """Return a runner of episodes of a stage."""

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl import Transition
-from cbdsl.learning.constants import AccommodateConstants
-from cbdsl.learning.decisions import Decisions
-from cbdsl.numeric.proportion import TAIL
-from cbdsl.training.trial import Trial, used_programs
+from cbdsl.api.learning import AccommodateConstants, Decisions
+from cbdsl.api.trials import Trial, used_programs
 from cbdsl_reproduction.claim import Interval, at_least, in_hindsight
+from cbdsl_reproduction.interval import TAIL
 from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.series import Series
 

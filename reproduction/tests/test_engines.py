@@ -47,11 +47,8 @@ def test_what_never_succeeds_on_the_reference_is_not_judged() -> None:
 
 @pytest.mark.parametrize("setup", engines._SETUPS[2:], ids=str)
 def test_what_a_hand_carries_is_measured_in_it(setup: engines.EngineSetup) -> None:
-    from cbdsl.yaml_text.library import Library, shipped
-
-    library = Library(shipped())
-    body = engines.EmbodiedRobot(setup, library)
-    parts = {part.name: part for part in engines._parts(library)}
+    body = engines.EmbodiedRobot(setup)
+    parts = {part.name: part for part in engines._parts()}
     lifted = body.player(parts["pick_and_lift"])(4_210_003)
     reached = body.player(parts["reach"])(4_210_003)
     body.backend.close()
@@ -60,19 +57,15 @@ def test_what_a_hand_carries_is_measured_in_it(setup: engines.EngineSetup) -> No
 
 
 def test_every_program_and_policy_of_the_robot_takes_part() -> None:
-    from cbdsl.yaml_text.library import Library, shipped
-
-    names = [part.name for part in engines._parts(Library(shipped()))]
+    names = [part.name for part in engines._parts()]
     assert {"reachtouch", "transport_hand", "policy reachtouch", "policy searchtrack"} <= set(names)
     assert not {"sixaxis_reach", "desk_reach"} & set(names)
 
 
 def test_parts_are_distinguished_by_policy_and_engine() -> None:
     from cbdsl.api.shipped import shipped_robot
-    from cbdsl.yaml_text.library import Library, shipped
 
-    library = Library(shipped())
-    robot, _ = shipped_robot("dexter", library)
-    parts = list(engines._parts(library))
+    robot, _ = shipped_robot("dexter")
+    parts = list(engines._parts())
     digests = {part.digest_with(robot, setup) for part in parts for setup in engines._SETUPS}
     assert len(digests) == len(parts) * len(engines._SETUPS)

@@ -10,10 +10,8 @@ import pytest
 import typer.main
 from typer import Typer
 
-from cbdsl.api.shipped import shipped_robot
 from cbdsl.cli.explore import explore
 from cbdsl.training.action_runner import ActionRunner
-from cbdsl.yaml_text.library import Library
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.exploration_series import BASKETBALL, TABLE, TABLE_MODELS, ExplorationSeries
 from cbdsl_reproduction.registry import EXPERIMENTS
@@ -38,8 +36,7 @@ def test_each_has_series_of_as_many_trials_as_the_source(name: str) -> None:
 def test_its_command_explores_with_the_same_constants(
     series: ExplorationSeries, longest: float, tmp_path: Path
 ) -> None:
-    library = Library()
-    task = series.task(library, *shipped_robot("dexter", library), tmp_path / "a.yaml")
+    _, task = series.request(tmp_path / "a.yaml").task()
     assert task.constants.longest == longest
     app = Typer()
     app.command()(explore)

@@ -7,9 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.api.shipped import shipped_robot
 from cbdsl.training.action_runner import ActionRunner
-from cbdsl.yaml_text.library import Library, shipped
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.grown_catalogs import FIGURES, joined_after
 from cbdsl_reproduction.registry import EXPERIMENTS
@@ -39,11 +37,9 @@ def test_one_action_joins_after_a_hundred_in_the_same_world(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_no_color_of_what_is_placed_is_an_obstacle(name: str) -> None:
     """Obstacles have no object color: a blue patch on a ball would repel the ball itself."""
-    series, library = FIGURES[name].series, Library(shipped())
-    robot, urdf = shipped_robot("dexter", library)
-    task = series.task(library, robot, urdf, Path("any.yaml"))
+    _, task = FIGURES[name].series.request(Path("any.yaml")).task()
     placing = next(each for each in task.actions if each.name == "pick_and_place")
-    aliases = robot.vision.channels.aliases
+    aliases = task.robot.vision.channels.aliases
     assert task.joins
     assert placing.program.parameters["obstacle"] not in {*aliases, *aliases.values()}
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import cbdsl
-from cbdsl.numeric.proportion import exact_interval
+from cbdsl_reproduction.interval import exact_interval
 from cbdsl_reproduction.judges import registry
 from cbdsl_reproduction.judges.judge import (
     NONE,

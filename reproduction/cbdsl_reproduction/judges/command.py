@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cbdsl.cli.options import Cameras, Json
+from cbdsl.cli.command import Cameras, Json
 
 if TYPE_CHECKING:
     from cbdsl_reproduction.judges.judge import Judge, JudgedCondition
@@ -58,8 +58,7 @@ def judge(
     Exit 0 if all aims are met, 1 if one is missed, 2 if it cannot run.
     """
     from cbdsl import UsageError
-    from cbdsl.cli.terminal import print_json
-    from cbdsl.cli.workers import require_workers
+    from cbdsl.cli.command import print_json, require_workers
     from cbdsl_reproduction.judges.judge import BodyChoice
     from cbdsl_reproduction.judges.judging import Campaign
     from cbdsl_reproduction.judges.registry import JUDGES
@@ -116,9 +115,7 @@ def _conditions(judge: Judge, only: list[str] | None) -> tuple[JudgedCondition, 
 
 
 def _run(campaign: Campaign, workers: int) -> Verdicts:
-    from cbdsl.cli.native_output import shown_on_failure
-    from cbdsl.cli.progress import Progress
-    from cbdsl.cli.termination import termination_interrupts
+    from cbdsl.cli.command import Progress, shown_on_failure, termination_interrupts
 
     title = campaign.judge.name
     with termination_interrupts(), shown_on_failure(), Progress(title) as progress:
@@ -126,7 +123,7 @@ def _run(campaign: Campaign, workers: int) -> Verdicts:
 
 
 def _list(as_json: bool) -> None:
-    from cbdsl.cli.terminal import print_json
+    from cbdsl.cli.command import print_json
     from cbdsl_reproduction.judges.registry import JUDGES
 
     rows: list[dict[str, Any]] = [
@@ -171,7 +168,7 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
     """Print rows as a table on a terminal, and as one line per row to a pipe."""
     import sys
 
-    from cbdsl.cli.terminal import print_table
+    from cbdsl.cli.command import print_table
 
     if sys.stdout.isatty():
         print_table(title, rows)
@@ -188,7 +185,7 @@ def _require_writable(out: Path) -> None:
         UsageError: The folder cannot be created.
     """
     from cbdsl import UsageError
-    from cbdsl.diagnostics.reason import reason
+    from cbdsl.cli.command import reason
 
     try:
         out.mkdir(parents=True, exist_ok=True)
@@ -199,7 +196,7 @@ def _require_writable(out: Path) -> None:
 def _write(out: Path, result: dict[str, Any]) -> None:
     import json
 
-    from cbdsl.yaml_text.writer import write_text
+    from cbdsl.api.documents import write_text
 
     text = json.dumps(result, indent=1, ensure_ascii=False) + "\n"
     write_text(text, out / f"{result['judge']}.json")

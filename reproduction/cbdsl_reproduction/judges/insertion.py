@@ -24,7 +24,7 @@ from cbdsl_reproduction.judges.watch import Watch, watch_episode
 
 if TYPE_CHECKING:
     from cbdsl import EpisodeResult
-    from cbdsl.documents.stage import StageDocument
+    from cbdsl.api.documents import StageDocument
 
 # Contexts of the stage, with the object that has the hole.
 _HOLES = {"cylinder_in_cylinder": "tube", "box_in_box": "tray"}

@@ -11,13 +11,11 @@ def _measure(
     condition: JudgedCondition, body: BodyChoice, seeds: Sequence[int]
 ) -> Iterator[EpisodeVerdict]:
     """Yield the verdict on each planned stack."""
-    from cbdsl.documents.meta_catalog import MetaCatalogDocument
-    from cbdsl.yaml_text.library import Library
+    from cbdsl.api.documents import MetaCatalogDocument
+    from cbdsl.api.shipped import shipped_document
     from cbdsl_reproduction.planned_stacks import run_planned
 
-    library = Library()
-    file = library.locate(MetaCatalogDocument, condition.name)
-    catalog = library.read(file, MetaCatalogDocument).document
+    catalog = shipped_document(MetaCatalogDocument, condition.name)
     for trial in run_planned(catalog, seeds, body.backend, body.cameras):
         measures = {"expected_percent": 100 * trial.expected}
         yield EpisodeVerdict(

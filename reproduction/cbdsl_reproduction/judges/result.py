@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import cbdsl
-from cbdsl.numeric.proportion import exact_interval
-from cbdsl.training.provenance import versions
+from cbdsl.api.trials import versions
+from cbdsl_reproduction.interval import exact_interval
 from cbdsl_reproduction.judges.judge import EpisodeVerdict, JudgedCondition
 from cbdsl_reproduction.judges.judging import Campaign, Verdicts
 

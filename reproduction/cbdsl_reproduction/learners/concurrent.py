@@ -6,12 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from cbdsl import Transition
-from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
-from cbdsl.learning.constants import AccommodateConstants
-from cbdsl.learning.experience import Experience
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.schema_policy import SchemaPolicy
-from cbdsl.program.state_values import state_values
+from cbdsl.api.learning import AccommodateConstants, Assimilate, AssimilateConstants, Experience
+from cbdsl.api.program import CheckedProgram, SchemaPolicy, state_values
 from cbdsl_reproduction.learners.decisive import Decisive
 from cbdsl_reproduction.learners.handedness_learner import EpisodePlan
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cbdsl import Transition
-from cbdsl.learning.accommodate import Accommodate
+from cbdsl.api.learning import Accommodate
 
 
 class Decisive(Accommodate):

@@ -7,10 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from cbdsl import Transition
-from cbdsl.learning.constants import AccommodateConstants
-from cbdsl.learning.experience import Experience
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.types.policy import Policy
+from cbdsl.api.learning import AccommodateConstants, Experience
+from cbdsl.api.program import CheckedProgram, Policy
 from cbdsl_reproduction.learners.context_letters import context_letters
 from cbdsl_reproduction.learners.decisive import Decisive
 from cbdsl_reproduction.learners.handedness_learner import EpisodePlan

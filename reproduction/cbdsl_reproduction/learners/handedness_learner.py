@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from cbdsl import Transition
-from cbdsl.learning.experience import Experience
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.types.policy import Policy
+from cbdsl.api.learning import Experience
+from cbdsl.api.program import CheckedProgram, Policy
 
 if TYPE_CHECKING:
     import numpy as np

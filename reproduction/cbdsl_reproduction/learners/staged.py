@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from cbdsl.learning.assimilate import AssimilateConstants
-from cbdsl.learning.constants import AccommodateConstants
-from cbdsl.learning.experience import Experience
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.api.learning import AccommodateConstants, AssimilateConstants, Experience
+from cbdsl.api.program import CheckedProgram
 from cbdsl_reproduction.learners.concurrent import Concurrent
 from cbdsl_reproduction.learners.handedness_learner import EpisodePlan
 
