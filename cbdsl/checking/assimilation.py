@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from cbdsl.checking.allocations import allocations
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.prior_looks import derived_looks
 from cbdsl.checking.program import examine_program
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation
 from cbdsl.diagnostics.diagnostics import Diagnostics
@@ -21,7 +22,8 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Relative
 from cbdsl.program.schema import Schema
 from cbdsl.program.state_values import state_values
-from cbdsl.types.resource import Resource, StereoPosition
+from cbdsl.robot.resources import FROM
+from cbdsl.types.resource import Centroid, Resource, Separation, StereoPosition, Tip
 from cbdsl.yaml_text.loaded import Loaded
 
 # First-order dynamics of a seen object (Section 5.3.1.1), by name of the feature.
@@ -53,7 +55,12 @@ def program_to_assimilate(
         for name, (program, _) in fitting.items()
     }
     base = next(iter(variants.values()))
-    features = _features(base, _resources(base, path, session))
+    robot = _robot(base, path, session)
+    features = {} if robot is None else _features(base, robot.resources)
+    places = _places(features)
+    if robot is not None and len(places) == 1:
+        (only,) = places.values()
+        features |= _distances(only, variants.values(), robot)
     if not features:
         raise UsageError(f"{path}: no controller goes by a seen position, so there is no context")
 
@@ -62,9 +69,6 @@ def program_to_assimilate(
     ) -> CheckedProgram | None:
         return examine_program(file, with_, session, diagnostics)
 
-    places = {
-        name: each for name, each in features.items() if isinstance(each.source, StereoPosition)
-    }
     worth = state_values(policy.document.policy, policy.document.transitions)
     allotted = {name: values for name, (_, values) in fitting.items()}
     # The program looks for the last object first: that is the object it takes first.
@@ -106,9 +110,8 @@ def _is_default(allocation: Allocation, path: Path, session: Session) -> bool:
     return all(own.get(name) == value for name, value in allocation.values.items())
 
 
-def _resources(program: CheckedProgram, path: Path, session: Session) -> Mapping[str, Resource]:
-    robot = session.body(session.library.find(RobotDocument, program.robot, path), Diagnostics())
-    return {} if robot is None else robot.resources
+def _robot(program: CheckedProgram, path: Path, session: Session) -> CheckedRobot | None:
+    return session.body(session.library.find(RobotDocument, program.robot, path), Diagnostics())
 
 
 def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[str, Resource]:
@@ -137,6 +140,45 @@ def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[st
         f"{by_channel.get(channel, channel)}_place": known[resource.name]
         for resource, channel in channels.items()
     }
+
+
+def _places(features: Mapping[str, Resource]) -> dict[str, Resource]:
+    """Return the features that are positions of seen objects."""
+    return {
+        name: each for name, each in features.items() if isinstance(each.source, StereoPosition)
+    }
+
+
+def _distances(
+    place: Resource, variants: Iterable[CheckedProgram], robot: CheckedRobot
+) -> dict[str, Resource]:
+    """Return the distance of a seen object from the bases of the effectors that may reach for it.
+
+    One feature is enough if the robot has a group of just these effectors.
+    """
+    reaching = frozenset(
+        member
+        for program in variants
+        for primitive in program.primitives.values()
+        for controller in primitive.controllers
+        for member in _tipped(controller.effector, robot)
+    )
+    groups = robot.document.groups.items()
+    together = [name for name, group in groups if reaching == set(group.members)]
+    names = together[:1] or sorted(reaching)
+    return {
+        "distance" if len(names) == 1 else f"distance_{name}": robot.resources[signal]
+        for name in names
+        if (signal := f"{place.name}.{FROM}.{name}") in robot.resources
+    }
+
+
+def _tipped(effector: Resource, robot: CheckedRobot) -> tuple[str, ...]:
+    """Return the effectors whose tips a controller moves."""
+    match effector.source:
+        case Tip(effector=name) | Centroid(group=name) | Separation(group=name):
+            return robot.document.members(name)
+    return ()
 
 
 def _compared(controller: Controller) -> tuple[Resource, ...]:

@@ -294,6 +294,11 @@ class Kinematics:
         """Return names of the model's joints that move a link, including passive ones."""
         return frozenset(self._model.names[number] for number in self._support(link))
 
+    def above(self, joint: str) -> frozenset[str]:
+        """Return names of the model's joints that move a joint, and the joint's own name."""
+        supports = self._model.supports[self._model.getJointId(joint)]
+        return frozenset(self._model.names[number] for number in list(supports)[1:])
+
     def origins(self, joints: tuple[str, ...], links: tuple[str, ...]) -> Floats:
         """Return origins of the named joints and links in the world frame, m, shape (k, 3)."""
         known = self._origins.get((joints, links))

@@ -24,6 +24,7 @@ from cbdsl.types.resource import (
     MarkHeading,
     NetForces,
     NetLoad,
+    ObjectDistance,
     Opening,
     Origin,
     Posture,
@@ -39,6 +40,7 @@ from cbdsl.types.resource_type import (
     ANGLE_OR_LENGTH,
     AXIS,
     COUNT,
+    DISTANCE,
     EXTENT,
     FORCE,
     HEADING,
@@ -60,6 +62,8 @@ CAMERAS = "cameras"
 STEREO = "stereo"
 SURFACE = "surface"
 COUNTED = "count"
+#: Word between an object and the effector from whose base its distance is measured.
+FROM = "from"
 #: Prefix of the names of headings to regions that a background model does not expect.
 NOVEL = "novel"
 #: Prefix of the names of headings to marks: regions of another hue on an object.
@@ -117,6 +121,7 @@ def resources(robot: RobotDocument, model: UrdfModel | None = None) -> dict[str,
     ``stereo.channel``                        position             triangulation
     ``stereo.channel.velocity``               velocity             triangulation
     ``stereo.channel.volume``                 volume               triangulation
+    ``stereo.channel.from.arm``               distance             triangulation
     ``mark.channel``                          heading              environment
     ``count.channel``                         count                triangulation
     ``surface.channel``                       position             visible surface
@@ -238,10 +243,21 @@ def _features(robot: RobotDocument, name: str, channel: str) -> Iterator[Resourc
         for part, kind in _STEREO_PARTS.items():
             seen = StereoSignal(channel, part)
             yield Resource(f"{STEREO}.{name}.{part}", kind, Origin.TRIANGULATION, seen)
+        for effector in _with_tips(robot):
+            far = ObjectDistance(channel, effector)
+            distance = f"{STEREO}.{name}.{FROM}.{effector}"
+            yield Resource(distance, DISTANCE, Origin.TRIANGULATION, far)
         count = InstanceCount(channel)
         yield Resource(f"{COUNTED}.{name}", COUNT, Origin.TRIANGULATION, count)
         point = SurfacePoint(channel)
         yield Resource(f"{SURFACE}.{name}", POSITION, Origin.SURFACE, point)
+
+
+def _with_tips(robot: RobotDocument) -> Iterator[str]:
+    """Yield the effectors with a tip, and the groups of such effectors."""
+    tipped = {name for name, effector in robot.effectors.items() if effector.tip is not None}
+    yield from (name for name in robot.effectors if name in tipped)
+    yield from (name for name, group in robot.groups.items() if tipped.issuperset(group.members))
 
 
 def _named_channels(channels: Channels) -> Iterator[tuple[str, str]]:

@@ -14,6 +14,7 @@ from cbdsl.sensing.blob_signals import BlobSignals
 from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.declared_sensor import sensor_reader
 from cbdsl.sensing.density import DensitySampler, Sampler
+from cbdsl.sensing.distances import Distances
 from cbdsl.sensing.kinematic_rows import KinematicRows
 from cbdsl.sensing.marks import Marks
 from cbdsl.sensing.novelty import Novelty
@@ -60,6 +61,7 @@ from cbdsl.types.resource import (
     NetForces,
     NetLoad,
     NovelHeading,
+    ObjectDistance,
     Opening,
     Posture,
     Resource,
@@ -119,6 +121,7 @@ class Signals:
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
         self.surfaces = Surfaces(robot, self.vision, resources)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
+        self.distances = Distances(robot, kinematics, self.sight)
         self.solids = SolidSignals(robot, self.vision, self.touch, resources)
         self.novelty = Novelty(robot, kinematics, self.vision, resources)
         self.marks = Marks(robot, kinematics, self.vision, resources)
@@ -138,6 +141,7 @@ class Signals:
             FingerForces: self.touch.finger_forces,
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
+            ObjectDistance: self.distances.read,
             NovelHeading: self.novelty.heading,
             MarkHeading: self.marks.heading,
             ConstellationSignal: self.blobs.constellation,

@@ -87,6 +87,7 @@ CASTS: tuple[Cast, ...] = (
 FEATURES: Mapping[str, str] = {
     "velocity": "joints displace what they move, and a velocity is not a displacement",
     "volume": "no joint changes how large a thing is",
+    "distance": "no joint changes how far a thing is from a base, which stands still",
     "count": "no joint changes how many things there are",
     "probability": "no joint moves what is expected",
     "heading_rate": "joints displace what they move, and a rate is not a displacement",

@@ -143,6 +143,17 @@ class StereoSignal(NamedTuple):
     instance: str = ""
 
 
+class ObjectDistance(NamedTuple):
+    """Distance of an object of a channel from the base of an effector: its first joint.
+
+    For a group: the least distance from the bases of its members.
+    """
+
+    channel: str
+    effector: str
+    instance: str = ""
+
+
 class ConstellationSignal(NamedTuple):
     """Constellation of two channels' blobs in a camera's image (Fig 7.15).
 
@@ -316,6 +327,7 @@ Source = (
     | StereoPosition
     | BlobSignal
     | StereoSignal
+    | ObjectDistance
     | ConstellationSignal
     | StereoOffset
     | SolidSignal
@@ -338,7 +350,7 @@ _DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
 #: Sources of visual signals of one channel.
 VISUAL = (
     Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint,
-    NovelHeading, MarkHeading,
+    NovelHeading, MarkHeading, ObjectDistance,
 )  # fmt: skip
 #: Sources of visual signals of two channels.
 RELATIVE = (ConstellationSignal, StereoOffset, SolidSignal)

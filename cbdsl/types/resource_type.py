@@ -85,6 +85,8 @@ AXIS = ResourceType("axis", "RP^1", 1, "rad")
 CONSTELLATION = ResourceType("constellation", "R+^2 x RP^1", 3, "1")
 # Vector from one object to another, in world axes.
 OFFSET = ResourceType("offset", "R^3", 3, "m")
+# Distance of an object from the base of an effector.
+DISTANCE = ResourceType("distance", "R+", 1, "m")
 # Extent of an object, or opening of a hand.
 LENGTH = ResourceType("length", "R+", 1, "m")
 
@@ -111,5 +113,6 @@ TYPES: dict[str, ResourceType] = {
         CONSTELLATION,
         OFFSET,
         LENGTH,
+        DISTANCE,
     )
 }

@@ -29,6 +29,7 @@ from cbdsl.types.resource import (
     NetForces,
     NetLoad,
     NovelHeading,
+    ObjectDistance,
     Opening,
     Posture,
     Resource,
@@ -104,6 +105,7 @@ class CheckedRobot(NamedTuple):
                 BlobSignal()
                 | ConstellationSignal()
                 | StereoSignal()
+                | ObjectDistance()
                 | StereoOffset()
                 | SolidSignal()
                 | InstanceCount()
@@ -250,7 +252,7 @@ class CheckedRobot(NamedTuple):
                 | SolidSignal()
             ):
                 return self._camera_links(source)
-            case StereoPosition() | StereoSignal():
+            case StereoPosition() | StereoSignal() | ObjectDistance():
                 return self._holding_links()
             case SensorSignal(links=links):
                 return list(links)
