@@ -109,6 +109,7 @@ class _SchemaCheck:
             choice=choice,
             otherwise=document.otherwise,
             reward=reward,
+            tried=self._tried(),
             least_reward=document.least_reward,
             worth=worth,
         )
@@ -302,6 +303,14 @@ class _SchemaCheck:
     def _reward(self) -> Tree[float] | None:
         tree = self._document.reward
         return None if tree is None else self._tree(tree, ("reward",), lambda p, _: float(p), {})
+
+    def _tried(self) -> Mapping[str, tuple[float, float]]:
+        """Return the tried range of each component, and report unknown components."""
+        for name in self._document.tried:
+            if self._dimensions and name not in self._dimensions:
+                place = self._source.key("tried", name)
+                self._findings.add("CB638", place, names=list(self._dimensions), name=name)
+        return self._document.tried
 
     def _question(self, text: str, steps: Steps) -> tuple[str, float, bool]:
         """Return the feature, the threshold in SI units, and whether it asks for larger values."""

@@ -28,6 +28,10 @@ def _lines(schema: SchemaDocument) -> Iterator[str]:
     if schema.reward is not None:
         yield f"\nReward is likely? Below {schema.least_reward:g} nothing is begun"
         yield from _tree(schema.reward, "  ")
+        if schema.tried:
+            yield "  unknown if undefined, or outside of these ranges by a tenth; then it is tried"
+        for name, (low, high) in schema.tried.items():
+            yield f"    {name} from {low:g} to {high:g}"
     yield "\nWhich resources first?"
     yield from _tree(schema.choose, "  ")
     yield f"  where a feature is undefined: {_answer(schema.otherwise)}"

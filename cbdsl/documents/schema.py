@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from cbdsl.documents.document import Document, Name, Section, quantity
+from cbdsl.documents.document import Document, Name, Number, Section, quantity
 from cbdsl.documents.kind import Kind
 from cbdsl.documents.policy import Curve, Provenance
 from cbdsl.documents.program import Use
@@ -80,10 +80,20 @@ class SchemaDocument(Document):
     """Allocations for an undefined feature, in order of preference."""
     reward: RewardTree | None = None
     """Probability of reward by features, Pr(reward | pi, f)."""
+    tried: dict[str, tuple[Number, Number]] = {}
+    """Least and largest value of each component of the features in the learned contexts, in SI.
+    Elsewhere the probability of reward is unknown, and the schema acts."""
     least_reward: Probability = 0.5
     """Probability of reward below which the schema is undefined and moves nothing."""
     curve: Curve | None = None
     provenance: Provenance | None = None
+
+    @model_validator(mode="after")
+    def _has_ordered_ranges(self) -> Self:
+        for name, (low, high) in self.tried.items():
+            if low > high:
+                raise ValueError(f"tried: {name} is from {low:g} to {high:g}; put the least first")
+        return self
 
 
 ChoiceQuestion.model_rebuild()

@@ -187,6 +187,16 @@ class Assimilate:
         outcomes, least = Outcomes(rewarded, 1.0 - rewarded), self._constants.least_samples
         return grow(samples, outcomes, likely, least, self._resolutions, _TRUST)
 
+    def _ranges(self) -> dict[str, tuple[float, float]]:
+        """Return the least and largest value of each component of the features."""
+        assert self._program is not None
+        assert self._program.schema is not None
+        return {
+            name: (round(min(values), 4), round(max(values), 4))
+            for name in self._program.schema.components
+            if (values := [each.features[name] for each in self._contexts])
+        }
+
     def _tried(self, context: TriedContext, choice: Tree[Ranking]) -> bool:
         """Return whether a context's preferred allocation was tried (as the first, if blamed)."""
         made = context.first_alone() if self._constants.blames_first else context
@@ -227,6 +237,7 @@ class Assimilate:
             choose=_written(self.choice(), units, ChoiceQuestion, _answer),
             otherwise=tuple(schema.allocations),
             reward=_written(self.reward(), units, RewardQuestion, float),
+            tried=self._ranges(),
             least_reward=self._constants.least_reward,
         )
 

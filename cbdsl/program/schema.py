@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from cbdsl.types.decision_tree import Tree
+from cbdsl.types.decision_tree import Tree, decide
 from cbdsl.types.resource import Resource
 
 Ranking = tuple[str, ...]
 """Names of allocations, the most promising one first."""
+
+# Share of a tried range by which a feature may exceed it, and still count as tried.
+_MARGIN = 0.1
 
 _AXES = ("x", "y", "z")
 
@@ -24,6 +28,7 @@ class Schema(NamedTuple):
         choice: psi(a, f) of Eq 5.3, as a tree; ``None`` if unknown.
         otherwise: Allocations for an undefined feature.
         reward: Pr(reward | pi, f), as a tree; ``None`` if unknown.
+        tried: Least and largest value of each component in the contexts that were learned from.
         least_reward: Probability of reward below which the schema is undefined.
         worth: Expected reward by state, if it was learned; it separates progress from failure.
     """
@@ -34,6 +39,7 @@ class Schema(NamedTuple):
     choice: Tree[Ranking] | None = None
     otherwise: Ranking = ()
     reward: Tree[float] | None = None
+    tried: Mapping[str, tuple[float, float]] = {}
     least_reward: float = 0.5
     worth: Mapping[str, float] = {}
 
@@ -45,6 +51,35 @@ class Schema(NamedTuple):
             for name, resource in self.features.items()
             for component in components(name, resource)
         )
+
+    def untried(self, features: Mapping[str, float]) -> tuple[str, ...]:
+        """Return the components whose values are undefined, or unlike all that were tried.
+
+        Args:
+            features: Features by name, in SI.
+        """
+        return tuple(
+            name
+            for name, (low, high) in self.tried.items()
+            if not _within(features.get(name, math.nan), low, high)
+        )
+
+    def reward_given(self, features: Mapping[str, float]) -> float | None:
+        """Return Pr(reward | pi, f), or ``None`` if it is unknown.
+
+        It is unknown without a tree, and where a feature is undefined or was never tried.
+
+        Args:
+            features: Features by name, in SI.
+        """
+        if self.reward is None or self.untried(features):
+            return None
+        return decide(self.reward, features)
+
+
+def _within(value: float, low: float, high: float) -> bool:
+    margin = _MARGIN * (high - low)
+    return low - margin <= value <= high + margin
 
 
 def components(name: str, resource: Resource) -> Iterator[str]:

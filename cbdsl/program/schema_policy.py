@@ -134,17 +134,23 @@ class SchemaPolicy:
             self._failed.clear()
             return ranking[0]
         if not left:
-            self.reason = "every allocation has been tried"
+            self.reason = "every allocation has been tried" + self._unknown(features)
             return ""
         return left[0]
 
     def _is_unlikely(self, features: Features) -> bool:
-        tree = self._schema.reward
-        likely = None if tree is None else decide(tree, features)
+        likely = self._schema.reward_given(features)
         if likely is None or likely >= self._schema.least_reward:
             return False
         self.reason = f"reward is unlikely here ({100 * likely:.0f} %)"
         return True
+
+    def _unknown(self, features: Features) -> str:
+        """Return a note if the probability of reward was unknown, or nothing."""
+        untried = self._schema.untried(features) if are_defined(features) else ()
+        if not untried:
+            return ""
+        return f"; reward was unknown here ({', '.join(untried)} outside of all learned contexts)"
 
     def _by_tree(self, features: Features) -> Ranking:
         """Return the ranking of the schema's tree, followed by the allocations that it omits."""

@@ -22,6 +22,7 @@ from cbdsl_reproduction.learners.flat import Flat, FlatPolicy
 from cbdsl_reproduction.learners.handedness_learner import HandednessLearner, replay
 from cbdsl_reproduction.learners.staged import Staged
 from cbdsl_reproduction.side_by_side import side_by_side
+from cbdsl_reproduction.source_features import with_source_features
 from cbdsl_reproduction.trial_runner import TrialRunner
 
 _PROGRAM, _STAGE, _OWN = "reachtouch", "handedness_training", "right"
@@ -59,7 +60,7 @@ def situation() -> Situation:
     """Read and check the shipped documents."""
     request = shipped_program(_PROGRAM, stage=_STAGE)
     own = request.program._replace(**_LIMITS)
-    schema = allocated(request, _PROGRAM)._replace(**_LIMITS)
+    schema = with_source_features(allocated(request, _PROGRAM))._replace(**_LIMITS)
     assert schema.schema is not None
     variants = {name: variant._replace(**_LIMITS) for name, variant in allocations(request).items()}
     flat = side_by_side(variants, schema.schema)

@@ -34,6 +34,7 @@ from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.kept_trials import kept_trials
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.source_features import with_source_features
 from cbdsl_reproduction.trial_digest import trial_digest
 
 _PROGRAM, _STAGE, _BACKEND = "reachtouch", "near_and_far_training", "kinematic"
@@ -164,7 +165,7 @@ def _digest(seed: int, episodes: int, program: str) -> str:
 def _prepared() -> tuple[CheckedProgram, BackendEpisodeRunner]:
     """Return the shipped program with all its allocations and its policy, and its runner."""
     request = shipped_program(_PROGRAM, stage=_STAGE)
-    program, robot = allocated(request, _PROGRAM), request.robot
+    program, robot = with_source_features(allocated(request, _PROGRAM)), request.robot
     body = embody(_BACKEND, robot, request.urdf)
     runner = BackendEpisodeRunner(robot, Kinematics(robot, request.urdf), body, request.stage)
     return program._replace(transition_time=8.0, idle_time=1.0), runner

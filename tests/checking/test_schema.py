@@ -156,3 +156,12 @@ def test_a_schema_of_a_policy_that_has_changed_is_found(tmp_path: Path) -> None:
     assert found.code == "CB644" and "cb learn reachtouch" in found.message
     lines = schema.read_text(encoding="utf-8").splitlines()
     assert lines[found.place.line - 1].strip().startswith("reachtouch: c46ac23")
+
+
+def test_tried_ranges_name_known_components_and_are_ordered(folder: Path) -> None:
+    file = folder / "knowledge/schemas/pick.yaml"
+    file.write_text(SCHEMA + "tried: {place.w: [0, 1]}\n", encoding="utf-8")
+    assert [each.code for each in check_document(file, Session(Library(folder)))] == ["CB638"]
+    file.write_text(SCHEMA + "tried: {place.x: [1, 0]}\n", encoding="utf-8")
+    (finding,) = check_document(file, Session(Library(folder)))
+    assert "put the least first" in finding.message

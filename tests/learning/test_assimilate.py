@@ -456,3 +456,37 @@ def test_while_it_learns_it_gives_nothing_up(schema: CheckedProgram) -> None:
     policy = learner.policy(np.random.default_rng(1))
     policy.begin(lambda: here)  # type: ignore[attr-defined]
     assert policy.choose("X0-", changed=True) is not None
+
+
+def test_features_include_the_distance_from_the_group_of_reaching_arms(
+    schema: CheckedProgram,
+) -> None:
+    assert schema.schema is not None
+    assert schema.schema.features["distance"].name == "stereo.sat_10.from.arms"
+    assert "distance" in schema.schema.components
+
+
+def test_reward_splits_once_at_a_radial_limit_of_reach(schema: CheckedProgram) -> None:
+    """Nothing is rewarded beyond 1 m from the nearer of two shoulders."""
+    rng, learner = np.random.default_rng(2), Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    for _ in range(200):
+        x, y = rng.uniform(0.1, 1.3), rng.uniform(-1.3, 1.3)
+        distance = min(float(np.hypot(x, y - side)) for side in (-0.2, 0.2))
+        context = features(schema, x, y) | {"distance": distance}
+        learner.recall([TriedContext(context, {"right_arm": distance < 1.0}, counts=True)])
+    reward = learner.reward()
+    assert isinstance(reward, Split) and reward.feature == "distance"
+    assert reward.threshold == pytest.approx(1.0, abs=0.05)
+    assert [split.feature for split in splits(reward)] == ["distance"]
+
+
+def test_document_states_the_ranges_that_were_tried(schema: CheckedProgram) -> None:
+    learner = Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    for x in (0.4, 1.2):
+        learner.recall([TriedContext(features(schema, x, 0.0), {"right_arm": True})])
+    tried = learner.document("mine", schema).tried
+    assert schema.schema is not None
+    assert tried.keys() == set(schema.schema.components)
+    assert tried["place.x"] == (0.4, 1.2)

@@ -139,3 +139,15 @@ def test_places_of_several_things_are_looked_for_and_what_is_taken_last() -> Non
     assert features == {"feature_place": "stereo.red", "goal_place": "stereo.green"}
     assert list(program.looks) == ["goal_place", "feature_place"]
     assert program.looks["goal_place"].values == {"feature": "green"}
+
+
+def test_an_untried_context_is_tried_and_named(schema: CheckedProgram) -> None:
+    assert schema.schema is not None
+    known = schema.schema._replace(tried={"place.x": (0.3, 1.2)})
+    policy = begun(schema._replace(schema=known), FAR_LEFT)
+    assert allocation(policy.choose("X0-", changed=True)) == "left_arm"
+    for _ in range(len(known.allocations) - 1):
+        retried(policy, "X0-")
+    assert policy.choose("X0-", changed=False) is None
+    assert policy.reason.startswith("every allocation has been tried; reward was unknown here (")
+    assert "place.x" in policy.reason

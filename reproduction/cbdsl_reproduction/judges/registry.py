@@ -19,6 +19,7 @@ from cbdsl_reproduction.judges import (
     pick_and_place,
     placing,
     planned_stacks,
+    reach,
     stacks,
     success_rates,
     touch_table,
@@ -27,6 +28,7 @@ from cbdsl_reproduction.judges.judge import Judge
 
 _ALL = (
     success_rates.JUDGE,
+    reach.JUDGE,
     claims.JUDGE,
     everyday.JUDGE,
     holding.JUDGE,
