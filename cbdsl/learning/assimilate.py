@@ -15,6 +15,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Any
@@ -185,7 +186,9 @@ class Assimilate:
 
         samples = [each.features for each in contexts]
         outcomes, least = Outcomes(rewarded, 1.0 - rewarded), self._constants.least_samples
-        return grow(samples, outcomes, likely, least, self._resolutions, _TRUST)
+        # All features are equally likely to be the one that matters.
+        needed = math.log(max(1, len(next(iter(samples), ()))))
+        return grow(samples, outcomes, likely, least, self._resolutions, _TRUST, needed)
 
     def _ranges(self) -> dict[str, tuple[float, float]]:
         """Return the least and largest value of each component of the features."""

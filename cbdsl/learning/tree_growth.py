@@ -5,7 +5,8 @@ uniform prior. The threshold of a question has a uniform prior between the least
 value of its feature. The evidence for a question is the log probability of all outcomes with it,
 minus that without it (Buntine, Learning classification trees, 1992). With many samples this is the
 information gain of C4.5. With few samples, it prefers thresholds in wide gaps to thresholds that
-isolate single samples. There is no gap between neighbours within the measurement resolution.
+isolate single samples. There is no gap between neighbours within the measurement resolution, nor
+between groups of samples whose means differ by less than twice of it.
 """
 
 from __future__ import annotations
@@ -111,8 +112,7 @@ def _best(
         order = np.argsort(numbers[:, feature], kind="stable")
         values = numbers[order, feature]
         cuts = np.arange(least, len(values) - least + 1)
-        wide = values[cuts] - values[cuts - 1] - finest[feature]
-        cuts, wide = cuts[wide > _ROUNDING], wide[wide > _ROUNDING]
+        cuts, wide = _gaps(values, cuts, float(finest[feature]))
         if not len(cuts):
             continue
         sums = Outcomes(*(np.cumsum(each, axis=0) for each in outcomes.of(order)))
@@ -127,6 +127,26 @@ def _best(
             low, high = values[cuts[place] - 1], values[cuts[place]]
             best = _Question(feature, _threshold(float(low), float(high), share))
     return best
+
+
+def _gaps(values: Floats, cuts: NDArray[np.intp], finest: float) -> tuple[Any, Floats]:
+    """Return the cuts between values that a measurement distinguishes, and their widths.
+
+    Neighbours differ by the resolution at least. The means of both sides differ by twice of it, so
+    that a feature that only varies by its noise is never asked for. A dense sample of a wide range
+    keeps all its cuts.
+
+    Args:
+        values: Sorted values of one feature, shape (samples,).
+        cuts: Numbers of the values below each cut, shape (k,).
+        finest: Resolution of the feature.
+    """
+    wide = values[cuts] - values[cuts - 1]
+    sums = np.cumsum(values)[cuts - 1]
+    apart = (values.sum() - sums) / (len(values) - cuts) - sums / cuts
+    is_gap = wide > max(finest - _ROUNDING, _ROUNDING)
+    is_gap &= apart > 2 * finest - _ROUNDING
+    return cuts[is_gap], wide[is_gap]
 
 
 def _rate(sums: Outcomes) -> float:

@@ -472,7 +472,7 @@ def test_reward_splits_once_at_a_radial_limit_of_reach(schema: CheckedProgram) -
     learner.adopt(schema)
     for _ in range(200):
         x, y = rng.uniform(0.1, 1.3), rng.uniform(-1.3, 1.3)
-        distance = min(float(np.hypot(x, y - side)) for side in (-0.2, 0.2))
+        distance = round(min(float(np.hypot(x, y - side)) for side in (-0.2, 0.2)), 2)
         context = features(schema, x, y) | {"distance": distance}
         learner.recall([TriedContext(context, {"right_arm": distance < 1.0}, counts=True)])
     reward = learner.reward()
