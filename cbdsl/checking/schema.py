@@ -309,7 +309,7 @@ class _SchemaCheck:
         for name in self._document.tried:
             if self._dimensions and name not in self._dimensions:
                 place = self._source.key("tried", name)
-                self._findings.add("CB638", place, names=list(self._dimensions), name=name)
+                self._diagnostics.add("CB638", place, names=list(self._dimensions), name=name)
         return self._document.tried
 
     def _question(self, text: str, steps: Steps) -> tuple[str, float, bool]:

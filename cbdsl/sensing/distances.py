@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.visual_signals import VisualSignals
 from cbdsl.types.resource import ObjectDistance, StereoPosition

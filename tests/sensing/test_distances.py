@@ -12,6 +12,7 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.signals import Signals
 
