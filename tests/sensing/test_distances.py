@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cbdsl.sensing.kinematics import Kinematics
 
 from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import RobotDocument
