@@ -186,7 +186,7 @@ class Assimilate:
 
         samples = [each.features for each in contexts]
         outcomes, least = Outcomes(rewarded, 1.0 - rewarded), self._constants.least_samples
-        # All features are equally likely to be the one that matters.
+        # Each feature is equally likely to matter.
         needed = math.log(max(1, len(next(iter(samples), ()))))
         return grow(samples, outcomes, likely, least, self._resolutions, _TRUST, needed)
 
