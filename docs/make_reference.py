@@ -26,13 +26,13 @@ from cbdsl.learning.learner import LEARNERS, LearnerClass, first_line
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.storage.atomic_file import write_text
 from cbdsl.types.casts import CASTS, Cast
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource
 from cbdsl.types.resource_type import TYPES
 from cbdsl.types.unit import UNITS
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.writer import write_text
 
 ROOT = Path(__file__).parents[1]
 FILE = ROOT / "docs" / "reference.md"

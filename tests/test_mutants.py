@@ -59,9 +59,9 @@ def test_nearest_tests_come_first() -> None:
     assert package[0] == "tests/control/test_law.py"
     assert package[1] == "tests/control/test_harmonic.py"  # imports it, too
     assert set(package) == {f"tests/control/{file.name}" for file in CONTROL.glob("test_*.py")}
-    (journal,) = suites_of("cbdsl/runtime/line_journal.py", "packages")
+    (journal,) = suites_of("cbdsl/storage/journal.py", "packages")
     assert Path(journal[0]).parts[1] == "runtime"
-    assert "tests/training/test_trial_loop.py" in journal  # imports it, too
+    assert "tests/training/test_trial_work.py" in journal  # imports it, too
     (near,) = suites_of("cbdsl/control/law.py", "file")
     assert near == package[: len(near)] and len(near) < len(package)
     (four,) = suites_of("cbdsl/control/law.py", "packages")

@@ -25,7 +25,7 @@ from cbdsl.robot.srdf import parse_srdf
 from cbdsl.robot.triangles import MOST, read_triangles
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import parse_urdf
-from cbdsl.runtime.line_journal import rows_of
+from cbdsl.storage.journal import rows_of
 from cbdsl.yaml_text.git_ignore import GitIgnore
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT

@@ -12,9 +12,10 @@ if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
     from cbdsl.calibration.estimate import Estimate
-    from cbdsl.calibration.watch_journal import WatchJournal
+    from cbdsl.calibration.hand_views import HandViews
     from cbdsl.documents.calibration import CalibrationDocument, CalibrationOrigin
     from cbdsl.kinematics.kinematics import Kinematics
+    from cbdsl.storage.journal import Journal
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class CalibrateRequest:
         from cbdsl.backends.engines import default_engine
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.documents.calibration import CalibrationOrigin
-        from cbdsl.yaml_text.writer import make_room
+        from cbdsl.storage.atomic_file import make_room
 
         run = self._run()
         target = self.out or Path("knowledge/calibrations", f"{run.robot.name}.yaml")
@@ -134,17 +135,18 @@ class CameraCalibration:
         """File of the observations, until the calibration is written."""
         return self.target.with_suffix(".jsonl")
 
-    def open_journal(self) -> WatchJournal:
+    def open_journal(self) -> Journal[HandViews]:
         """Open the journal of the observations, with those of an interrupted run."""
-        from cbdsl.calibration.watch_journal import WatchJournal
+        from cbdsl.calibration.hand_views import HAND_VIEWS
+        from cbdsl.storage.journal import Journal
 
-        return WatchJournal(self.journal, self._identity())
+        return Journal(self.journal, self._identity(), HAND_VIEWS)
 
     def estimate(
         self,
         backend: Backend,
         kinematics: Kinematics,
-        journal: WatchJournal,
+        journal: Journal[HandViews],
         progress: Callable[[int, int], None] = lambda done, total: None,
     ) -> Mapping[str, Estimate]:
         """Show the ball to the cameras, and estimate the errors of their poses.
@@ -178,7 +180,8 @@ class CameraCalibration:
     def write(self, estimates: Mapping[str, Estimate]) -> CalibrationDocument:
         """Write the calibration and its picture, remove the journal, and return the document."""
         from cbdsl.reporting.calibration_svg import CalibrationPanel, calibration_svg
-        from cbdsl.yaml_text.writer import write, write_text
+        from cbdsl.storage.atomic_file import write_text
+        from cbdsl.yaml_text.writer import write
 
         document, robot = self._document(estimates), self.run.robot
         panels = []

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from cbdsl.documents.catalog import CatalogDocument, StepColumns
-from cbdsl.documents.digest import digest, digest_of_text
+from cbdsl.documents.digest import digest
 from cbdsl.documents.form import BoxForm
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
@@ -15,7 +15,9 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.yaml_text.writer import make_room, write, write_text
+from cbdsl.storage.atomic_file import make_room, write_text
+from cbdsl.storage.digest import digest_of_text
+from cbdsl.yaml_text.writer import write
 
 __all__ = [
     "BoxForm",

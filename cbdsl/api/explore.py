@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from cbdsl.documents.catalog import CatalogDocument
     from cbdsl.learning.action_outcome import ActionOutcome
     from cbdsl.learning.exploration import ExplorationStep
+    from cbdsl.training.action_work import FinishedAction
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,7 @@ def explore(
     from cbdsl.api.explore_request import ExploreRequest
     from cbdsl.api.open_robot import open_robot
     from cbdsl.backends.engines import default_engine
+    from cbdsl.training.task_observer import ItemListener
 
     request = ExploreRequest(
         programs=tuple(programs),
@@ -102,10 +104,10 @@ def explore(
     run, task = request.task()
     task.require_ready(resume=resume or join)
 
-    def note(done: int, step: ExplorationStep, outcome: ActionOutcome, seconds: float) -> None:
+    def note(action: FinishedAction) -> None:
         if on_action is not None:
-            on_action(outcome, step)
+            on_action(action.outcome, action.step)
 
     with open_robot(run, backend=task.backend, cameras=cameras) as robot:
-        document = task.run(robot.backend, robot.kinematics, note)
+        document = task.run(robot.backend, robot.kinematics, ItemListener(note))
     return ExplorationOutcome(task.path, task.journal, document)

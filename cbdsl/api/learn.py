@@ -135,32 +135,19 @@ def _in_this_process(
     on_episode: Callable[[Experience], None] | None,
 ) -> list[LearningOutcome]:
     from cbdsl.api.open_robot import open_robot
+    from cbdsl.training.task_observer import ItemListener
 
     outcomes = []
     with open_robot(request.run, backend=request.backend, cameras=request.cameras) as robot:
         for task in tasks:
-            watcher = _Watcher(on_episode)
-            files = task.run(robot.backend, robot.kinematics, watcher)
-            outcomes.append(LearningOutcome(task.path, tuple(files), tuple(watcher.episodes)))
+            listener = ItemListener(on_episode or _ignore)
+            files = task.run(robot.backend, robot.kinematics, listener)
+            outcomes.append(LearningOutcome(task.path, tuple(files), tuple(listener.items)))
     return outcomes
 
 
-class _Watcher:
-    """Observer of one trial that keeps its episodes."""
-
-    def __init__(self, on_episode: Callable[[Experience], None] | None) -> None:
-        self.episodes: list[Experience] = []
-        self._tell = on_episode
-
-    def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """Begin with the finished episodes; see ``TrialObserver.begin``."""
-        self.episodes.extend(finished)
-
-    def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """Note an episode; see ``TrialObserver.note``."""
-        self.episodes.append(experience)
-        if self._tell is not None:
-            self._tell(experience)
+def _ignore(_: object) -> None:
+    """Ignore an episode."""
 
 
 class _Supervisor:
@@ -183,8 +170,8 @@ class _Supervisor:
 
     def outcome(self, task: LearningTask) -> LearningOutcome:
         """Return the outcome of a trial, with its episodes from the journal."""
-        from cbdsl.training.journal_follower import JournalFollower
+        from cbdsl.learning.experience import EPISODES
+        from cbdsl.storage.journal_follower import JournalFollower
 
-        entries = JournalFollower(task.journal).poll()[: task.episodes]
-        episodes = tuple(entry.experience for entry in entries)
-        return LearningOutcome(task.path, self._files[task.path], episodes)
+        episodes = JournalFollower(task.journal, EPISODES).poll()[: task.episodes]
+        return LearningOutcome(task.path, self._files[task.path], tuple(episodes))

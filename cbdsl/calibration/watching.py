@@ -9,12 +9,13 @@ import numpy as np
 from cbdsl.backends.backend import Backend
 from cbdsl.calibration.estimate import CalibrationError
 from cbdsl.calibration.hand_view import FINGERS, HandView, ViewRecorder
-from cbdsl.calibration.watch_journal import WatchJournal
+from cbdsl.calibration.hand_views import HandViews
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner
+from cbdsl.storage.journal import Journal
 
 
 def require_sight_and_touch(robot: RobotDocument) -> None:
@@ -40,7 +41,7 @@ def watch(
     stage: StageDocument,
     seed: int,
     progress: Callable[[int, int], None] = lambda done, total: None,
-    journal: WatchJournal | None = None,
+    journal: Journal[HandViews] | None = None,
 ) -> list[HandView]:
     """Run the program once, and record the cameras' views of the ball.
 
@@ -71,15 +72,15 @@ def watch(
     if len(robot.load_cells.get(hand, {})) < FINGERS:
         hands = [name for name, cells in robot.load_cells.items() if len(cells) >= FINGERS]
         raise CalibrationError.unknown(f"hand with load cells on {FINGERS} fingers", hand, hands)
-    left = program.transitions - (0 if journal is None else journal.transitions)
+    rows = [] if journal is None else list(journal.rows)
+    passed, hold = len(rows), 1 + rows[-1].hold if rows else 0
+    left = program.transitions - passed
     runner = Runner(robot, kinematics, program._replace(transitions=max(left, 1)), backend)
     if channel not in runner.signals.vision.channels:
         raise CalibrationError(
             f"program '{program.name}' does not look for '{channel}', its parameter 'feature'"
         )
-    before = [] if journal is None else list(journal.views)
-    passed = 0 if journal is None else journal.transitions
-    hold = 0 if journal is None else journal.hold
+    before = [view for row in rows for view in row.views]
     if passed >= program.transitions:
         return before
     recorder, kept = ViewRecorder(robot, kinematics, hand, channel, hold), 0
@@ -93,7 +94,7 @@ def watch(
     def keep() -> None:
         nonlocal kept
         if journal is not None:
-            journal.append(recorder.views[kept:])
+            journal.append(HandViews(hold, recorder.views[kept:]))
         kept = len(recorder.views)
 
     runner.run(stage, _seed(seed, hold), on_transition=count, on_tick=recorder.note)

@@ -101,8 +101,8 @@ def _estimates(calibration: CameraCalibration, cameras: str | None) -> Mapping[s
         calibration.open_journal() as journal,
         Progress("postures shown") as progress,
     ):
-        if journal.transitions:
-            print(f"goes on after {journal.transitions} postures that {calibration.journal} holds")
+        if journal.rows:
+            print(f"goes on after {len(journal.rows)} postures that {calibration.journal} holds")
         return calibration.estimate(embodied, kinematics, journal, progress.note)
 
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import asdict
 
-if TYPE_CHECKING:
-    from cbdsl.learning.action_outcome import ActionOutcome
-    from cbdsl.learning.exploration import ExplorationStep
+from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.training.action_work import FinishedAction
+from cbdsl.training.task_observer import TaskObserver
 
 # Actions after which an object that was never seen is gone, and a last time counts for the rest.
 _GONE, _RECENT = 5, 20
 
 
-class ExplorationProgress:
+class ExplorationProgress(TaskObserver[FinishedAction]):
     """Printer of the outcome of each action.
 
     Args:
@@ -25,24 +26,26 @@ class ExplorationProgress:
     def __init__(self, total: int, *, as_json: bool = False, looks_ahead: bool = True) -> None:
         self._total, self._as_json = total, as_json
         self._looks_ahead = looks_ahead
-        self._unseen = 0
+        self._unseen = self._done = 0
         self._seconds: deque[float] = deque(maxlen=_RECENT)
 
-    def note(
-        self, number: int, step: ExplorationStep, outcome: ActionOutcome, seconds: float
-    ) -> None:
-        """Report a finished action; see ``ExplorationObserver``."""
-        self._seconds.append(seconds)
+    def begin(self, number: int, renderer: str, finished: Sequence[FinishedAction]) -> None:
+        """Count the actions that were finished earlier; see ``TaskObserver.begin``."""
+        self._done = len(finished)
+
+    def note(self, number: int, item: FinishedAction) -> None:
+        """Report a finished action; see ``TaskObserver.note``."""
+        outcome, step = item
+        self._done += 1
+        self._seconds.append(outcome.wall_seconds)
         if self._as_json:
-            self._print_json(number, step, outcome)
+            self._print_json(item)
             return
         mark = "rewarded" if step.rewarded else "no reward" if step.action != "noop" else ""
-        left = sum(self._seconds) / len(self._seconds) * (self._total - number)
+        left = sum(self._seconds) / len(self._seconds) * (self._total - self._done)
         time = f"; about {left // 60:.0f} min {left % 60:02.0f} s left" if left else ""
-        print(
-            f"{number} of {self._total}: {step.action:20s} {mark:9s} r {step.reward:+.3f}{time}",
-            flush=True,
-        )
+        line = f"{step.action:20s} {mark:9s} r {step.reward:+.3f}{time}"
+        print(f"{self._done} of {self._total}: {line}", flush=True)
         for name in outcome.opened:
             print(f"  found: {name}", flush=True)
         if outcome.failed:
@@ -54,9 +57,10 @@ class ExplorationProgress:
         if self._looks_ahead and self._unseen == _GONE:
             print(f"  nothing that can be acted on was seen after the last {_GONE} actions")
 
-    def _print_json(self, number: int, step: ExplorationStep, outcome: ActionOutcome) -> None:
+    def _print_json(self, action: FinishedAction) -> None:
         import json
 
-        row = {"number": number, **step._asdict(), **outcome._asdict()}
-        row["reward"] = step.reward
+        row = {"number": self._done, **action.step._asdict(), **asdict(action.outcome)}
+        row["reward"] = action.step.reward
+        del row["wall_seconds"]
         print(json.dumps(row), flush=True)

@@ -168,7 +168,7 @@ def _run(
         progress = ExplorationProgress(task.count, as_json=as_json)
         name, feature = task.path.stem, task.feature
         view = None if page is None else ExplorationView(page, name, feature, task.count)
-        document = task.run(body, kinematics, progress.note, view)
+        document = task.run(body, kinematics, progress, view)
         if not as_json:
             print(catalog_text(document), end="")
             print(f"wrote {task.path}", flush=True)

@@ -80,11 +80,10 @@ def _refuse_options_of_one(context: typer.Context) -> None:
 def _run(task: PairTask, request: RunRequest, cameras: str | None, *, as_json: bool) -> None:
     from cbdsl.cli.exploration_progress import ExplorationProgress
     from cbdsl.cli.simulation import simulation
-    from cbdsl.kinematics.kinematics import Kinematics
 
-    with simulation(request, task.backend, cameras=cameras) as (body, _):
+    with simulation(request, task.backend, cameras=cameras) as (body, kinematics):
         progress = ExplorationProgress(task.count, as_json=as_json, looks_ahead=False)
-        document = task.run(body, lambda: Kinematics(request.robot, request.urdf), progress.note)
+        document = task.run(body, kinematics, progress)
     if not as_json:
         from cbdsl.cli.meta_catalog_text import meta_catalog_text
 

@@ -45,8 +45,8 @@ def _fix_once(words: Iterable[str], values: Mapping[str, str]) -> list[Path]:
     """Correct each file once, and return the changed files."""
     from cbdsl.checking.safety_net import check_safely
     from cbdsl.checking.session import Session
+    from cbdsl.storage.atomic_file import write_text
     from cbdsl.yaml_text.library import Library
-    from cbdsl.yaml_text.writer import write_text
 
     library, changed = Library(), []
     session = Session(library, values)

@@ -58,8 +58,8 @@ def _print_formatted() -> int:
 
 def _format(file: Path, *, check: bool, diff: bool, is_named: bool) -> bool:
     """Format a file, and return whether it was, or would be, changed."""
+    from cbdsl.storage.atomic_file import write_text
     from cbdsl.yaml_text.reader import read_text
-    from cbdsl.yaml_text.writer import write_text
 
     before = read_text(file)
     after = _formatted(before, file, is_named)

@@ -299,13 +299,14 @@ def _require_ready(tasks: Sequence[LearningTask], resume: bool) -> None:
 
 def _tell_what_is_there(tasks: Sequence[LearningTask]) -> None:
     """Report journals that are missing or hold more episodes than asked for."""
-    from cbdsl.training.journal_follower import JournalFollower
+    from cbdsl.learning.experience import EPISODES
+    from cbdsl.storage.journal_follower import JournalFollower
 
     begun = [each for each in tasks if each.journal.exists()]
     if not begun:
         print(f"nothing to go on with: {tasks[0].journal} is not there; begins anew")
     for task in begun:
-        there = len(JournalFollower(task.journal).poll())
+        there = len(JournalFollower(task.journal, EPISODES).poll())
         if there > task.episodes:
             first = f"the first {task.episodes} of its {there} episodes"
             print(f"{task.journal}: {first} count, all are kept")

@@ -9,17 +9,19 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+from cbdsl.learning.experience import Experience
+from cbdsl.training.task_observer import TaskObserver
+
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
-    from cbdsl.learning.experience import Experience
 
 #: Least time between lines that stay, s.
 _PAUSE = 1.0
 _RECENT = 10
 
 
-class LearningProgress:
+class LearningProgress(TaskObserver[Experience]):
     """Observer that prints each episode, the last ten in brief, and the time left.
 
     Args:
@@ -37,7 +39,7 @@ class LearningProgress:
         self._trials, self._episodes = trials, episodes
         self.at_once = at_once
         self._over: dict[int, int] = defaultdict(int)
-        last_ten = partial[deque["Experience"]](deque, maxlen=_RECENT)
+        last_ten = partial[deque[Experience]](deque, maxlen=_RECENT)
         self._recent: dict[int, deque[Experience]] = defaultdict(last_ten)
         self._seconds: deque[float] = deque(maxlen=_RECENT * at_once)
         self._printed = -_PAUSE
@@ -61,7 +63,7 @@ class LearningProgress:
         return sum(self._over.values())
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """Report the start of a trial; see ``TrialObserver.begin``."""
+        """Report the start of a trial; see ``TaskObserver.begin``."""
         if self._title is not None:
             print(f"{self._title}; images by {renderer}", flush=True)
             self._title = None
@@ -77,18 +79,18 @@ class LearningProgress:
         if self._bar is not None:
             self._bar[0].update(self._bar[1], completed=self.over)
 
-    def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """Report a finished episode; see ``TrialObserver.note``."""
+    def note(self, number: int, item: Experience) -> None:
+        """Report a finished episode; see ``TaskObserver.note``."""
         self._over[number] += 1
-        self._recent[number].append(experience)
-        self._seconds.append(seconds)
+        self._recent[number].append(item)
+        self._seconds.append(item.wall_seconds)
         if self._bar is not None:
             bar, task = self._bar
             status = f"{self._name(number, ', ')}{self._lately(number)}"
             bar.update(task, completed=self.over, status=status)
         elif time.monotonic() >= self._printed + _PAUSE or self._over[number] == self._episodes:
             self._printed = time.monotonic()
-            print(self._line(number, experience), flush=True)
+            print(self._line(number, item), flush=True)
 
     def _line(self, number: int, last: Experience) -> str:
         where = f"episode {self._over[number]} of {self._episodes}"

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.cli.learning_progress import LearningProgress
     from cbdsl.cli.live import LiveOptions
-    from cbdsl.training.journal_follower import JournalFollower
+    from cbdsl.learning.experience import Experience
+    from cbdsl.storage.journal_follower import JournalFollower
     from cbdsl.training.learning_task import LearningTask
 
 # Workers that take longer to begin are likely to compile, s.
@@ -87,17 +88,17 @@ class Supervision:
     """
 
     def __init__(self, tasks: Sequence[LearningTask], progress: LearningProgress) -> None:
-        from cbdsl.training.journal_follower import JournalFollower
+        from cbdsl.learning.experience import EPISODES
+        from cbdsl.storage.journal_follower import JournalFollower
 
         self._progress = progress
         self._workers = -1
         self._failures: dict[str, list[int]] = {}
         self._quiet_until = time.monotonic() + _QUIET
-        self._followers = [(each, JournalFollower(each.journal)) for each in tasks]
+        self._followers = [(each, JournalFollower(each.journal, EPISODES)) for each in tasks]
         for task, follower in self._followers:
-            entries = follower.poll()[: task.episodes]
+            finished = follower.poll()[: task.episodes]
             if follower.identity:
-                finished = [entry.experience for entry in entries]
                 progress.begin(task.number, follower.identity["renderer"], finished)
 
     def look(self, workers: int) -> None:
@@ -113,15 +114,15 @@ class Supervision:
             self._quiet_until = float("inf")
             print("no episode is over yet; after an installation, workers compile at first")
 
-    def _read(self, task: LearningTask, follower: JournalFollower) -> int:
+    def _read(self, task: LearningTask, follower: JournalFollower[Experience]) -> int:
         """Report the episodes of a trial that ended since the last poll; return their number."""
         was_begun, number = bool(follower.identity), task.number
-        entries = follower.poll()
+        episodes = follower.poll()
         if follower.identity and not was_begun:
             self._progress.begin(number, follower.identity["renderer"], [])
-        for entry in entries:
-            self._progress.note(number, entry.experience, entry.wall_seconds)
-        return len(entries)
+        for episode in episodes:
+            self._progress.note(number, episode)
+        return len(episodes)
 
     def done(self, task: LearningTask, files: Sequence[Path]) -> None:
         """Report the files of a trial; see ``Supervisor.done``."""
@@ -165,7 +166,7 @@ def _explained(*tasks: LearningTask) -> Iterator[None]:
     """Convert errors and interrupts of trials to one message that names the kept files."""
     from cbdsl.cli.terminal import print_problem
     from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.runtime.line_journal import JournalError
+    from cbdsl.storage.journal import JournalError
 
     try:
         yield

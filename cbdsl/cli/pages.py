@@ -16,7 +16,7 @@ def require_room(target: Path) -> None:
     Raises:
         UsageError: The page cannot be written.
     """
-    from cbdsl.yaml_text.writer import make_room
+    from cbdsl.storage.atomic_file import make_room
 
     with _writing(target):
         make_room(target)
@@ -28,7 +28,7 @@ def write_page(text: str, target: Path, *, prints: bool = True) -> None:
     Raises:
         UsageError: The page cannot be written; an existing file is unchanged.
     """
-    from cbdsl.yaml_text.writer import write_text
+    from cbdsl.storage.atomic_file import write_text
 
     with _writing(target):
         write_text(text, target)

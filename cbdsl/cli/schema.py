@@ -52,7 +52,7 @@ def _write(kinds: dict[str, type[Document]], folder: Path) -> None:
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.diagnostics.reason import reason
     from cbdsl.documents.json_schema import json_schema, json_text, schema_file
-    from cbdsl.yaml_text.writer import write_text
+    from cbdsl.storage.atomic_file import write_text
 
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -1,11 +1,11 @@
 """Digests of documents by content."""
 
-import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from cbdsl.documents.document import Document
+from cbdsl.storage.digest import digest_of_text
 
 
 class ProgramDigest(NamedTuple):
@@ -40,8 +40,3 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
         context={"by_content": True},
     )
     return digest_of_text(json.dumps(data, sort_keys=True, ensure_ascii=True))
-
-
-def digest_of_text(text: str) -> str:
-    """Return the SHA-256 of a text, in hexadecimal."""
-    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,6 +1,5 @@
 """Forms of objects and fixtures: shape, size and the pattern of their surface."""
 
-import hashlib
 import math
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -23,6 +22,7 @@ from cbdsl.documents.document import (
     Size,
     SizeSpan,
 )
+from cbdsl.storage.digest import digest_of_bytes
 
 Side = Literal["-x", "+x", "-y", "+y"]
 """Where a side looks while the thing's yaw is 0."""
@@ -288,7 +288,7 @@ class MeshForm(Section):
         if info.context is None or not is_file(self.path):
             return file
         try:
-            return hashlib.sha256(contents(self.path, _MOST_MESH_BYTES)).hexdigest()
+            return digest_of_bytes(contents(self.path, _MOST_MESH_BYTES))
         except OSError:
             return file  # as readers of the mesh report
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any, NamedTuple
+
+from cbdsl.storage.journal import RowForm
 
 #: Action without cost and without information.
 NOOP = "noop"
@@ -23,7 +26,8 @@ class FeatureForm(NamedTuple):
     size: int
 
 
-class ActionOutcome(NamedTuple):
+@dataclass(frozen=True)
+class ActionOutcome:
     """Outcome of one action.
 
     Attributes:
@@ -35,13 +39,53 @@ class ActionOutcome(NamedTuple):
         ending: Description of the end, as a sentence.
         failed: True if the action could not be run.
         sim_seconds: Simulated duration, s.
+        wall_seconds: Wall time, s; for display only.
     """
 
     action: str
     rewarded: bool = False
-    features: Mapping[str, tuple[float, ...]] = {}
+    features: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     opened: tuple[str, ...] = ()
-    ahead: Mapping[str, Mapping[str, tuple[float, ...]]] = {}
+    ahead: Mapping[str, Mapping[str, tuple[float, ...]]] = field(default_factory=dict)
     ending: str = ""
     failed: bool = False
     sim_seconds: float = 0.0
+    wall_seconds: float = field(default=0.0, compare=False)
+
+
+def read_outcome(row: Mapping[str, Any]) -> ActionOutcome:
+    """Return the outcome in a row of a journal.
+
+    Raises:
+        KeyError, TypeError, ValueError, AttributeError: If the row holds no outcome.
+    """
+    return ActionOutcome(
+        action=_text(row["action"]),
+        rewarded=bool(row["rewarded"]),
+        features=_tuples(row["features"]),
+        opened=tuple(map(_text, row["opened"])),
+        ahead={name: _tuples(features) for name, features in row["ahead"].items()},
+        ending=_text(row["ending"]),
+        failed=bool(row["failed"]),
+        sim_seconds=float(row["sim_seconds"]),
+        wall_seconds=float(row.get("wall_seconds", 0.0)),
+    )
+
+
+def write_outcome(outcome: ActionOutcome) -> dict[str, Any]:
+    """Return the row of an outcome."""
+    return {**asdict(outcome), "wall_seconds": round(outcome.wall_seconds, 3)}
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r} is not text")
+    return value
+
+
+def _tuples(values: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, ...]]:
+    return {name: tuple(map(float, value)) for name, value in values.items()}
+
+
+#: Rows of the journal of an exploration whose actions do not change.
+ACTIONS = RowForm("exploration", "an action", read_outcome, write_outcome)

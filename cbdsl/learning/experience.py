@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 from cbdsl.program.transition import Transition
+from cbdsl.storage.journal import RowForm
 
 
 @dataclass(frozen=True)
@@ -20,6 +22,7 @@ class Experience:
             rad.
         ticks: Number of control ticks.
         sim_seconds: Simulated time, s.
+        wall_seconds: Wall time, s; for display only.
     """
 
     context: str
@@ -28,8 +31,33 @@ class Experience:
     rewarded: Mapping[str, tuple[float, ...]]
     ticks: int
     sim_seconds: float
+    wall_seconds: float = field(default=0.0, compare=False)
 
     @property
     def reward(self) -> int:
         """Sum of the rewards of its transitions."""
         return sum(transition.reward for transition in self.transitions)
+
+
+def _read(row: Mapping[str, Any]) -> Experience:
+    transitions = (
+        Transition(**{**fields, "rewarding": tuple(fields["rewarding"])})
+        for fields in row["transitions"]
+    )
+    return Experience(
+        context=row["context"],
+        seed=row["seed"],
+        transitions=tuple(transitions),
+        rewarded={effector: tuple(angles) for effector, angles in row["rewarded"].items()},
+        ticks=row["ticks"],
+        sim_seconds=row["sim_seconds"],
+        wall_seconds=row["wall_seconds"],
+    )
+
+
+def _write(experience: Experience) -> dict[str, Any]:
+    return {**asdict(experience), "wall_seconds": round(experience.wall_seconds, 3)}
+
+
+#: Rows of the journal of a trial.
+EPISODES = RowForm("trial", "an episode", _read, _write)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
@@ -18,9 +16,12 @@ from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.learning.experience import EPISODES, Experience
 from cbdsl.reporting.drawing.policy_transitions import require_legible
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.storage.digest import digest_of_bytes
+from cbdsl.storage.journal import rows_of
 from cbdsl.yaml_text.library import Library, is_of
 
 _JOURNAL = ".episodes.jsonl"
@@ -152,7 +153,7 @@ def read_learned(file: Path) -> Learned:
             models.append(_model(library, file, name, document))
         except (UsageError, DiagnosticsError, UrdfError) as error:
             notes.append(f"Without the internal model {document}: {_reason(error)}.")
-    digest = hashlib.sha256(file.read_bytes()).hexdigest()
+    digest = digest_of_bytes(file.read_bytes())
     programs = frozenset(_programs(library, file, policy))
     return Learned(file, digest, policy, programs, tuple(models), episodes, tuple(notes))
 
@@ -220,8 +221,12 @@ def _from_curve(policy: PolicyDocument) -> Iterator[Episode]:
         yield Episode(context, None, reward, transitions, ticks)
 
 
-def _from_journal(file: Path, wanted: int) -> list[Episode]:
-    """Return the first ``wanted`` episodes of the journal beside a policy, if there is one.
+def _from_journal(file: Path, number: int) -> list[Episode]:
+    """Return the first episodes of the journal beside a policy, if there is one.
+
+    Args:
+        file: File of the policy.
+        number: Number of episodes.
 
     Raises:
         UsageError: The file is no journal, or holds fewer episodes.
@@ -230,37 +235,25 @@ def _from_journal(file: Path, wanted: int) -> list[Episode]:
     if not path.exists():
         return []
     try:
-        lines = path.read_bytes().split(b"\n")[1 : 1 + wanted]
+        lines = path.read_bytes().splitlines(keepends=True)
     except OSError as error:
         raise UsageError(f"{path}: {reason(error)}") from error
-    episodes = [
-        _read_episode(line, f"{path}: no journal of a trial, or a damaged one; line {n}")
-        for n, line in enumerate(lines, 2)
-        if line
-    ]
-    if len(episodes) < wanted:
-        raise UsageError(f"{path}: holds {len(episodes)} episodes, and {file.name} {wanted}")
-    return episodes
+    rows, _ = rows_of(b"".join(lines[: 1 + number]), path)
+    experiences = [EPISODES.parse(row, path, line) for line, row in enumerate(rows[1:], 2)]
+    if len(experiences) < number:
+        raise UsageError(f"{path}: holds {len(experiences)} episodes, and {file.name} {number}")
+    return [_episode(experience) for experience in experiences]
 
 
-def _read_episode(line: bytes, journal: str) -> Episode:
-    try:
-        return _episode(json.loads(line))
-    except KeyError as error:
-        raise UsageError(f"{journal} lacks {error}") from error
-    except (ValueError, TypeError, IndexError) as error:
-        raise UsageError(f"{journal} is not an episode ({error})") from error
-
-
-def _episode(row: dict[str, Any]) -> Episode:
-    transitions = row["transitions"]
+def _episode(experience: Experience) -> Episode:
+    transitions = experience.transitions
     return Episode(
-        context=row["context"],
-        seed=row["seed"],
-        reward=sum(each["reward"] for each in transitions),
+        context=experience.context,
+        seed=experience.seed,
+        reward=experience.reward,
         transitions=len(transitions),
-        ticks=row["ticks"],
-        sim_seconds=row["sim_seconds"],
-        rewarding=tuple(name for each in transitions for name in each["rewarding"]),
-        end=transitions[-1]["next_state"],
+        ticks=experience.ticks,
+        sim_seconds=experience.sim_seconds,
+        rewarding=tuple(name for each in transitions for name in each.rewarding),
+        end=transitions[-1].next_state,
     )

@@ -29,7 +29,7 @@ from cbdsl.reporting.link_pose import placed
 from cbdsl.reporting.mcap_schemas import SCHEMAS
 from cbdsl.reporting.model import DrawnLink, read_links
 from cbdsl.reporting.recorded import Recorded
-from cbdsl.runtime.recording_folder import replace_file
+from cbdsl.storage.atomic_file import replace_file
 
 Json = dict[str, Any]
 

@@ -21,8 +21,9 @@ from cbdsl.robot.joints import Joints
 from cbdsl.robot.simplified_mesh import simplified
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import LIMITS, REACH, Explanation, LevelExplanation, named_runs
-from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
+from cbdsl.runtime.recording_folder import RecordingFolder
 from cbdsl.sensing.signals import Signals
+from cbdsl.storage.atomic_file import replace_file
 from cbdsl.types.resource import Centroid, Resource, StereoPosition, Tip
 
 #: Version of the files; raised if a reader of older files would be misled.

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.storage.file_lock import LockedError, lock
 
 
 class RecordingFolder:
@@ -53,8 +52,8 @@ class RecordingFolder:
         name = self.path / f".episode_{seed}.lock"
         with name.open("wb") as file:
             try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError as error:
+                lock(file)
+            except LockedError as error:
                 raise UsageError(
                     f"{self.path}: another process is recording the episode with seed {seed} here; "
                     "choose another folder"
@@ -72,25 +71,3 @@ class RecordingFolder:
                 f"{there}: there is a recording already; choose another folder, or replace it "
                 "with --overwrite"
             )
-
-
-def replace_file(path: Path, fill: Callable[[BinaryIO], object]) -> None:
-    """Write a file atomically, so that no reader sees an incomplete file.
-
-    Args:
-        path: Path of the file.
-        fill: Function that writes the contents.
-
-    Raises:
-        OSError: If the file cannot be written; the error names it.
-    """
-    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    try:
-        with partial.open("wb") as file:
-            fill(file)
-        os.replace(partial, path)
-    except BaseException as error:
-        partial.unlink(missing_ok=True)
-        if isinstance(error, OSError):
-            raise OSError(error.errno, error.strerror or str(error), str(path)) from error
-        raise

@@ -14,7 +14,7 @@ from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.document import NAME_PATTERN, Document
 from cbdsl.documents.json_schema import json_schema, json_text, schema_file
 from cbdsl.documents.kinds import KINDS, kind_of
-from cbdsl.yaml_text.writer import write_bytes, write_text
+from cbdsl.storage.atomic_file import write_bytes, write_text
 
 
 class DocumentTemplate:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from cbdsl.backends.backend import Backend, BackendError
 from cbdsl.documents.robot import RobotDocument
@@ -84,7 +85,7 @@ class ActionRunner:
         except (EpisodeError, BackendError) as error:
             self._last = None
             return ActionOutcome(name, ending=str(error), failed=name != NOOP)
-        return outcome._replace(ahead=ahead, sim_seconds=outcome.sim_seconds + seconds)
+        return replace(outcome, ahead=ahead, sim_seconds=outcome.sim_seconds + seconds)
 
     def look(self, known: Sequence[str], seed: int) -> dict[str, Features]:
         """Set the world up again, bring the robot back, and read the features of each action.
@@ -124,7 +125,7 @@ class ActionRunner:
         seen = {m for m, seconds in reader.seconds.items() if seconds >= _BELIEVED}
         new = tuple(each.name for m, each in action.marks.items() if m in seen)
         outcome = _outcome(action.name, result, reader)
-        return outcome._replace(opened=new, rewarded=outcome.rewarded and mark in seen)
+        return replace(outcome, opened=new, rewarded=outcome.rewarded and mark in seen)
 
     def _episode(
         self,

@@ -1,4 +1,4 @@
-"""Parallel jobs, such as trials, on a Dask cluster."""
+"""Parallel tasks, such as trials, on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ import dask.config
 from distributed import Client, Future, KilledWorker, wait
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.training.job import Job
 from cbdsl.training.provenance import versions
 from cbdsl.training.supervisor import Supervisor
+from cbdsl.training.task import Task
 from cbdsl.training.worker import work
 
-J = TypeVar("J", bound=Job)
+J = TypeVar("J", bound=Task)
 
 # Period of the supervisor's calls, s.
 _PERIOD = 1.0
@@ -37,14 +37,14 @@ _GONE = "the cluster's scheduler is gone, or gave the trials up"
 
 
 def run_on_cluster(
-    jobs: Sequence[J], scheduler: str, supervisor: Supervisor[J], patience: float = _PATIENCE
+    tasks: Sequence[J], scheduler: str, supervisor: Supervisor[J], patience: float = _PATIENCE
 ) -> None:
-    """Run jobs on a cluster; outcomes do not depend on its workers.
+    """Run tasks on a cluster; outcomes do not depend on its workers.
 
     A trial whose worker is killed continues from its journal on another worker.
 
     Args:
-        jobs: Jobs, such as trials.
+        tasks: Tasks, such as trials.
         scheduler: Address of a cluster whose workers see the same files.
         supervisor: Observer of their outcomes.
         patience: Longest time without any worker, s.
@@ -52,14 +52,14 @@ def run_on_cluster(
     Raises:
         UsageError: If the cluster is not there, goes away, or has no workers for too long.
     """
-    folder = jobs[0].path.parent
+    folder = tasks[0].path.parent
     with (
         _silence(),
         _client(scheduler) as client,
         _marker(folder) as there,
     ):
         given = versions()
-        futures = {client.submit(work, each, there, given, pure=False): each for each in jobs}
+        futures = {client.submit(work, each, there, given, pure=False): each for each in tasks}
         _supervise(futures, client, supervisor, patience)
 
 
@@ -141,7 +141,7 @@ def _supervise(
     supervisor: Supervisor[J],
     patience: float,
 ) -> None:
-    """Wait for all jobs, while there are workers."""
+    """Wait for all tasks, while there are workers."""
     last_seen = time.monotonic()
     while futures:
         workers = _workers(client)
@@ -170,16 +170,16 @@ def _workers(client: Client) -> int:
     raise UsageError(_GONE)
 
 
-def _hand_over(future: Future[list[Path]], job: J, supervisor: Supervisor[J]) -> None:
-    """Report the outcome of a job."""
+def _hand_over(future: Future[list[Path]], task: J, supervisor: Supervisor[J]) -> None:
+    """Report the outcome of a task."""
     try:
         files = future.result()
     except CancelledError as error:
         raise UsageError(_GONE) from error
     except KilledWorker:
         died = UsageError("the workers that it was given to died, one after the other")
-        supervisor.failed(job, died)
+        supervisor.failed(task, died)
     except (UsageError, OSError, ImportError) as error:
-        supervisor.failed(job, error)
+        supervisor.failed(task, error)
     else:
-        supervisor.done(job, files)
+        supervisor.done(task, files)

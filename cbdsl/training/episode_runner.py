@@ -111,6 +111,7 @@ class BackendEpisodeRunner:
             rewarded=rewarded,
             ticks=result.ticks,
             sim_seconds=result.sim_seconds,
+            wall_seconds=result.wall_seconds,
         )
 
     def _runner(self, program: CheckedProgram, policy: Policy) -> Runner:

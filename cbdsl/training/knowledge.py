@@ -9,8 +9,9 @@ from cbdsl.documents.kinds import kind_of
 from cbdsl.documents.model import MODEL
 from cbdsl.documents.policy import POLICY, Provenance
 from cbdsl.learning.learner import TrialSummary
+from cbdsl.storage.atomic_file import remove_leftovers
 from cbdsl.training.trial import Trial
-from cbdsl.yaml_text.writer import remove_leftovers, write
+from cbdsl.yaml_text.writer import write
 
 
 def model_file(path: Path, effector: str) -> Path:

@@ -12,22 +12,16 @@ from cbdsl.documents.policy import Provenance
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode_watcher import EpisodeWatcher
+from cbdsl.storage.journal import require_usable
 from cbdsl.training.episode_runner import BackendEpisodeRunner
-from cbdsl.training.journal import require_usable
 from cbdsl.training.provenance import TrialSetting, provenance_of
+from cbdsl.training.task_files import trial_journal
+from cbdsl.training.task_observer import TaskObserver
 from cbdsl.training.trial import Trial
-from cbdsl.training.trial_loop import (
-    NullObserver,
-    TrialObserver,
-    identity_of,
-    journal_file,
-    open_journal,
-    require_free,
-    require_writable,
-    run_trial,
-)
+from cbdsl.training.trial_work import identity_of, open_journal, require_ready, run_trial
 
 
 @dataclass(frozen=True)
@@ -69,7 +63,7 @@ class LearningTask:
     @property
     def journal(self) -> Path:
         """File of its episodes."""
-        return journal_file(self.path)
+        return trial_journal(self.path)
 
     def require_ready(self, *, resume: bool) -> None:
         """Check that the outcome can be written, before hours are spent on the trial.
@@ -81,8 +75,8 @@ class LearningTask:
             JournalError: If other files are in the way, or another trial was begun there.
             OSError: If the files cannot be written.
         """
-        require_writable(self.path)
-        require_free(self.path, (*self.robot.effectors, *self.robot.groups), resume=resume)
+        effectors = (*self.robot.effectors, *self.robot.groups)
+        require_ready(self.path, effectors, resume=resume)
         if self.journal.exists():
             # Only a body knows its renderer.
             known = identity_of(self._provenance(self._trial(), "unknown"), ("renderer",))
@@ -92,7 +86,7 @@ class LearningTask:
         self,
         body: Backend,
         kinematics: Kinematics,
-        observer: TrialObserver | None = None,
+        observer: TaskObserver[Experience] | None = None,
         watcher: EpisodeWatcher | None = None,
     ) -> list[Path]:
         """Run the remaining episodes on a body and write the knowledge.
@@ -114,7 +108,7 @@ class LearningTask:
         runner = BackendEpisodeRunner(self.robot, kinematics, body, self.stage, watcher)
         with open_journal(self.path, provenance) as journal:
             return run_trial(
-                trial, runner, journal, provenance, self.path, observer or NullObserver()
+                trial, runner, journal, provenance, self.path, observer or TaskObserver()
             )
 
     def _trial(self) -> Trial:

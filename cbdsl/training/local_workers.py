@@ -20,14 +20,14 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.training.job import Job
 from cbdsl.training.supervisor import Supervisor
+from cbdsl.training.task import Task
 
-J = TypeVar("J", bound=Job)
+J = TypeVar("J", bound=Task)
 
 # Period of the supervisor's calls, s.
 _PERIOD = 1.0
-# Number of workers that may die of one job before it fails.
+# Number of workers that may die of one task before it fails.
 _MOST_DEATHS = 4
 # Longest time in which workers may end, s.
 _PATIENCE = 5.0
@@ -40,17 +40,17 @@ _BEGIN = (
 )
 
 
-def run_on_workers(jobs: Sequence[J], workers: int, supervisor: Supervisor[J]) -> None:
-    """Run jobs in processes of this machine; outcomes do not depend on their number.
+def run_on_workers(tasks: Sequence[J], workers: int, supervisor: Supervisor[J]) -> None:
+    """Run tasks in processes of this machine; outcomes do not depend on their number.
 
-    A job whose worker is killed continues from its journal on another worker.
+    A task whose worker is killed continues from its journal on another worker.
 
     Args:
-        jobs: Jobs, such as trials.
+        tasks: Tasks, such as trials.
         workers: Number of processes of one thread each.
         supervisor: Observer of their outcomes.
     """
-    with _Pool[J](jobs, supervisor).running(workers) as pool:
+    with _Pool[J](tasks, supervisor).running(workers) as pool:
         while pool.goes_on():
             supervisor.look(pool.size)
             pool.advance()
@@ -61,12 +61,12 @@ class _Worker(Generic[J]):
 
     Attributes:
         pipe: This end of the pipe.
-        job: Present job, or ``None``.
+        task: Present task, or ``None``.
     """
 
     def __init__(self) -> None:
         self.pipe, other_end = Pipe()
-        self.job: J | None = None
+        self.task: J | None = None
         with other_end, _interrupts_blocked():
             paths = json.dumps([path for path in sys.path if path])
             # -P: no module of the current folder replaces an imported one.
@@ -92,16 +92,16 @@ class _Worker(Generic[J]):
 
 
 class _Pool(Generic[J]):
-    """Workers with jobs, and jobs without workers.
+    """Workers with tasks, and tasks without workers.
 
     Args:
-        jobs: Jobs to run.
+        tasks: Tasks to run.
         supervisor: Observer of their outcomes.
     """
 
-    def __init__(self, jobs: Sequence[J], supervisor: Supervisor[J]) -> None:
-        self._waiting = deque(jobs)
-        self._deaths = dict.fromkeys(map(id, jobs), 0)
+    def __init__(self, tasks: Sequence[J], supervisor: Supervisor[J]) -> None:
+        self._waiting = deque(tasks)
+        self._deaths = dict.fromkeys(map(id, tasks), 0)
         self._supervisor = supervisor
         self._workers: list[_Worker[J]] = []
 
@@ -126,11 +126,11 @@ class _Pool(Generic[J]):
                 worker.join(until)
 
     def goes_on(self) -> bool:
-        """Return whether any job is not over."""
-        return bool(self._waiting) or any(worker.job is not None for worker in self._workers)
+        """Return whether any task is not over."""
+        return bool(self._waiting) or any(worker.task is not None for worker in self._workers)
 
     def advance(self) -> None:
-        """Report the outcomes of the next period, and assign the waiting jobs."""
+        """Report the outcomes of the next period, and assign the waiting tasks."""
         pipes = {worker.pipe: worker for worker in self._workers}
         for pipe in wait(list(pipes), _PERIOD):
             assert isinstance(pipe, Connection)
@@ -140,39 +140,39 @@ class _Pool(Generic[J]):
             except (EOFError, OSError):
                 self._replace(worker)
                 continue
-            job, worker.job = worker.job, None
+            task, worker.task = worker.task, None
             self._assign(worker)
-            if job is not None:
-                self._report(job, outcome)
+            if task is not None:
+                self._report(task, outcome)
 
     def _assign(self, worker: _Worker[J]) -> None:
         if self._waiting:
-            worker.job = self._waiting.popleft()
+            worker.task = self._waiting.popleft()
             with suppress(OSError):  # it died; its pipe reports that in the next period
-                worker.pipe.send(worker.job)
+                worker.pipe.send(worker.task)
 
     def _replace(self, worker: _Worker[J]) -> None:
-        """Replace a dead worker by another with the same job."""
+        """Replace a dead worker by another with the same task."""
         worker.end()
         worker.join(time.monotonic() + _PATIENCE)
         self._workers.remove(worker)
-        job = worker.job
-        if job is not None:
-            self._deaths[id(job)] += 1
-            if self._deaths[id(job)] < _MOST_DEATHS:
-                self._waiting.appendleft(job)
+        task = worker.task
+        if task is not None:
+            self._deaths[id(task)] += 1
+            if self._deaths[id(task)] < _MOST_DEATHS:
+                self._waiting.appendleft(task)
             else:
                 died = UsageError("the workers that it was given to died, one after the other")
-                self._supervisor.failed(job, died)
+                self._supervisor.failed(task, died)
         if self._waiting:
             self._workers.append(_Worker())
             self._assign(self._workers[-1])
 
-    def _report(self, job: J, outcome: list[Path] | Exception) -> None:
+    def _report(self, task: J, outcome: list[Path] | Exception) -> None:
         if not isinstance(outcome, Exception):
-            self._supervisor.done(job, outcome)
+            self._supervisor.done(task, outcome)
         elif isinstance(outcome, UsageError | OSError | ImportError):
-            self._supervisor.failed(job, outcome)
+            self._supervisor.failed(task, outcome)
         else:
             raise outcome
 

@@ -2,41 +2,30 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from cbdsl.backends.backend import Backend, BackendError
 from cbdsl.documents.catalog import CatalogProvenance
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.documents.policy import Identity
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.learning.action_outcome import NOOP, ActionOutcome
+from cbdsl.learning.action_outcome import ACTIONS, NOOP, ActionOutcome
 from cbdsl.learning.catalog_exploration import CatalogConstants
-from cbdsl.learning.exploration import ExplorationStep
 from cbdsl.learning.pair_exploration import PairExploration
 from cbdsl.runtime.episode import EpisodeError, Runner
-from cbdsl.runtime.line_journal import LineJournal
+from cbdsl.storage.atomic_file import remove_leftovers
+from cbdsl.storage.journal import Journal
+from cbdsl.training.action_work import ActionWork, FinishedAction
+from cbdsl.training.catalog_provenance import catalog_provenance, identity_of
 from cbdsl.training.explorable_pair import ExplorablePair
-from cbdsl.training.exploration_task import (
-    ExplorationObserver,
-    exploration_journal,
-    identity_of,
-    outcome_of,
-    require_writable,
-)
 from cbdsl.training.meta_catalog_writing import meta_catalog_document
-from cbdsl.training.provenance import versions
-from cbdsl.yaml_text.writer import remove_leftovers, write
-
-#: Stream of an action's seed for choices, beside the episode's streams.
-_CHOICE = 2
+from cbdsl.training.task_files import exploration_journal, require_free
+from cbdsl.training.task_loop import run_items
+from cbdsl.training.task_observer import TaskObserver
+from cbdsl.yaml_text.writer import write
 
 
 @dataclass(frozen=True)
@@ -75,6 +64,11 @@ class PairTask:
     path: Path
 
     @property
+    def number(self) -> int:
+        """Number of this exploration among several with its seed."""
+        return 0
+
+    @property
     def journal(self) -> Path:
         """File of its actions, each written when it is over."""
         return exploration_journal(self.path)
@@ -86,108 +80,91 @@ class PairTask:
             JournalError: If other files are in the way.
             OSError: If the files cannot be written.
         """
-        require_writable(self.path, self.journal, resume=resume)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        require_free(self.journal, [self.path], "explored", resume=resume)
 
     def run(
         self,
         body: Backend,
-        kinematics: Callable[[], Kinematics],
-        observer: ExplorationObserver = lambda number, step, outcome, seconds: None,
+        kinematics: Kinematics,
+        observer: TaskObserver[FinishedAction] | None = None,
     ) -> MetaCatalogDocument:
         """Run the remaining actions on a body, and write the meta-catalog.
 
         Args:
             body: Backend that acts.
-            kinematics: Function that creates the robot's kinematics.
-            observer: Listener that receives each completed action.
+            kinematics: Kinematics of the robot.
+            observer: Observer of the completed actions.
 
         Raises:
             JournalError: If the journal belongs to another undertaking.
             OSError: If journal or meta-catalog cannot be written.
         """
-        exploration = PairExploration({n: e.forms for n, e in self.pairs.items()}, self.constants)
-        runners: dict[str, Runner] = {}
-        outcomes: list[ActionOutcome] = []
-        identity = self._provenance(body.renderer, 0).model_dump(
-            mode="json", exclude={"command", "actions"}
-        )
-        with LineJournal(self.journal, identity, "exploration") as journal:
-            for line, row in enumerate(journal.rows[: self.count], 2):
-                outcomes.append(outcome_of(row, journal.path, line))
-                exploration.note(outcomes[-1])
-            while len(outcomes) < self.count:
-                if self.until_habituated and exploration.is_over:
-                    break
-                began, seed = time.perf_counter(), self._seed(len(outcomes))
-                name = exploration.choose(np.random.default_rng([seed, _CHOICE]))
-                if name != NOOP and name not in runners:
-                    runners[name] = self._runner(self.pairs[name], kinematics(), body)
-                outcome = self._act(name, runners, seed)
-                seconds = time.perf_counter() - began
-                journal.append_row({**outcome._asdict(), "wall_seconds": round(seconds, 3)})
-                outcomes.append(outcome)
-                step: ExplorationStep = exploration.note(outcome)
-                observer(len(outcomes), step, outcome, seconds)
+        identity = identity_of(self._provenance(body.renderer, 0))
+        with Journal(self.journal, identity, ACTIONS) as journal:
+            work = PairWork(self, body, kinematics)
+            for outcome in journal.rows[: self.count]:
+                work.note(outcome)
+            run_items(work, journal.append, observer or TaskObserver())
             document = meta_catalog_document(
                 self.path.stem,
                 self.things,
                 self.relation,
                 self.pairs,
-                exploration,
-                self._provenance(body.renderer, len(outcomes)),
+                work.exploration,
+                self._provenance(body.renderer, len(work.finished)),
             )
             remove_leftovers(self.path)
             write(document, self.path)
         return document
 
-    def _runner(self, pair: ExplorablePair, kinematics: Kinematics, body: Backend) -> Runner:
-        observed = tuple(pair.features.values())
-        return Runner(self.robot, kinematics, pair.program, body, observed=observed)
+    def _provenance(self, renderer: str, actions: int) -> CatalogProvenance:
+        return catalog_provenance(self, self.pairs, "explore_pairs", renderer, actions)
 
-    def _act(self, name: str, runners: Mapping[str, Runner], seed: int) -> ActionOutcome:
+
+class PairWork(ActionWork):
+    """Exploration of pairs under way.
+
+    Args:
+        task: Exploration with all its inputs.
+        body: Backend that acts.
+        kinematics: Kinematics of the robot.
+    """
+
+    def __init__(self, task: PairTask, body: Backend, kinematics: Kinematics) -> None:
+        forms = {name: pair.forms for name, pair in task.pairs.items()}
+        super().__init__(PairExploration(forms, task.constants), task, body.renderer)
+        self._task, self._body, self._kinematics = task, body, kinematics
+        self._runners: dict[str, Runner] = {}
+
+    def act(self, name: str, seed: int) -> ActionOutcome:
         """Bring an object to another, and read the features of both afterwards."""
         if name == NOOP:
             return ActionOutcome(NOOP, ending="nothing was done")
-        pair, runner = self.pairs[name], runners[name]
+        pair = self._task.pairs[name]
+        if name not in self._runners:
+            self._runners[name] = Runner(
+                self._task.robot,
+                self._kinematics,
+                pair.program,
+                self._body,
+                observed=tuple(pair.features.values()),
+            )
+        runner = self._runners[name]
         try:
-            result = runner.run(self.stage, seed, pair.context)
+            result = runner.run(self._task.stage, seed, pair.context)
         except (BackendError, EpisodeError) as error:
             return ActionOutcome(name, ending=str(error), failed=True)
-        seen = {key: runner.signals.read(each) for key, each in pair.features.items()}
+        readings = {key: runner.signals.read(each) for key, each in pair.features.items()}
         return ActionOutcome(
             action=name,
             # A controller at rest far from its reference did not reach its target.
             rewarded=result.outcome == "success" and not result.far,
             features={
                 key: tuple(reading.value.ravel().tolist())
-                for key, reading in seen.items()
+                for key, reading in readings.items()
                 if reading is not None
             },
             ending=result.ending,
             sim_seconds=result.sim_seconds,
-        )
-
-    def _seed(self, number: int) -> int:
-        return int(np.random.SeedSequence([self.seed, 0, number]).generate_state(1)[0])
-
-    def _provenance(self, renderer: str, actions: int) -> CatalogProvenance:
-        constants: dict[str, Any] = self.constants.model_dump()
-        digests = [each.digest for each in self.pairs.values()]
-        policies = {name: sha for each in digests for name, sha in each.policies.items()}
-        return CatalogProvenance(
-            command=self.command,
-            programs={
-                name: Identity(name=each.program.name, sha256=each.digest.sha256)
-                for name, each in self.pairs.items()
-            },
-            policies=policies,
-            robot=identity_of(self.robot),
-            stage=identity_of(self.stage),
-            algorithm="explore_pairs",
-            constants={name: value for name, value in constants.items() if value is not None},
-            seed=self.seed,
-            actions=actions,
-            backend=self.backend,
-            renderer=renderer,
-            versions=versions(),
         )

@@ -1,24 +1,24 @@
-"""Parallel jobs: in processes of this machine, or on a Dask cluster."""
+"""Parallel tasks: in processes of this machine, or on a Dask cluster."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TypeVar
 
-from cbdsl.training.job import Job
 from cbdsl.training.local_workers import run_on_workers
 from cbdsl.training.supervisor import Supervisor
+from cbdsl.training.task import Task
 
-J = TypeVar("J", bound=Job)
+J = TypeVar("J", bound=Task)
 
 
 def run_all(
-    jobs: Sequence[J], workers: int, scheduler: str | None, supervisor: Supervisor[J]
+    tasks: Sequence[J], workers: int, scheduler: str | None, supervisor: Supervisor[J]
 ) -> None:
-    """Run jobs in parallel; outcomes do not depend on the workers.
+    """Run tasks in parallel; outcomes do not depend on the workers.
 
     Args:
-        jobs: Jobs, such as trials.
+        tasks: Tasks, such as trials.
         workers: Number of processes of one thread each, on this machine.
         scheduler: Address of a cluster instead, whose workers see the same files.
         supervisor: Observer of their outcomes.
@@ -28,8 +28,8 @@ def run_all(
         ModuleNotFoundError: If the cluster needs a package that is not installed.
     """
     if scheduler is None:
-        run_on_workers(jobs, workers, supervisor)
+        run_on_workers(tasks, workers, supervisor)
         return
     from cbdsl.training.cluster import run_on_cluster
 
-    run_on_cluster(jobs, scheduler, supervisor)
+    run_on_cluster(tasks, scheduler, supervisor)

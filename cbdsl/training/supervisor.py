@@ -1,4 +1,4 @@
-"""Observer of jobs that run in other processes."""
+"""Observer of tasks that run in other processes."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from cbdsl.training.job import Job
+from cbdsl.training.task import Task
 
-J_contra = TypeVar("J_contra", contravariant=True, bound=Job)
+J_contra = TypeVar("J_contra", contravariant=True, bound=Task)
 
 
 class Supervisor(Protocol[J_contra]):
-    """Observer of jobs that run in other processes."""
+    """Observer of tasks that run in other processes."""
 
-    def done(self, job: J_contra, files: Sequence[Path], /) -> None:
-        """Note that a job ended and wrote these files."""
+    def done(self, task: J_contra, files: Sequence[Path], /) -> None:
+        """Note that a task ended and wrote these files."""
         ...
 
-    def failed(self, job: J_contra, error: Exception, /) -> None:
-        """Note that a job failed; the others go on."""
+    def failed(self, task: J_contra, error: Exception, /) -> None:
+        """Note that a task failed; the others go on."""
         ...
 
     def look(self, workers: int) -> None:

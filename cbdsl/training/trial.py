@@ -56,13 +56,20 @@ class Trial:
 
     def run(self, runner: EpisodeRunner) -> Experience:
         """Run the next episode and learn from it."""
+        experience = self.play(runner)
+        self.remember(experience)
+        return experience
+
+    def play(self, runner: EpisodeRunner) -> Experience:
+        """Run the next episode, during which the learner sees its transitions."""
         seed = self._next_seed()
         policy = self.learner.policy(np.random.default_rng([seed, _EXPLORATION]))
-        program = self.informed_program()
-        experience = runner.run(program, policy, seed, self.learner.see)
+        return runner.run(self.informed_program(), policy, seed, self.learner.see)
+
+    def remember(self, experience: Experience) -> None:
+        """Learn from an episode that was just run."""
         self.learner.remember(experience)
         self.experiences.append(experience)
-        return experience
 
     def learned_models(self) -> dict[str, str]:
         """Return the effectors of the internal models that start uniform, by name of the model.

@@ -1,24 +1,25 @@
-"""Worker of a Dask cluster that runs one job after another, all on one body."""
+"""Worker of a Dask cluster that runs one task after another, all on one body."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from distributed import get_worker
 from distributed.core import Status
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.learning.experience import Experience
-from cbdsl.training.job import AbandonedError, Job, run_job
 from cbdsl.training.provenance import versions
+from cbdsl.training.task import AbandonedError, Task, run_task
+from cbdsl.training.task_observer import TaskObserver
 
 
-def work(job: Job, there: Path, expected: Mapping[str, str]) -> list[Path]:
-    """Run a job in this process.
+def work(task: Task, there: Path, expected: Mapping[str, str]) -> list[Path]:
+    """Run a task in this process.
 
     Args:
-        job: Job, such as a trial.
+        task: Task, such as a trial.
         there: Path of a marker file that the client sees.
         expected: Expected versions of the packages that influence the outcome.
 
@@ -30,16 +31,13 @@ def work(job: Job, there: Path, expected: Mapping[str, str]) -> list[Path]:
         JournalError, BackendError, EpisodeError, OSError: Errors of ``run_trial``.
     """
     _require_fit(there, expected)
-    return run_job(job, CancellationCheck())
+    return run_task(task, CancellationCheck())
 
 
-class CancellationCheck:
+class CancellationCheck(TaskObserver[Any]):
     """Observer that ends a cancelled trial, so that another worker can go on with it."""
 
-    def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """Ignore the begin of a trial."""
-
-    def note(self, number: int, experience: Experience, seconds: float) -> None:
+    def note(self, number: int, item: object) -> None:
         """Raise an error if the trial was cancelled."""
         worker = get_worker()
         task = worker.state.tasks.get(worker.get_current_task())

@@ -1,18 +1,18 @@
-"""Process of a worker on this machine that runs the jobs of its pipe, all on one body."""
+"""Process of a worker on this machine that runs the tasks of its pipe, all on one body."""
 
 from __future__ import annotations
 
 import pickle
 import sys
-from collections.abc import Sequence
 from multiprocessing.connection import Connection
+from typing import Any
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.learning.experience import Experience
-from cbdsl.training.job import AbandonedError, run_job
+from cbdsl.training.task import AbandonedError, run_task
+from cbdsl.training.task_observer import TaskObserver
 
 
-class PipeCheck:
+class PipeCheck(TaskObserver[Any]):
     """Observer that ends a trial when the command that waits for it is gone.
 
     Args:
@@ -22,25 +22,22 @@ class PipeCheck:
     def __init__(self, pipe: Connection) -> None:
         self._pipe = pipe
 
-    def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """Ignore the begin of a trial."""
-
-    def note(self, number: int, experience: Experience, seconds: float) -> None:
+    def note(self, number: int, item: object) -> None:
         """Raise an error if the pipe was closed."""
         if self._pipe.poll():  # no message is sent meanwhile, so the pipe was closed
             raise AbandonedError(f"trial {number} was given up")
 
 
 def serve(pipe: Connection) -> None:
-    """Run jobs until the pipe is closed."""
+    """Run tasks until the pipe is closed."""
     while True:
         try:
-            job = pipe.recv()
+            task = pipe.recv()
         except (EOFError, OSError):
             return
         outcome: object
         try:
-            outcome = run_job(job, PipeCheck(pipe))
+            outcome = run_task(task, PipeCheck(pipe))
         except AbandonedError:
             return
         except Exception as error:

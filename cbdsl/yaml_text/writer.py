@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import errno
-import os
-import tempfile
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
-from glob import escape
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from cbdsl.documents.document import Document
+from cbdsl.storage.atomic_file import write_text
 from cbdsl.yaml_text import scalar
 from cbdsl.yaml_text.characters import (
     escaped_invisible,
@@ -74,85 +70,5 @@ def dump_plain(data: Mapping[str, Any]) -> str:
 
 
 def write(document: Document, path: Path) -> None:
-    """Write a document atomically; see ``write_text``."""
+    """Write a document atomically; see ``replace_file``."""
     write_text(dump(document), path)
-
-
-def make_room(path: Path) -> None:
-    """Create the folder of a file, and check that the file can be written later.
-
-    Raises:
-        OSError: The folder cannot be created or written to.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    _require_replaceable(path)
-    with tempfile.TemporaryFile(dir=path.parent):
-        pass
-
-
-def write_text(text: str, path: Path) -> None:
-    """Write a file atomically, so that no reader sees a partial file.
-
-    Raises:
-        OSError: The file cannot be written.
-    """
-    write_bytes(text.encode("utf-8"), path)
-
-
-def write_bytes(contents: bytes, path: Path) -> None:
-    """Write a file atomically; see ``write_text``.
-
-    Raises:
-        OSError: The file cannot be written.
-    """
-    _require_replaceable(path)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path))
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(contents)
-            file.flush()
-            os.fsync(file.fileno())  # before the rename replaces the old contents
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-    _sync_folder(path.parent)
-
-
-def _sync_folder(folder: Path) -> None:
-    """Flush the entries of a folder to disk, if its file system supports this."""
-    with suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
-
-
-def _require_replaceable(path: Path) -> None:
-    """Refuse a folder, and a device such as /dev/null, which a rename would replace.
-
-    Raises:
-        OSError: The path exists and is not a file.
-    """
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    if path.exists() and not path.is_file():
-        raise OSError(errno.EINVAL, "this is a device, not a file", str(path))
-
-
-def remove_leftovers(path: Path) -> None:
-    """Remove the temporary files of processes that were killed while they wrote a file.
-
-    The caller must ensure that no process is writing the file.
-
-    Raises:
-        OSError: A temporary file cannot be removed.
-    """
-    for leftover in path.parent.glob(f"{escape(_prefix(path))}*"):
-        leftover.unlink()
-
-
-def _prefix(path: Path) -> str:
-    return f".{path.name}.unfinished-"

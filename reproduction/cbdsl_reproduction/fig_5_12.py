@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
@@ -14,7 +13,7 @@ from cbdsl.api.control import Kinematics
 from cbdsl.api.learning import Experience
 from cbdsl.api.program import Action, CheckedProgram, Composition, Primitive, own_policy
 from cbdsl.api.shipped import shipped_program
-from cbdsl.api.trials import BackendEpisodeRunner, Journal, embody
+from cbdsl.api.trials import EPISODES, BackendEpisodeRunner, Journal, embody
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from cbdsl_reproduction.estimate import mean_of
@@ -105,8 +104,8 @@ def _episodes(settings: RunSettings, way: str, program: CheckedProgram) -> Itera
     }
     done = list(_NAMES).index(way) * count
     path = settings.folder / f"fig_5_12_{settings.backend}_{settings.seed}_{way}.jsonl"
-    with Journal(path, identity) as journal:
-        kept = journal.finished[:count]
+    with Journal(path, identity, EPISODES) as journal:
+        kept = journal.rows[:count]
         yield from kept
         if len(kept) == count:
             return
@@ -115,10 +114,9 @@ def _episodes(settings: RunSettings, way: str, program: CheckedProgram) -> Itera
             kinematics = Kinematics(at.robot, at.urdf)
             runner = BackendEpisodeRunner(at.robot, kinematics, body, at.stage)
             for number in range(len(kept), count):
-                began = time.perf_counter()
                 seed = settings.seed + number
                 experience = runner.run(program, own_policy(program), seed, _ignore)
-                journal.append(experience, time.perf_counter() - began)
+                journal.append(experience)
                 settings.progress(done + number + 1, len(_NAMES) * count)
                 yield experience
 

@@ -6,7 +6,6 @@ in which the object and its goal may be far apart, and by held-out episodes.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -19,7 +18,7 @@ from cbdsl.api.documents import SchemaDocument, digest
 from cbdsl.api.learning import ASSIMILATE, Accommodate, Assimilate, AssimilateConstants, Experience
 from cbdsl.api.program import CheckedProgram, SchemaPolicy, state_values
 from cbdsl.api.shipped import shipped_program
-from cbdsl.api.trials import Journal, Trial, identity_of
+from cbdsl.api.trials import EPISODES, Journal, Trial, identity_of
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above, below
 from cbdsl_reproduction.estimate import mean_of
@@ -180,17 +179,15 @@ class _AssimilatedTrials:
         """Return the episodes stored beside the policy, and run the missing ones."""
         dexter, number = self._dexter, learned.trial.number
         path = learned.path.with_suffix(f".{name}.jsonl")
-        with Journal(path, self._identity(learned)) as journal:
-            experiences = list(journal.finished[: len(seeds)])
+        with Journal(path, self._identity(learned), EPISODES) as journal:
+            experiences = list(journal.rows[: len(seeds)])
             for experience in experiences:
                 replay(experience)
             dexter.begin(number, dexter.renderer, experiences)
             for seed in seeds[len(experiences) :]:
-                began = time.perf_counter()
                 experiences.append(run_one(seed))
-                seconds = time.perf_counter() - began
-                journal.append(experiences[-1], seconds)
-                dexter.note(number, experiences[-1], seconds)
+                journal.append(experiences[-1])
+                dexter.note(number, experiences[-1])
         return tuple(experiences)
 
     def _identity(self, learned: LearnedTrial) -> Mapping[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -14,7 +13,7 @@ from cbdsl.api.documents import StageDocument, digest
 from cbdsl.api.learning import AccommodateConstants, AssimilateConstants, Experience
 from cbdsl.api.program import CheckedProgram, Policy, Predicate, Ranking, SchemaPolicy
 from cbdsl.api.shipped import shipped_program
-from cbdsl.api.trials import Journal, journal_file, versions
+from cbdsl.api.trials import EPISODES, Journal, trial_journal, versions
 from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, HandednessSeries
 from cbdsl_reproduction.learners.concurrent import Concurrent
 from cbdsl_reproduction.learners.context_letters import LETTERS, context_letters
@@ -110,18 +109,16 @@ class HandednessTrials:
         """
         dexter, learner = self._dexter, self.learner(series)
         count = dexter.episodes(series)
-        path = journal_file(dexter.path(series, number))
-        with Journal(path, self._identity(series, number)) as journal:
-            experiences = list(journal.finished[:count])
+        path = trial_journal(dexter.path(series, number))
+        with Journal(path, self._identity(series, number), EPISODES) as journal:
+            experiences = list(journal.rows[:count])
             for experience in experiences:
                 replay(learner, experience)
             dexter.begin(number, dexter.renderer, experiences)
             while len(experiences) < count:
-                began = time.perf_counter()
                 experiences.append(self._run(learner, self._episode_seed(number, len(experiences))))
-                seconds = time.perf_counter() - began
-                journal.append(experiences[-1], seconds)
-                dexter.note(number, experiences[-1], seconds)
+                journal.append(experiences[-1])
+                dexter.note(number, experiences[-1])
         return tuple(experiences)
 
     def optimum(self, series: HandednessSeries, count: int) -> list[Experience]:
@@ -131,14 +128,13 @@ class HandednessTrials:
             JournalError, BackendError, EpisodeError, OSError: As ``learn``.
         """
         program, policy = self._best(series)
-        path = journal_file(self._dexter.path(series, _OPTIMUM))
-        with Journal(path, self._identity(series, _OPTIMUM)) as journal:
-            experiences = list(journal.finished[:count])
+        path = trial_journal(self._dexter.path(series, _OPTIMUM))
+        with Journal(path, self._identity(series, _OPTIMUM), EPISODES) as journal:
+            experiences = list(journal.rows[:count])
             while len(experiences) < count:
-                began = time.perf_counter()
                 seed = self._episode_seed(_OPTIMUM, len(experiences))
                 experiences.append(self._everything.run(program, policy, seed, _ignore))
-                journal.append(experiences[-1], time.perf_counter() - began)
+                journal.append(experiences[-1])
         return experiences
 
     def _best(self, series: HandednessSeries) -> tuple[CheckedProgram, Policy]:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.api.learning import Experience
-from cbdsl.api.trials import JournalFollower, journal_file
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.checks import Check, checks, schedule
 from cbdsl_reproduction.claim import Claim, above, near
@@ -231,11 +230,10 @@ def _effort(curves: Curves) -> str:
 def _cost(learned: LearnedTrial) -> tuple[float, ...]:
     """Return reward, transitions, control ticks, simulated seconds and wall seconds of a trial."""
     experiences = learned.trial.experiences
-    entries = JournalFollower(journal_file(learned.path)).poll()[: len(experiences)]
     return (
         sum(each.reward for each in experiences),
         sum(len(each.transitions) for each in experiences),
         sum(each.ticks for each in experiences),
         sum(each.sim_seconds for each in experiences),
-        sum(each.wall_seconds for each in entries),
+        sum(each.wall_seconds for each in experiences),
     )

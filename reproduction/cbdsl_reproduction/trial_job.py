@@ -8,10 +8,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from cbdsl.api.control import Kinematics
 from cbdsl.api.documents import RobotDocument, write_text
-from cbdsl.api.trials import Backend, TrialObserver
+from cbdsl.api.trials import Backend, TaskObserver
 from cbdsl_reproduction.experiment import Experiment, RunSettings
 from cbdsl_reproduction.trial_runner import TrialRunner, shipped_dexter, trials
 
@@ -50,7 +51,7 @@ class TrialJob:
         """Kind of the backend's cameras."""
         return self.settings.cameras
 
-    def run(self, body: Backend, kinematics: Kinematics, observer: TrialObserver) -> list[Path]:
+    def run(self, body: Backend, kinematics: Kinematics, observer: TaskObserver[Any]) -> list[Path]:
         """Run its episodes on a body; see ``Job.run``.
 
         Raises:

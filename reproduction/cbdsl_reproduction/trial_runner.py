@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -19,16 +18,18 @@ from cbdsl.api.documents import (
     StageDocument,
     write_text,
 )
-from cbdsl.api.learning import AccommodateConstants, ActionOutcome, Experience, ExplorationStep
+from cbdsl.api.learning import AccommodateConstants, Experience
 from cbdsl.api.program import CheckedProgram, Policy, WrittenPolicy
 from cbdsl.api.shipped import shipped_program, shipped_robot
 from cbdsl.api.trials import (
+    EPISODES,
     Backend,
     BackendEpisodeRunner,
+    FinishedAction,
+    ItemListener,
     Journal,
-    NullObserver,
+    TaskObserver,
     Trial,
-    TrialObserver,
     TrialSetting,
     embody,
     exploration_journal,
@@ -83,7 +84,7 @@ class LearnedTrial:
         return [int(each.generate_state(1)[0]) for each in entropy]
 
 
-class TrialRunner:
+class TrialRunner(TaskObserver[Experience]):
     """Runner of consecutive episodes that skips the stored ones.
 
     Args:
@@ -103,11 +104,11 @@ class TrialRunner:
         body: Backend,
         robot: RobotDocument,
         kinematics: Kinematics,
-        observer: TrialObserver | None = None,
+        observer: TaskObserver[Experience] | None = None,
     ) -> None:
         self._settings = settings
         self._body, self.robot, self._kinematics = body, robot, kinematics
-        self._observer = observer or NullObserver()
+        self._observer = observer or TaskObserver()
         self._done = self._expected = 0
 
     @property
@@ -167,13 +168,14 @@ class TrialRunner:
         )
         _, task = request.task()
 
-        def note(over: int, step: ExplorationStep, outcome: ActionOutcome, seconds: float) -> None:
+        def note(action: FinishedAction) -> None:
             nonlocal done
             done += 1
-            seen = Experience(series.stage, number, (), {}, 0, outcome.sim_seconds)
-            self.note(number, seen, seconds)
+            outcome = action.outcome
+            seconds = {"sim_seconds": outcome.sim_seconds, "wall_seconds": outcome.wall_seconds}
+            self.note(number, Experience(series.stage, number, (), {}, 0, **seconds))
 
-        catalog = task.run(self._body, self._kinematics, note)
+        catalog = task.run(self._body, self._kinematics, ItemListener(note))
         self._advance(count - before - done)
         return catalog
 
@@ -229,27 +231,25 @@ class TrialRunner:
         episode_runner = self.episode_runner(learned.stage)
         path = learned.path.with_suffix(f".{name}.jsonl")
         identity = identity_of(learned.provenance) | {"policy": actions}
-        with Journal(path, identity) as journal:
-            experiences = list(journal.finished[: len(seeds)])
+        with Journal(path, identity, EPISODES) as journal:
+            experiences = list(journal.rows[: len(seeds)])
             self._advance(len(experiences))
             for seed in seeds[len(experiences) :]:
-                began = time.perf_counter()
                 experiences.append(
                     same.get(seed) or episode_runner.run(program, policy, seed, _ignore)
                 )
-                seconds = time.perf_counter() - began
-                journal.append(experiences[-1], seconds)
-                self.note(trial.number, experiences[-1], seconds)
+                journal.append(experiences[-1])
+                self.note(trial.number, experiences[-1])
         return tuple(experiences)
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """Count the stored episodes; see ``TrialObserver.begin``."""
+        """Count the stored episodes; see ``TaskObserver.begin``."""
         self._advance(len(finished))
 
-    def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """Count an episode and notify the observer; see ``TrialObserver.note``."""
+    def note(self, number: int, item: Experience) -> None:
+        """Count an episode and notify the observer; see ``TaskObserver.note``."""
         self._advance(1)
-        self._observer.note(number, experience, seconds)
+        self._observer.note(number, item)
 
     def _follow(self, series: Series, program: CheckedProgram, number: int) -> LearnedTrial:
         """Run one trial from its beginning, or from the point of its interruption."""

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from test_reproduce import KEPT, cb, toys
 
-from cbdsl.runtime.line_journal import damaged
+from cbdsl.storage.journal import damaged
 from cbdsl_reproduction import registry
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.kept_files import damaged_lines

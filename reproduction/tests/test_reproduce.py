@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.runtime.line_journal import JournalError
+from cbdsl.storage.journal import JournalError
 from cbdsl_reproduction import registry
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.api.trials import TaskObserver
 from cbdsl.backends.backend import find_backend
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
-from cbdsl.training.trial_loop import NullObserver
 from cbdsl_reproduction.experiment import Experiment, RunSettings
 from cbdsl_reproduction.registry import EXPERIMENTS
 from cbdsl_reproduction.report import data
@@ -31,7 +31,7 @@ def run(experiment: Experiment, settings: RunSettings) -> list[tuple[int, int]]:
     with trial_jobs(experiment, settings) as jobs:
         assert [job.progress() for job in jobs] == [(0, 0)] * len(jobs)
         for job in reversed(jobs):
-            job.run(body, kinematics, NullObserver())
+            job.run(body, kinematics, TaskObserver())
         return [job.progress() for job in jobs]
 
 

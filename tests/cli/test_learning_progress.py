@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -28,7 +29,7 @@ def watched(*, trials: int = 1) -> None:
             trial.run(runner)
             progress.begin(number, "nothing", trial.experiences)
             while len(trial.experiences) < EPISODES:
-                progress.note(number, trial.run(runner), 30.0)
+                progress.note(number, replace(trial.run(runner), wall_seconds=30.0))
 
 
 def test_lines_say_what_was_how_it_goes_and_how_long_it_takes(
@@ -60,7 +61,7 @@ def test_of_several_trials_lines_say_which_it_is_and_what_is_left_of_all(
 def test_trials_at_once_take_their_share_of_the_time(capsys: pytest.CaptureFixture[str]) -> None:
     with LearningProgress("searchtrack", trials=8, episodes=10, at_once=4) as progress:
         progress.begin(2, "nothing", [])
-        progress.note(2, toy_trial().run(ToyEpisodeRunner()), 12.0)
+        progress.note(2, replace(toy_trial().run(ToyEpisodeRunner()), wall_seconds=12.0))
     assert capsys.readouterr().out.splitlines()[-1].endswith("about 3 min 57 s left")
 
 

@@ -11,7 +11,7 @@ from cbdsl.cli.learning_progress import LearningProgress
 from cbdsl.cli.learning_tasks import Supervision
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.training.learning_task import LearningTask
-from cbdsl.training.trial_loop import journal_file
+from cbdsl.training.task_files import trial_journal
 from tests.training.tasks import made_tasks
 from tests.training.toy import take
 
@@ -48,7 +48,7 @@ def test_a_torn_line_is_reported_when_it_is_whole(
     tasks: list[LearningTask], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     take(tmp_path / "policy.yaml", EPISODES)
-    whole = journal_file(tmp_path / "policy.yaml").read_bytes()
+    whole = trial_journal(tmp_path / "policy.yaml").read_bytes()
     watching = supervision(tasks)
     told = []
     for size in (0, 10, len(whole) // 2, len(whole) - 1, len(whole)):

@@ -11,12 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.learning.experience import EPISODES
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
-from cbdsl.runtime.line_journal import JournalError, require_same, rows_of
-from cbdsl.training.exploration_journal import ExplorationJournal
-from cbdsl.training.exploration_task import outcome_of
-from cbdsl.training.journal import entry_of
+from cbdsl.storage.journal import JournalError, require_same, rows_of
+from cbdsl.training.exploration_phases import open_journal
 from tests.fuzz.entry_point import EntryPoint
 
 #: Three ticks of a recorded episode.
@@ -44,7 +43,7 @@ def _journal(data: bytes) -> None:
     try:
         rows, _ = rows_of(data, _FILE)
         for line, row in enumerate(rows[1:], 2):
-            entry_of(row, _FILE, line)
+            EPISODES.parse(row, _FILE, line)
         for row in rows[:1]:
             require_same(_FILE, row, _IDENTITY)
     except JournalError as error:
@@ -57,9 +56,7 @@ def _exploration_journal(data: bytes) -> None:
         file = _copy().with_suffix(".actions.jsonl")
         file.write_bytes(head + data)
         try:
-            with ExplorationJournal(file, _EXPLORATION, joins=True) as journal:
-                for line, row in journal.rows:
-                    outcome_of(row, file, line)
+            open_journal(file, _EXPLORATION, joins=True).close()
         except JournalError as error:
             assert file.name in str(error)
 

@@ -77,7 +77,7 @@ def test_a_model_with_other_joints_than_its_effector_is_reported(tmp_path: Path)
 def test_a_damaged_journal_is_an_error(tmp_path: Path, content: str) -> None:
     file = write_trial(tmp_path, "walked")
     file.with_suffix(".episodes.jsonl").write_text(content, encoding="utf-8")
-    wanted = r"walked\.episodes\.jsonl: (no journal .*; line 2 (is|lacks) |holds 0)"
+    wanted = r"walked\.episodes\.jsonl(, line 2: it lacks| is not a journal|: holds 0)"
     with pytest.raises(UsageError, match=wanted) as caught:
         read_learned(file)
     assert "Error" not in str(caught.value)

@@ -53,12 +53,14 @@ def _walk(rng: np.random.Generator) -> Walk:
 
 def _row(walk: Walk, seed: int) -> dict[str, object]:
     transitions = [
-        {"next_state": after, "reward": int(after == "X1"),
+        {"program": "walking", "depth": 0, "time": 1.0, "state": "XX", "action": action,
+         "next_state": after, "ticks": 60, "reward": int(after == "X1"),
          "rewarding": ["reach"] if after == "X1" else []}
-        for _, after in walk
+        for action, after in walk
     ]  # fmt: skip
     return {"context": "near" if seed % 2 else "far", "seed": seed, "transitions": transitions,
-            "ticks": 60 * len(walk), "sim_seconds": float(len(walk))}  # fmt: skip
+            "rewarded": {}, "ticks": 60 * len(walk), "sim_seconds": float(len(walk)),
+            "wall_seconds": 1.0}  # fmt: skip
 
 
 def _write_models(folder: Path, name: str, rng: np.random.Generator) -> None:

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
-from tests.full_disk import no_file_beyond
+from cbdsl.runtime.recording_folder import RecordingFolder
 
 
 def test_a_folder_that_cannot_be_written_is_reported_beforehand(tmp_path: Path) -> None:
@@ -44,12 +43,3 @@ def test_an_episode_is_recorded_by_one_at_a_time(tmp_path: Path) -> None:
     with other.claim(3):
         pass
     assert not list(tmp_path.iterdir())
-
-
-def test_a_write_that_fails_names_its_file_and_leaves_what_was_there(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    replace_file(path, lambda file: file.write(b"before"))
-    with pytest.raises(OSError) as caught, no_file_beyond(100):
-        replace_file(path, lambda file: file.write(b"x" * 200_000))
-    assert caught.value.filename == str(path) and caught.value.strerror
-    assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"before"]

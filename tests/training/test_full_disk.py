@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.training import trial_loop
-from cbdsl.training.trial_loop import journal_file
+from cbdsl.training import task_files
+from cbdsl.training.task_files import trial_journal
 from tests.conftest import ROOT
 from tests.full_disk import no_file_beyond
 from tests.training.tasks import outcome
@@ -28,14 +28,14 @@ def test_a_disk_without_room_is_reported_before_the_episodes(tmp_path: Path) -> 
 def test_a_disk_that_fills_up_while_episodes_run_costs_one(
     unbroken: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
 ) -> None:
-    whole = journal_file(unbroken / "policy.yaml").read_bytes()
+    whole = trial_journal(unbroken / "policy.yaml").read_bytes()
     size = int(share * len(whole))
     with monkeypatch.context() as patch, no_file_beyond(size):
-        patch.setattr(trial_loop, "_ROOM", 0)  # it was there at the beginning
+        patch.setattr(task_files, "_ROOM", 0)  # it was there at the beginning
         with pytest.raises(OSError, match="too large"):
             take(tmp_path / "policy.yaml", EPISODES)
     assert outcome(tmp_path) == {}
-    journal = journal_file(tmp_path / "policy.yaml")
+    journal = trial_journal(tmp_path / "policy.yaml")
     if journal.exists():
         assert journal.read_bytes().count(b"\n") >= whole[:size].count(b"\n") - 1
     take(tmp_path / "policy.yaml", EPISODES, resume=True)

@@ -15,7 +15,7 @@ import pytest
 
 from tests.conftest import ROOT
 from tests.training.tasks import outcome
-from tests.training.test_trial_loop import without_seconds
+from tests.training.test_trial_work import without_seconds
 
 EPISODES = 14
 JOURNAL = "policy.episodes.jsonl"

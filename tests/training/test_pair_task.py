@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 
 from cbdsl.backends.backend import BackendError
+from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.learning.catalog_exploration import CatalogConstants
 from cbdsl.runtime.episode import EpisodeResult
 from cbdsl.training.explorable_pair import ExplorablePair
-from cbdsl.training.pair_task import PairTask
+from cbdsl.training.pair_task import PairTask, PairWork
 
 
 class Ended:
@@ -36,7 +39,15 @@ class Refused:
 def task() -> PairTask:
     pair = ExplorablePair("a", "b", "a_on_b", cast(Any, None), cast(Any, None), {})
     given: dict[str, Any] = dict.fromkeys(PairTask.__dataclass_fields__)
-    return PairTask(**{**given, "pairs": {"a_on_b": pair}})
+    given |= {"pairs": {"a_on_b": pair}, "constants": CatalogConstants()}
+    return PairTask(**given)
+
+
+def act(task: PairTask, runner: object) -> ActionOutcome:
+    """Return the outcome of the pair with a runner."""
+    work = PairWork(task, cast(Any, SimpleNamespace(renderer="")), cast(Any, None))
+    work._runners["a_on_b"] = cast(Any, runner)
+    return work.act("a_on_b", 1)
 
 
 @pytest.mark.parametrize(
@@ -51,10 +62,10 @@ def task() -> PairTask:
 def test_act_rewards_only_success_near_the_goal(
     task: PairTask, outcome: str, far: tuple[str, ...], rewarded: bool
 ) -> None:
-    done = task._act("a_on_b", {"a_on_b": cast(Any, Ended(outcome, far))}, 1)
+    done = act(task, Ended(outcome, far))
     assert (done.rewarded, done.failed) == (rewarded, False)
 
 
 def test_act_without_a_world_fails_unrewarded(task: PairTask) -> None:
-    done = task._act("a_on_b", {"a_on_b": cast(Any, Refused())}, 1)
+    done = act(task, Refused())
     assert (done.rewarded, done.failed, done.ending) == (False, True, "there is no room")

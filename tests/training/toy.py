@@ -21,14 +21,9 @@ from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.training.provenance import TrialSetting, provenance_of
+from cbdsl.training.task_observer import TaskObserver
 from cbdsl.training.trial import Trial
-from cbdsl.training.trial_loop import (
-    NullObserver,
-    open_journal,
-    require_free,
-    require_writable,
-    run_trial,
-)
+from cbdsl.training.trial_work import open_journal, require_ready, run_trial
 from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library
 
@@ -113,10 +108,9 @@ def take(out: Path, episodes: int, *, resume: bool = False, seed: int = 1) -> Tr
     """Run a trial in the toy runner."""
     trial = toy_trial(seed)
     provenance = toy_provenance(trial, episodes)
-    require_writable(out)
-    require_free(out, ["head"], resume=resume)
+    require_ready(out, ["head"], resume=resume)
     with open_journal(out, provenance) as journal:
-        run_trial(trial, ToyEpisodeRunner(), journal, provenance, out, NullObserver())
+        run_trial(trial, ToyEpisodeRunner(), journal, provenance, out, TaskObserver())
     return trial
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import stat
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from hypothesis import strategies as st
 from cbdsl.documents.kinds import models
 from cbdsl.yaml_text.library import shipped
 from cbdsl.yaml_text.reader import read_document
-from cbdsl.yaml_text.writer import dump, make_room, remove_leftovers, write, write_text
+from cbdsl.yaml_text.writer import dump, write
 from tests.yaml_text.documents import DOCUMENTS
 
 KINDS = models()
@@ -81,28 +80,3 @@ def test_failing_to_write_leaves_the_old_file(
     with pytest.raises(OSError, match="disk full"):
         write(document, path)
     assert [p.name for p in tmp_path.iterdir()] == ["a.yaml"] and path.read_text() == "old"
-
-
-def test_nothing_takes_the_place_of_a_device(tmp_path: Path) -> None:
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    with pytest.raises(OSError, match="a device, not a file"):
-        make_room(pipe)
-    with pytest.raises(OSError, match="a device, not a file"):
-        write_text("new", pipe)
-    assert pipe.is_fifo() and list(tmp_path.iterdir()) == [pipe]
-
-
-def test_what_killed_writers_left_can_be_removed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path, other = tmp_path / "[a].yaml", tmp_path / "[a].yaml.yaml"
-    with monkeypatch.context() as patch:
-        # A killed process leaves its temporary file.
-        patch.setattr(os, "replace", lambda *_: None)
-        for file in (path, path, other):
-            write_text("half", file)
-    assert len(list(tmp_path.iterdir())) == 3
-    remove_leftovers(path)
-    (left,) = tmp_path.iterdir()
-    assert left.name.startswith(".[a].yaml.yaml")

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.documents.digest import ProgramDigest, digest, digest_of_text
+from cbdsl.documents.digest import ProgramDigest, digest
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.storage.digest import digest_of_text
 from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:

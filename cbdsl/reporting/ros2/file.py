@@ -38,7 +38,7 @@ from cbdsl.reporting.ros2.frames import (
 )
 from cbdsl.reporting.ros2.markers import markers
 from cbdsl.reporting.ros2.message import TYPES, header, make, stamp, vector
-from cbdsl.runtime.recording_folder import replace_file
+from cbdsl.storage.atomic_file import replace_file
 
 Stamped = tuple[float, str, Any]
 _LOG: Any = TYPES.types["rcl_interfaces/msg/Log"]

@@ -13,10 +13,10 @@ import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.runtime.line_journal import JournalError
-from cbdsl.training.journal import Journal
-from cbdsl.training.journal_follower import JournalFollower
-from cbdsl.training.trial_loop import journal_file
+from cbdsl.learning.experience import EPISODES as ROWS
+from cbdsl.storage.journal import Journal, JournalError
+from cbdsl.storage.journal_follower import JournalFollower
+from cbdsl.training.task_files import trial_journal
 from cbdsl.yaml_text.library import Library
 from tests.training.toy import (
     EPISODES,
@@ -62,14 +62,14 @@ def test_killed_at_any_point_it_ends_as_if_it_had_not_been(unbroken: Path, tmp_p
         assert not (tmp_path / "policy.yaml").exists()
     take(tmp_path / "policy.yaml", EPISODES, resume=True)
     assert texts(tmp_path) == texts(unbroken)
-    journals = (journal_file(folder / "policy.yaml") for folder in (tmp_path, unbroken))
+    journals = (trial_journal(folder / "policy.yaml") for folder in (tmp_path, unbroken))
     assert without_seconds(next(journals)) == without_seconds(next(journals))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.1, 0.333, 0.5, 0.77, 0.999])
 def test_a_torn_line_counts_for_nothing(unbroken: Path, tmp_path: Path, share: float) -> None:
-    whole = journal_file(unbroken / "policy.yaml").read_bytes()
-    journal_file(tmp_path / "policy.yaml").write_bytes(whole[: int(share * len(whole))])
+    whole = trial_journal(unbroken / "policy.yaml").read_bytes()
+    trial_journal(tmp_path / "policy.yaml").write_bytes(whole[: int(share * len(whole))])
     take(tmp_path / "policy.yaml", EPISODES, resume=True)
     assert texts(tmp_path) == texts(unbroken)
 
@@ -121,7 +121,7 @@ def test_a_full_disk_leaves_what_was_run_and_no_half_document(
 
 @pytest.mark.parametrize("text", ["no json\n", "[1]\n", '{"seed": 1}\n'])
 def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, text: str) -> None:
-    journal = journal_file(tmp_path / "policy.yaml")
+    journal = trial_journal(tmp_path / "policy.yaml")
     journal.write_text(text, encoding="utf-8")
     with pytest.raises(JournalError, match=r"policy\.episodes\.jsonl"):
         take(tmp_path / "policy.yaml", 3, resume=True)
@@ -145,18 +145,18 @@ def test_a_damaged_line_is_reported_by_its_number_and_how_to_go_on(
 ) -> None:
     path = tmp_path / "policy.episodes.jsonl"
     trial, runner = toy_trial(), ToyEpisodeRunner()
-    with Journal(path, {"trial": 1}) as journal:
+    with Journal(path, {"trial": 1}, ROWS) as journal:
         for _ in range(3):
-            journal.append(trial.run(runner), 0.1)
+            journal.append(trial.run(runner))
     lines = path.read_text("utf-8").splitlines()
     lines[2] = damage(lines[2])
     path.write_text("\n".join(lines) + "\n", "utf-8")
-    followed = JournalFollower(path)
-    for read in (lambda: Journal(path, {"trial": 1}), followed.poll):
+    followed = JournalFollower(path, ROWS)
+    for read in (lambda: Journal(path, {"trial": 1}, ROWS), followed.poll):
         with pytest.raises(JournalError) as caught:
             read()
         told = str(caught.value)
         assert told.startswith(f"{path}, line 3: {problem}") and "--resume" in told
     path.write_text("\n".join(lines[:2]) + "\n", "utf-8")  # as the message says
-    with Journal(path, {"trial": 1}) as journal:
-        assert len(journal.finished) == 1
+    with Journal(path, {"trial": 1}, ROWS) as journal:
+        assert len(journal.rows) == 1

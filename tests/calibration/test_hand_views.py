@@ -9,12 +9,12 @@ import pytest
 
 from cbdsl.backends.backend import embody
 from cbdsl.calibration.hand_view import HandView
-from cbdsl.calibration.watch_journal import WatchJournal
+from cbdsl.calibration.hand_views import HAND_VIEWS, HandViews
 from cbdsl.calibration.watching import watch
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.runtime.line_journal import JournalError
+from cbdsl.storage.journal import Journal, JournalError
 from cbdsl.yaml_text.library import Library
 from tests.conftest import Checked
 
@@ -31,26 +31,26 @@ def view(number: int) -> HandView:
 
 def test_views_are_the_same_after_a_crash(tmp_path: Path) -> None:
     file = tmp_path / "mine.jsonl"
-    with WatchJournal(file, IDENTITY) as journal:
-        journal.append([view(0), view(2)])
-        journal.append([])
+    with Journal(file, IDENTITY, HAND_VIEWS) as journal:
+        journal.append(HandViews(0, [view(0), view(2)]))
+        journal.append(HandViews(0, []))
     file.write_bytes(file.read_bytes() + b'{"hold": 0, "vie')
-    with WatchJournal(file, IDENTITY) as journal:
-        assert (journal.transitions, journal.hold) == (2, 1)
-        for kept, was in zip(journal.views, (view(0), view(2)), strict=True):
+    with Journal(file, IDENTITY, HAND_VIEWS) as journal:
+        assert [row.hold for row in journal.rows] == [0, 0]
+        for kept, was in zip(journal.rows[0].views, (view(0), view(2)), strict=True):
             assert all(map(np.array_equal, kept, was))
-        journal.append([view(1)])
-    with WatchJournal(file, IDENTITY) as journal:
-        assert (journal.transitions, journal.hold, len(journal.views)) == (3, 2, 3)
+        journal.append(HandViews(1, [view(1)]))
+    with Journal(file, IDENTITY, HAND_VIEWS) as journal:
+        assert [(row.hold, len(row.views)) for row in journal.rows] == [(0, 2), (0, 0), (1, 1)]
 
 
 def test_another_calibration_does_not_go_on(tmp_path: Path) -> None:
     file = tmp_path / "mine.jsonl"
-    with WatchJournal(file, IDENTITY) as journal:
-        journal.append([view(0)])
+    with Journal(file, IDENTITY, HAND_VIEWS) as journal:
+        journal.append(HandViews(0, [view(0)]))
     changed = IDENTITY | {"robot": {"name": "dexter", "sha256": "2"}}
     with pytest.raises(JournalError, match="another calibration: robot 'dexter' has changed since"):
-        WatchJournal(file, changed)
+        Journal(file, changed, HAND_VIEWS)
 
 
 @pytest.mark.parametrize(
@@ -58,11 +58,11 @@ def test_another_calibration_does_not_go_on(tmp_path: Path) -> None:
 )
 def test_a_damaged_journal_is_reported_with_its_line(tmp_path: Path, line: str) -> None:
     file = tmp_path / "mine.jsonl"
-    with WatchJournal(file, IDENTITY) as journal:
-        journal.append([view(0)])
+    with Journal(file, IDENTITY, HAND_VIEWS) as journal:
+        journal.append(HandViews(0, [view(0)]))
     file.write_text(file.read_text() + line + "\n")
     with pytest.raises(JournalError, match=r"mine.jsonl, line 3: .*the same command goes on there"):
-        WatchJournal(file, IDENTITY)
+        Journal(file, IDENTITY, HAND_VIEWS)
 
 
 class _KilledError(Exception):
@@ -84,7 +84,7 @@ def test_an_interrupted_watch_goes_on_with_another_hold(
 
     def run() -> list[HandView]:
         kinematics = Kinematics(dexter, urdf)
-        with WatchJournal(tmp_path / "mine.jsonl", IDENTITY) as journal:
+        with Journal(tmp_path / "mine.jsonl", IDENTITY, HAND_VIEWS) as journal:
             return watch(dexter, kinematics, program, backend, stage, 3, interrupt, journal)
 
     with pytest.raises(_KilledError):

@@ -1,18 +1,18 @@
-"""Jobs, such as trials, and the body that the jobs of one process share."""
+"""Tasks, such as trials, and the body that the tasks of one process share."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from cbdsl.backends.backend import Backend, embody
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.digest import digest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.training.trial_loop import TrialObserver
+from cbdsl.training.task_observer import TaskObserver
 
 Workplace = tuple[Backend, Kinematics]
 
@@ -20,12 +20,12 @@ Workplace = tuple[Backend, Kinematics]
 _kept: dict[tuple[str, str | None, str, Path], Workplace] = {}
 
 
-class Job(Protocol):
+class Task(Protocol):
     """Work for a separate process; it can be sent to another process.
 
     Attributes:
         path: Path of a file in a folder that all workers see.
-        robot: Robot whose body the job needs.
+        robot: Robot whose body the task needs.
         urdf: Path of the robot's URDF model, the same for all workers.
         backend: Name of the backend.
         cameras: Kind of its cameras; ``None`` for the backend's default.
@@ -42,8 +42,8 @@ class Job(Protocol):
     @property
     def cameras(self) -> str | None: ...
 
-    def run(self, body: Backend, kinematics: Kinematics, observer: TrialObserver) -> list[Path]:
-        """Run the job on a body; the observer receives each finished episode.
+    def run(self, body: Backend, kinematics: Kinematics, observer: TaskObserver[Any]) -> list[Path]:
+        """Run the task on a body; the observer receives each finished item.
 
         Returns:
             Written files.
@@ -55,12 +55,12 @@ class AbandonedError(UsageError):
     """Error of a cancelled trial."""
 
 
-def run_job(job: Job, observer: TrialObserver) -> list[Path]:
-    """Run a job in this process.
+def run_task(task: Task, observer: TaskObserver[Any]) -> list[Path]:
+    """Run a task in this process.
 
     Args:
-        job: Job, such as a trial.
-        observer: Observer that may end the job by an exception.
+        task: Task, such as a trial.
+        observer: Observer that may end the task by an exception.
 
     Returns:
         Written files.
@@ -68,17 +68,17 @@ def run_job(job: Job, observer: TrialObserver) -> list[Path]:
     Raises:
         JournalError, BackendError, EpisodeError, OSError: Errors of ``run_trial``.
     """
-    with _workplace(job) as (body, kinematics):
-        return job.run(body, kinematics, observer)
+    with _workplace(task) as (body, kinematics):
+        return task.run(body, kinematics, observer)
 
 
 @contextmanager
-def _workplace(job: Job) -> Iterator[Workplace]:
-    """Yield the body for a job, built for the first one of its kind and kept."""
-    key = (job.backend, job.cameras, digest(job.robot), job.urdf)
+def _workplace(task: Task) -> Iterator[Workplace]:
+    """Yield the body for a task, built for the first one of its kind and kept."""
+    key = (task.backend, task.cameras, digest(task.robot), task.urdf)
     if key not in _kept:
-        body = embody(job.backend, job.robot, job.urdf, cameras=job.cameras)
-        _kept[key] = body, Kinematics(job.robot, job.urdf)
+        body = embody(task.backend, task.robot, task.urdf, cameras=task.cameras)
+        _kept[key] = body, Kinematics(task.robot, task.urdf)
     try:
         yield _kept[key]
     except BaseException:

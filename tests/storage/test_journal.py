@@ -2,59 +2,49 @@
 
 from __future__ import annotations
 
-import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from cbdsl.runtime.line_journal import (
+from cbdsl.storage.file_lock import lock
+from cbdsl.storage.journal import (
     DamagedJournalError,
+    Journal,
     JournalError,
-    LineJournal,
-    lock,
+    RowForm,
     require_same,
     rows_of,
 )
 
 IDENTITY = {"cbdsl": 1, "seed": 5}
-
-
-def test_a_lock_is_waited_for_as_long_as_asked(tmp_path: Path) -> None:
-    path = tmp_path / "some.jsonl"
-    path.touch()
-    first, second = path.open("rb"), path.open("rb")
-    lock(first, path, 0.0)
-    with pytest.raises(JournalError, match=r"another process is at work on .*some\.jsonl"):
-        lock(second, path, 0.2)
-    threading.Timer(0.3, first.close).start()
-    lock(second, path, 60.0)
-    second.close()
+PLAIN = RowForm[dict[str, Any]]("trial", "a row", dict, dict)
 
 
 def test_a_journal_goes_on_after_its_last_whole_line(tmp_path: Path) -> None:
     path = tmp_path / "some.jsonl"
-    with LineJournal(path, IDENTITY) as journal:
+    with Journal(path, IDENTITY, PLAIN) as journal:
         assert (journal.path, journal.rows) == (path, [])
-        journal.append_row({"name": "Wärme"})
+        journal.append({"name": "Wärme"})
     with path.open("ab") as file:
         file.write(b'{"name": "half a li')
-    with LineJournal(path, IDENTITY) as journal:
+    with Journal(path, IDENTITY, PLAIN) as journal:
         assert journal.rows == [{"name": "Wärme"}]
-        journal.append_row({"name": "b"})
+        journal.append({"name": "b"})
     assert path.read_text() == '{"cbdsl": 1, "seed": 5}\n{"name": "Wärme"}\n{"name": "b"}\n'
     assert path.stat().st_mode & 0o777 == 0o644
 
 
 def test_another_undertaking_keeps_its_journal(tmp_path: Path) -> None:
     path = tmp_path / "some.jsonl"
-    LineJournal(path, IDENTITY).__exit__(None, None, None)
+    Journal(path, IDENTITY, PLAIN).close()
     before = path.read_bytes()
     with pytest.raises(JournalError, match="belongs to another gauge: seed was 5, is 6; ask for"):
-        LineJournal(path, {**IDENTITY, "seed": 6}, "gauge")
+        Journal(path, {**IDENTITY, "seed": 6}, replace(PLAIN, undertaking="gauge"))
     assert path.read_bytes() == before
     with path.open("rb") as file:
-        lock(file, path, 0.0)  # a refused process does not hold the lock
+        lock(file)  # a refused process does not hold the lock
 
 
 @pytest.mark.parametrize(
@@ -102,4 +92,4 @@ def test_a_line_that_is_none_is_reported_with_what_to_do(data: bytes, problem: s
         "&& head -n 1 'my trial.jsonl.damaged' > 'my trial.jsonl'"
     )
     with pytest.raises(DamagedJournalError, match=r"line 7: .* goes on there, after"):
-        rows_of(data, path, 7, "calibration")
+        rows_of(data, path, "calibration", 7)

@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
-from cbdsl.runtime.line_journal import JournalError
-from cbdsl.training.exploration_journal import ExplorationJournal
+from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.storage.journal import JournalError
+from cbdsl.training.exploration_phases import Joined, open_journal, phase
 
 
 def identity(policy: str = "a", **programs: str) -> dict[str, Any]:
@@ -23,20 +24,21 @@ def identity(policy: str = "a", **programs: str) -> dict[str, Any]:
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     file = tmp_path / "kept.actions.jsonl"
-    with ExplorationJournal(file, identity(look="1")) as journal:
-        journal.append_row({"action": "look"})
+    with open_journal(file, identity(look="1")) as journal:
+        journal.append(ActionOutcome("look"))
     return file
 
 
 def test_phases_say_after_how_many_actions_who_joined(path: Path) -> None:
     both = identity(look="1", reach="2")
-    with ExplorationJournal(path, both, joins=True) as journal:
-        journal.append_row({"action": "reach"})
-    with ExplorationJournal(path, both) as journal:
-        assert [row["action"] for _, row in journal.rows] == ["look", "reach"]
-        assert [line for line, _ in journal.rows] == [2, 4]
-        phases = [(each.after, each.programs) for each in journal.phases]
-    assert phases == [(0, ("look",)), (1, ("look", "reach"))]
+    with open_journal(path, both, joins=True) as journal:
+        journal.append(ActionOutcome("reach"))
+    with open_journal(path, both) as journal:
+        look, joined, reach = journal.rows
+        assert (look, reach) == (ActionOutcome("look"), ActionOutcome("reach"))
+        assert isinstance(joined, Joined)
+        assert phase(1, joined.parts).programs == ("look", "reach")
+        assert phase(0, journal.identity).programs == ("look",)
 
 
 @pytest.mark.parametrize(
@@ -47,10 +49,10 @@ def test_phases_say_after_how_many_actions_who_joined(path: Path) -> None:
 def test_what_was_there_stays_as_it_was(path: Path, other: dict[str, Any]) -> None:
     before = path.read_text()
     with pytest.raises(JournalError, match="what was there has to stay"):
-        ExplorationJournal(path, other, joins=True)
+        open_journal(path, other, joins=True)
     assert path.read_text() == before
 
 
 def test_nothing_else_can_differ(path: Path) -> None:
     with pytest.raises(JournalError, match="seed was 1, is 2"):
-        ExplorationJournal(path, {**identity(look="1", reach="2"), "seed": 2}, joins=True)
+        open_journal(path, {**identity(look="1", reach="2"), "seed": 2}, joins=True)

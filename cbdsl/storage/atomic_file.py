@@ -1,0 +1,104 @@
+"""Atomic writes of files, so that no reader sees a partial file."""
+
+from __future__ import annotations
+
+import errno
+import os
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from glob import escape
+from pathlib import Path
+from typing import BinaryIO
+
+
+def make_room(path: Path) -> None:
+    """Create the folder of a file, and check that the file can be written later.
+
+    Raises:
+        OSError: The folder cannot be created or written to.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _require_replaceable(path)
+    with tempfile.TemporaryFile(dir=path.parent):
+        pass
+
+
+def write_text(text: str, path: Path) -> None:
+    """Write a file atomically; see ``replace_file``."""
+    write_bytes(text.encode("utf-8"), path)
+
+
+def write_bytes(contents: bytes, path: Path) -> None:
+    """Write a file atomically; see ``replace_file``."""
+    replace_file(path, lambda file: file.write(contents))
+
+
+def replace_file(path: Path, fill: Callable[[BinaryIO], object]) -> None:
+    """Write a file atomically, so that no reader sees a partial file.
+
+    Args:
+        path: Path of the file.
+        fill: Function that writes the contents.
+
+    Raises:
+        OSError: The file cannot be written; the error names it.
+    """
+    _require_replaceable(path)
+    try:
+        _replace(path, fill)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+    _sync_folder(path.parent)
+
+
+def _replace(path: Path, fill: Callable[[BinaryIO], object]) -> None:
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path))
+    try:
+        with os.fdopen(handle, "wb") as file:
+            fill(file)
+            file.flush()
+            os.fsync(file.fileno())  # before the rename replaces the old contents
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def _sync_folder(folder: Path) -> None:
+    """Flush the entries of a folder to disk, if its file system supports this."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _require_replaceable(path: Path) -> None:
+    """Refuse a folder, and a device such as /dev/null, which a rename would replace.
+
+    Raises:
+        OSError: The path exists and is not a file.
+    """
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "this is a device, not a file", str(path))
+
+
+def remove_leftovers(path: Path) -> None:
+    """Remove the temporary files of processes that were killed while they wrote a file.
+
+    The caller must ensure that no process is writing the file.
+
+    Raises:
+        OSError: A temporary file cannot be removed.
+    """
+    for leftover in path.parent.glob(f"{escape(_prefix(path))}*"):
+        leftover.unlink()
+
+
+def _prefix(path: Path) -> str:
+    return f".{path.name}.unfinished-"

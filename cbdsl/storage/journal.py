@@ -1,0 +1,235 @@
+"""Journal: the finished items of an undertaking, from which an interrupted command continues."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from shlex import quote
+from types import TracebackType
+from typing import Any, BinaryIO, Generic, Self, TypeVar
+
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.storage.file_lock import LockedError, lock
+from cbdsl.storage.identity import differences
+
+Row = TypeVar("Row")
+
+# Time for which a process that lost its cluster may be busy with its last line, s.
+_PATIENCE = 60.0
+
+
+class JournalError(UsageError):
+    """Error of an unusable journal; the message gives the reason and the remedy."""
+
+
+class DamagedJournalError(JournalError):
+    """Error of an unusable line of a journal; the message gives the line and the remedy."""
+
+
+@dataclass(frozen=True)
+class RowForm(Generic[Row]):
+    """Form of the rows of one kind of journal.
+
+    Attributes:
+        undertaking: Noun of the undertaking, such as ``trial``.
+        item: Noun of an item with its article, such as ``an episode``.
+        read: Function that converts JSON data to a row; it raises ``KeyError``, ``TypeError``,
+            ``ValueError`` or ``AttributeError`` for other data.
+        write: Function that converts a row to JSON data.
+    """
+
+    undertaking: str
+    item: str
+    read: Callable[[Mapping[str, Any]], Row]
+    write: Callable[[Row], Mapping[str, Any]]
+
+    def parse(self, data: Mapping[str, Any], path: Path, line: int) -> Row:
+        """Return the row in a line of a journal.
+
+        Raises:
+            DamagedJournalError: If the line holds another item.
+        """
+        try:
+            return self.read(data)
+        except KeyError as error:
+            raise damaged(path, line, f"it lacks {error}", self.undertaking) from error
+        except (TypeError, ValueError, AttributeError) as error:
+            problem = f"it is not {self.item} ({error})"
+            raise damaged(path, line, problem, self.undertaking) from error
+
+
+class Journal(Generic[Row]):
+    """File of JSON lines: the identity of an undertaking, then each item when it is finished.
+
+    An unfinished line of a killed process is ignored and overwritten. Two processes never write the
+    same journal: the second waits a minute for the first to end.
+
+    Args:
+        path: Path of the file; the undertaking continues if the file exists.
+        identity: All inputs of the items, as JSON data.
+        form: Form of the rows.
+        varying: True if an identity in the file may differ; the caller compares it.
+
+    Attributes:
+        path: Path of the file.
+        identity: Identity in the file.
+        rows: Items in the file; the first is in line 2.
+
+    Raises:
+        JournalError: If the file belongs to another undertaking, is no journal, or is being
+            written.
+        OSError: If the file cannot be read or written.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        identity: Mapping[str, Any],
+        form: RowForm[Row],
+        *,
+        varying: bool = False,
+    ) -> None:
+        self.path, self._form = path, form
+        self._file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o644), "r+b", buffering=0)
+        try:
+            _claim(self._file, path, _PATIENCE)
+            known, self._sound = rows_of(self._file.read(), path, form.undertaking)
+            if known and not varying:
+                require_same(path, known[0], identity, form.undertaking)
+            self.identity = known[0] if known else identity
+            self.rows = [form.parse(row, path, line) for line, row in enumerate(known[1:], 2)]
+            self._continue(is_new=not known)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def _continue(self, *, is_new: bool) -> None:
+        """Remove an unfinished line, and begin a new file with its identity."""
+        self._file.truncate(self._sound)
+        self._file.seek(self._sound)
+        if is_new:
+            try:
+                self._append_line(self.identity)
+            except OSError:
+                self.path.unlink()  # an empty journal would block the next attempt
+                raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file, and let other processes write it."""
+        self._file.close()
+
+    def append(self, row: Row) -> None:
+        """Append an item and flush it to disk.
+
+        Raises:
+            OSError: If the item cannot be written.
+        """
+        self._append_line(self._form.write(row))
+        self.rows.append(row)
+
+    def _append_line(self, data: Mapping[str, Any]) -> None:
+        left = memoryview(json.dumps(data, ensure_ascii=False).encode() + b"\n")
+        while left:  # a nearly full disk takes a part, and fails only at the next write
+            left = left[self._file.write(left) :]
+        os.fsync(self._file.fileno())
+
+
+def _claim(file: BinaryIO, path: Path, patience: float) -> None:
+    try:
+        lock(file, patience)
+    except LockedError as error:
+        raise JournalError(f"another process is at work on {path}: let it end first") from error
+
+
+def rows_of(
+    data: bytes, path: Path, undertaking: str = "trial", first: int = 1
+) -> tuple[list[dict[str, Any]], int]:
+    """Return the complete lines of a part of a journal, and the offset of their end.
+
+    Args:
+        data: Bytes from the beginning of a line; an unfinished last line is left out.
+        path: Path of the journal, for messages.
+        undertaking: Noun of the undertaking, for messages.
+        first: Number of the first line.
+
+    Raises:
+        DamagedJournalError: If the data is no journal.
+    """
+    sound = data.rfind(b"\n") + 1
+    lines = data[:sound].split(b"\n")[:-1]
+    return [_object(line, path, n, undertaking) for n, line in enumerate(lines, first)], sound
+
+
+def _object(line: bytes, path: Path, number: int, undertaking: str) -> dict[str, Any]:
+    try:
+        row = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise damaged(path, number, f"it is not JSON ({error})", undertaking) from error
+    if not isinstance(row, dict):
+        raise damaged(path, number, "it is not a JSON object", undertaking)
+    return row
+
+
+def damaged(
+    path: Path, number: int, problem: str, undertaking: str = "trial"
+) -> DamagedJournalError:
+    """Return the error of a line that cannot be used."""
+    if number == 1:
+        return DamagedJournalError(
+            f"{path} is not a journal of a {undertaking}: of line 1, {problem}"
+        )
+    option = "" if undertaking == "calibration" else ", with --resume where it has that"
+    whole, aside = quote(str(path)), quote(f"{path}.damaged")
+    return DamagedJournalError(
+        f"{path}, line {number}: {problem}; the journal is damaged, and was left as it is. What "
+        f"stands above is whole, and the same command goes on there{option}, after\n"
+        f"  mv {whole} {aside} && head -n {number - 1} {aside} > {whole}"
+    )
+
+
+def require_same(
+    path: Path, known: Mapping[str, Any], requested: Mapping[str, Any], undertaking: str = "trial"
+) -> None:
+    """Check that two identities are the same.
+
+    Raises:
+        JournalError: If they differ; the message lists the differences.
+    """
+    if different := "; ".join(differences(known, requested)):
+        raise JournalError(
+            f"{path} belongs to another {undertaking}: {different}; "
+            "ask for the same, or choose another --out"
+        )
+
+
+def require_usable(path: Path, identity: Mapping[str, Any]) -> None:
+    """Check that the undertaking in a journal can be resumed.
+
+    Args:
+        path: Path of the journal, which exists.
+        identity: Known parts of the undertaking's identity; other parts are not compared.
+
+    Raises:
+        JournalError: If it cannot be resumed; the message gives the reason.
+        OSError: If the file cannot be read or written.
+    """
+    with path.open("r+b", buffering=0) as file:
+        _claim(file, path, patience=0.0)
+        rows, _ = rows_of(file.read(), path)
+    if rows:
+        known = {key: value for key, value in rows[0].items() if key in identity}
+        require_same(path, known, identity)
