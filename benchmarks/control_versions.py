@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).parents[1]
-CASES = ("two arms", "Dexter")
+CASES = ("two arms", "Dexter", "two arms, the right one stretched")
 QUANTILES = (0.1, 0.25, 0.5)
-#: Runs in a checkout of its own: times each tick of both cases, us, once a line of input.
+#: Runs in a checkout of its own: times each tick of all cases, us, once a line of input.
 _TIMER = """
 import json, sys, time
 import numpy as np
@@ -25,11 +25,18 @@ with two_arms() as folder:
     cycle.restart()
     around = arms.ready + np.random.default_rng(0).uniform(-0.3, 0.3, (60, 14))
     postures = np.clip(around, arms.lower + 0.05, arms.upper - 0.05)
-    cases = ((arms.tick, np.copy), (cycle.tick, lambda posture: cycle.following()))
+    stretched = np.copy(arms.ready)
+    stretched[7:] = 0.1351, -1.5781, 0.5475, 0.2305, -3.1416, 0.1489, -1.4659
+    singular = stretched + np.random.default_rng(1).uniform(-0.01, 0.01, (60, 14))
+    cases = (
+        (arms.tick, np.copy, postures),
+        (cycle.tick, lambda posture: cycle.following(), postures),
+        (arms.tick, np.copy, singular),
+    )
     for _ in sys.stdin:
-        times = [[], []]
-        for (tick, prepare), found in zip(cases, times):
-            for posture in postures:
+        times = [[] for _ in cases]
+        for (tick, prepare, each), found in zip(cases, times):
+            for posture in each:
                 given, began = prepare(posture), time.perf_counter()
                 tick(given)
                 found.append((time.perf_counter() - began) * 1e6)
@@ -48,7 +55,7 @@ def start(folder: Path) -> subprocess.Popen[str]:
 
 
 def measure(process: subprocess.Popen[str]) -> list[list[float]]:
-    """Return the times of the ticks of both cases, us."""
+    """Return the times of the ticks of all cases, us."""
     assert process.stdin is not None
     assert process.stdout is not None
     process.stdin.write("\n")

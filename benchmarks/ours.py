@@ -10,7 +10,7 @@ import numpy as np
 from stopwatch import Stages
 
 from cbdsl.checking.program import check_program
-from cbdsl.control.composition import compose
+from cbdsl.control.composition import ComposedArrays, compose_held
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.level import Level
 from cbdsl.control.plan import ControllerPlan
@@ -18,6 +18,7 @@ from cbdsl.control.stack import TICKS, Stack
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
+from cbdsl.numeric.handle import hold
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.episode import resources_of
@@ -67,8 +68,7 @@ def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
     stack = Stack([(str(place), size) for place, size in enumerate(sizes)], joints)
     step = Step.of(stack)
     stack.ages[:] = 1  # levels without a past
-    arrays = rule.arrays
-    results = step.displacement, step.locked, step.singular_values
+    handle = hold(ComposedArrays(stack.arrays, rule.arrays(step)))
     spans = [slice(*span) for span in zip(stack.starts, stack.ends, strict=True)]
     rows, wanted = stack.rows[stack.newest], stack.wanted
 
@@ -76,7 +76,7 @@ def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
         for span, (jacobian, displacement) in zip(spans, levels, strict=True):
             rows[span] = jacobian
             wanted[span] = displacement
-        compose(q, stack.newest, stack.arrays, True, *arrays, *results)
+        compose_held(handle, q, True)
         return step.displacement
 
     return solve

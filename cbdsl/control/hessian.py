@@ -19,6 +19,7 @@ from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import cross, dot
 from cbdsl.sensing.curvature import BENDING, bend_carried, bend_row
+from cbdsl.sensing.signal_arrays import SignalArrays, TableArrays
 
 
 @compiled
@@ -29,50 +30,41 @@ def has_hessian(slot: Any, table: Records) -> bool:
 
 @compiled_once
 def write_hessian(
-    slot: Any,
-    table: Records,
-    parts: Records,
-    support: Integers,
-    value: Floats,
-    jacobian: Floats,
-    tree: Records,
-    frames: Floats,
-    axes: Floats,
-    parameters: Floats,
-    columns: Integers,
-    hessian: Floats,
+    slot: Any, signals: SignalArrays, parameters: Floats, columns: Integers, hessian: Floats
 ) -> None:
     """Write the Hessian of a slot's task coordinates.
 
     Args:
         slot: Slot of a spring whose feedback ``has_hessian``.
-        table, parts, support, value, jacobian, tree, frames, axes: Arguments of ``refresh``.
+        signals: Arrays of the signals.
         parameters: Parameters of all potentials.
         columns: Joint index of each of the stack's n joints, -1 for a joint that the slot does not
             move, shape (n,).
         hessian: Becomes the second derivatives, shape (k, n, n).
     """
-    feedback = table[slot.feedback]
+    table, tree = signals.table, signals.tree
+    feedback, jacobian = table.records[slot.feedback], table.jacobian
     bends = np.zeros((feedback.rows, jacobian.shape[1], jacobian.shape[1]))
     if slot.carried:
-        bend_carried(jacobian[feedback.row : feedback.row + 3], tree, axes, bends)
+        bend_carried(jacobian[feedback.row : feedback.row + 3], tree, bends)
     else:
-        bend_row(feedback, table, parts, support, tree, frames, axes, bends)
-    slope = _slope(slot, feedback, table, value, parameters)
+        bend_row(feedback, table, tree, bends)
+    slope = _slope(slot, feedback, table, parameters)
     _select(bends, slope, columns, hessian)
     if slot.spin >= 0:
-        _spin(slot, feedback, value, jacobian, slope, columns, hessian)
+        _spin(slot, feedback, table, slope, columns, hessian)
 
 
 @compiled
-def _slope(slot: Any, feedback: Any, table: Records, value: Floats, parameters: Floats) -> Floats:
+def _slope(slot: Any, feedback: Any, table: TableArrays, parameters: Floats) -> Floats:
     """Return a slot's task coordinates per row of its feedback, shape (k, rows)."""
     if slot.identity:
         return np.eye(slot.size)
+    value = table.value
     here = value[feedback.start : feedback.start + feedback.size]
     there = here[:0]
     if slot.reference >= 0:
-        reference = table[slot.reference]
+        reference = table.records[slot.reference]
         there = value[reference.start : reference.start + reference.size]
     own = parameters[slot.parameter : slot.parameter + slot.parameters]
     residual, slope = np.zeros(slot.size), np.zeros((slot.size, feedback.rows))
@@ -102,19 +94,18 @@ def _select(bends: Floats, slope: Floats, columns: Integers, hessian: Floats) ->
 def _spin(
     slot: Any,
     feedback: Any,
-    value: Floats,
-    jacobian: Floats,
+    table: TableArrays,
     slope: Floats,
     columns: Integers,
     hessian: Floats,
 ) -> None:
     """Add the coupling of a turn about the tip's free axis with turns across it."""
     first = feedback.rows - 3
-    turning = jacobian[feedback.row + first : feedback.row + feedback.rows]
+    turning = table.jacobian[feedback.row + first : feedback.row + feedback.rows]
     start = feedback.start + feedback.size - 9
     axis, side = np.empty(3), np.empty(3)
     for i in range(3):
-        axis[i] = value[start + 3 * i + slot.spin]
+        axis[i] = table.value[start + 3 * i + slot.spin]
     joints = len(columns)
     along, across = np.zeros(joints), np.zeros(joints)
     for i in range(len(hessian)):

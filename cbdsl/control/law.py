@@ -7,12 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cbdsl.control.composition import compose
+from cbdsl.control.composition import ComposedArrays, compose_held
+from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import Level
 from cbdsl.control.signal import SignalError, require_finite
 from cbdsl.control.stack import Stack
-from cbdsl.numeric.arrays import Booleans, Floats
+from cbdsl.numeric.arrays import Floats
+from cbdsl.numeric.handle import Handle, hold
 
 # Share of its displacement below which a level counts as stuck.
 _STUCK = 0.02
@@ -72,7 +75,7 @@ class Step:
     """
 
     displacement: Floats
-    locked: Booleans
+    locked: NDArray[np.bool_]
     singular_values: Floats
     stack: Stack
 
@@ -160,11 +163,14 @@ class Law:
         if steps is not None:
             self._steps = np.minimum(self._steps, steps)
         self._guards = np.array((settings.damping, settings.singular_value, settings.lead))
+        self._last: tuple[Step, Handle] | None = None
 
-    @property
-    def arrays(self) -> tuple[Floats, Floats, Floats]:
-        """Limits (2, n), largest steps (n,) and guards (3,), in the form of ``reference.move``."""
-        return self._limits, self._steps, self._guards
+    def arrays(self, step: Step) -> LawArrays:
+        """Return bounds and guards in the form of compiled code, with a step as the result."""
+        return LawArrays(
+            self._limits, self._steps, self._guards,
+            step.displacement, step.locked, step.singular_values,
+        )  # fmt: skip
 
     def solve(self, levels: Sequence[Level], q: Floats) -> Step:
         """Return one tick's displacement for levels without history.
@@ -188,13 +194,18 @@ class Law:
         Raises:
             SignalError: If the posture or a level is not finite.
         """
-        step = Step.of(stack)
+        step, handle = self._held_by(stack)
         for bends in (False, True):
-            if not compose(
-                q, stack.newest, stack.arrays, bends, self._limits, self._steps, self._guards,
-                step.displacement, step.locked, step.singular_values,
-            ):  # fmt: skip
+            if not compose_held(handle, q, bends):
                 break
         if math.isnan(step.displacement.item(0)):
             step.require_sound(q)
         return step
+
+    def _held_by(self, stack: Stack) -> tuple[Step, Handle]:
+        """Return the step of a stack, and a handle of its arrays."""
+        last = self._last
+        if last is None or last[0].stack is not stack:
+            step = Step.of(stack)
+            last = self._last = step, hold(ComposedArrays(stack.arrays, self.arrays(step)))
+        return last

@@ -14,6 +14,8 @@ class LevelArrays(NamedTuple):
     """Levels of a stack in the form of compiled code: k task coordinates of n joints.
 
     Attributes:
+        clock: Index of this tick among the three, shape (1,); the preceding tick is one less,
+            modulo 3.
         rows: Task coordinates per joint in three ticks, highest priority first, shape (3, k, n).
         ages: Number of ticks for which each level has rows, up to 3; 0 for a level that does not
             act, shape (levels,).
@@ -27,6 +29,7 @@ class LevelArrays(NamedTuple):
             tick, because it resists them, shape (levels,).
     """
 
+    clock: NDArray[np.int64]
     rows: Floats
     ages: NDArray[np.int64]
     requested: Floats

@@ -18,10 +18,13 @@ from typing import Any
 import numpy as np
 
 from cbdsl.control.composition import compose
+from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
-from cbdsl.numeric.arrays import Booleans, Floats, Integers
+from cbdsl.numeric.arrays import Floats, Integers, Records
+from cbdsl.numeric.borrowed import borrow
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
+from cbdsl.sensing.signal_arrays import SignalArrays
 
 #: Speed of a hand that approaches without contact, and that backs off from twice the bound.
 PACE = 0.04  # m/s
@@ -57,35 +60,27 @@ LOAD_GUARD = np.dtype(
 
 @compiled
 def give_way(
-    load_guards: Any,
-    loads: Floats,
-    table: Any,
-    jacobian: Floats,
-    reference: Floats,
+    load_guards: Records,
+    signals: SignalArrays,
+    references: Floats,
     here: Floats,
     columns: Integers,
-    newest: int,
     levels: LevelArrays,
-    limits: Floats,
-    steps: Floats,
-    guards: Floats,
-    total: Floats,
-    locked: Booleans,
-    values: Floats,
+    law: LawArrays,
 ) -> None:
     """Compose a displacement again that respects the violated guards.
 
     Args:
         load_guards: Guards, shape (g,) of ``LOAD_GUARD``; the field ``held`` is updated.
-        loads: Loads of the load cells, N, world frame, shape (cells, 6).
-        table, jacobian: Signal table and its Jacobian.
-        reference: References of all joints, rad, shape (all,); leads of pressing joints shrink
+        signals: Arrays of the signals.
+        references: References of all joints, rad, shape (all,); leads of pressing joints shrink
             beyond a bound.
         here: Measured positions of the levels' joints, rad, shape (n,).
-        total: Displacement of these, rad, shape (n,); becomes the yielding displacement.
-
-    The other arguments are those of ``reference.move``.
+        columns: Joint index of each of the levels' n joints, shape (n,).
+        levels: Levels, highest priority first.
+        law: Bounds and guards, and the displacement; becomes the yielding displacement.
     """
+    table, total = signals.table, law.displacement
     joints, held, last, room = len(columns), 0, 0, 0
     for number in range(len(load_guards)):
         room += max(load_guards[number].joints, 3)
@@ -93,10 +88,10 @@ def give_way(
     normals, allowed = np.zeros((len(load_guards), joints)), np.zeros(len(load_guards))
     for number in range(len(load_guards)):
         guard = load_guards[number]
-        row, size = table[guard.row].row, guard.joints if guard.joints > 0 else 3
+        row, size = table.records[guard.row].row, guard.joints if guard.joints > 0 else 3
         tip, way, force = tips[last : last + size], ways[last : last + size], np.empty(size)
-        _add_up(guard, loads, force)
-        _place(jacobian[row : row + size], columns, total, tip, way)
+        _add_up(guard, signals.sensed.loads, force)
+        _place(table.jacobian[row : row + size], columns, total, tip, way)
         share, pressing = guard.force / guard.bound, dot(force, way)
         most = guard.pace * min(max(1.0 - share, -1.0), 1.0)
         guard.held = share > _NEAR and pressing > most
@@ -109,25 +104,27 @@ def give_way(
             add(normal, tip[k], force[k])
         held, last = held + 1, last + size
         if share > 1.0:
-            _relieve(reference, here, columns, normal)
+            _relieve(references, here, columns, normal)
     if held == 0:
         return
-    size, first = len(levels.requested), held + last
-    below = _below_guards(levels, newest, normals[:held], allowed, tips[:last], ways)
-    own_values = np.zeros(first + size)
-    compose(here, newest, below, False, limits, steps, guards, total, locked, own_values)
-    copy(values, own_values[first:], 1.0)
+    below = _below_guards(levels, normals[:held], allowed, tips[:last], ways)
+    values = np.zeros(len(below.requested))
+    own = LawArrays(law.limits, law.steps, law.guards, total, law.locked, borrow(values))
+    compose(here, borrow(below), False, own)
+    own_rows = len(below.requested) - len(levels.requested)
+    copy(law.singular_values, values[own_rows:], 1.0)
 
 
 @compiled
 def _below_guards(
-    levels: LevelArrays, newest: int, normals: Floats, allowed: Floats, tips: Floats, ways: Floats
+    levels: LevelArrays, normals: Floats, allowed: Floats, tips: Floats, ways: Floats
 ) -> LevelArrays:
     """Return levels below two others: along the forces, and the whole motion of the tips.
 
     First order suffices for these two, because guards act for a few ticks only.
     """
     held, moved, count = len(normals), len(tips), len(levels.ends)
+    newest = levels.clock[0]
     first, (ticks, size, joints) = held + moved, levels.rows.shape
     rows, requested = np.zeros((ticks, first + size, joints)), np.empty(first + size)
     for k in range(held):
@@ -146,7 +143,7 @@ def _below_guards(
         ages[2 + level] = levels.ages[level]
         ends[2 + level] += levels.ends[level]
     return LevelArrays(
-        rows, ages, requested, ends, np.ones(2 + count),
+        np.full(1, newest), rows, ages, requested, ends, np.ones(2 + count),
         np.zeros(2 + count, np.bool_), np.zeros((0, joints, joints)), np.zeros(2 + count, np.int64),
     )  # fmt: skip
 

@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from cbdsl.control.composition import jacobi_svd
+from cbdsl.control.basis import jacobi_svd
 from cbdsl.control.potential import Potential, Rule, potential
 from cbdsl.control.setting import Setting
 from cbdsl.numeric.arrays import Floats

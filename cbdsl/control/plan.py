@@ -12,8 +12,28 @@ from numpy.typing import NDArray
 from cbdsl.control.onset import ONSET, OnsetForm
 from cbdsl.control.potential import Potential, address_of
 from cbdsl.control.predicate import PREDICATE, ROOM, reset, room_of
-from cbdsl.control.tick import SLOT, reset_slot
-from cbdsl.numeric.arrays import Floats, Integers
+from cbdsl.control.slot import SLOT, reset_slot
+from cbdsl.numeric.arrays import Floats, Integers, Records
+
+
+class PlanArrays(NamedTuple):
+    """Slots of all controllers in the form of compiled code; see ``ControllerPlan``.
+
+    Attributes:
+        slots: Slots, shape (s,) of ``slot.SLOT``.
+        parameters: Parameters of their potentials.
+        before: Displacements of their task coordinates in the preceding tick.
+        windows: Windows of their predicates.
+        listed: Joints that searches observe.
+        onsets: Load changes that slots wait for, shape (o,) of ``onset.ONSET``.
+    """
+
+    slots: Records
+    parameters: Floats
+    before: Floats
+    windows: Floats
+    listed: Integers
+    onsets: Records
 
 
 class SlotForm(NamedTuple):
@@ -85,7 +105,7 @@ class ControllerPlan:
     """Slots of controllers, with constant numbers.
 
     Attributes:
-        slots: Slots, shape (s,) of ``tick.SLOT``.
+        slots: Slots, shape (s,) of ``slot.SLOT``.
         parameters: Parameters of the potentials.
         before: Displacements of task coordinates in the preceding tick.
         windows: Windows of the predicates.
@@ -155,9 +175,11 @@ class ControllerPlan:
         reset_slot(self.slots, number, self.before, self.onsets)
 
     @property
-    def arrays(self) -> tuple[NDArray[Any], ...]:
-        """Arrays in the form of ``tick``."""
-        return self.slots, self.parameters, self.before, self.windows, self.listed, self.onsets
+    def arrays(self) -> PlanArrays:
+        """Arrays in the form of compiled code; valid for one version."""
+        return PlanArrays(
+            self.slots, self.parameters, self.before, self.windows, self.listed, self.onsets
+        )
 
     def _wait(self, form: OnsetForm | None) -> int:
         """Store a slot's load change; return its number, -1 for ``None``."""

@@ -3,91 +3,73 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from cbdsl.control.composition import compose
+from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.load_guard import give_way
-from cbdsl.numeric.arrays import Booleans, Floats, Integers
-from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.numeric.arrays import Floats, Integers, Records
+from cbdsl.numeric.compiled import compiled
+from cbdsl.sensing.signal_arrays import SignalArrays
 
 #: Outcomes of a move: the references have moved; the levels' Hessians are needed first; a number is
 #: not finite.
 ADVANCED, NEEDS_HESSIANS, NOT_FINITE = range(3)
 
 
-@compiled_once
+@compiled
 def move(
-    reference: Floats,
-    positions: Floats,
-    columns: Integers,
-    newest: int,
+    references: Floats,
+    joints: Integers,
+    signals: SignalArrays,
     levels: LevelArrays,
     bends: bool,
-    limits: Floats,
-    steps: Floats,
-    guards: Floats,
-    total: Floats,
-    locked: Booleans,
-    values: Floats,
-    load_guards: Any,
-    loads: Floats,
-    table: Any,
-    jacobian: Floats,
+    law: LawArrays,
+    load_guards: Records,
 ) -> int:
     """Compose the displacement of all levels and move references by it.
 
     Args:
-        reference: References of all joints, rad, shape (all,).
-        positions: Measured positions of all joints, rad, shape (all,).
-        columns: Joint index of each of the levels' n joints, shape (n,).
-        guards: Guards of ``compose``, and the largest distance of a reference from the position.
-            Without it, the reference of a blocked joint would run away.
-        load_guards, loads, table, jacobian: Arguments of ``load_guard.give_way``.
-
-    The other arguments are those of ``compose``.
+        references: References of all joints, rad, shape (all,).
+        joints: Joint index of each of the levels' n joints, shape (n,).
+        signals: Arrays of the signals.
+        levels: Levels, highest priority first.
+        bends: True if the levels' Hessians are those of this tick.
+        law: Bounds and guards; its result is overwritten.
+        load_guards: Guards of loads, shape (g,) of ``load_guard.LOAD_GUARD``.
 
     Returns:
         ``ADVANCED``; ``NEEDS_HESSIANS`` or ``NOT_FINITE`` if nothing has moved.
     """
-    here = np.empty(len(columns))
-    for place in range(len(columns)):
-        here[place] = positions[columns[place]]
-    if compose(here, newest, levels, bends, limits, steps, guards, total, locked, values):
+    here = np.empty(len(joints))
+    for place in range(len(joints)):
+        here[place] = signals.sensed.positions[joints[place]]
+    if compose(here, levels, bends, law):
         return NEEDS_HESSIANS
-    if math.isnan(total[0]):
+    if math.isnan(law.displacement[0]):
         return NOT_FINITE
     if len(load_guards) > 0:
-        give_way(
-            load_guards, loads, table, jacobian, reference, here, columns, newest, levels,
-            limits, steps, guards, total, locked, values,
-        )  # fmt: skip
-    _advance(reference, columns, total, here, guards[2], limits, steps)
+        give_way(load_guards, signals, references, here, joints, levels, law)
+    _advance(references, joints, here, law)
     return ADVANCED
 
 
 @compiled
-def _advance(
-    reference: Floats,
-    columns: Integers,
-    displacement: Floats,
-    here: Floats,
-    lead: float,
-    limits: Floats,
-    steps: Floats,
-) -> None:
-    """Move references of the joints ``columns`` (n,) by a displacement (n,), rad.
+def _advance(references: Floats, joints: Integers, here: Floats, law: LawArrays) -> None:
+    """Move references by the law's displacement, rad.
 
-    References keep within ``lead`` of the positions and within the limits (2, n), as far as the
-    largest steps (n,) allow. A reference thus never jumps, even if a sensor does. A joint that is
-    past one of its limits comes back at the law's pace.
+    References keep within the lead of the positions ``here`` (n,) and within the limits, as far as
+    the largest steps allow. A reference thus never jumps, even if a sensor does. Without the lead,
+    the reference of a blocked joint would run away. A joint that is past one of its limits comes
+    back at the law's pace.
     """
-    for place in range(len(columns)):
-        before = reference[columns[place]]
-        after = before + displacement[place]
+    limits, steps, lead = law.limits, law.steps, law.guards[2]
+    for place in range(len(joints)):
+        before = references[joints[place]]
+        after = before + law.displacement[place]
         after = min(max(after, here[place] - lead), here[place] + lead)
         after = min(max(after, min(limits[0, place], before)), max(limits[1, place], before))
         after = min(max(after, before - steps[place]), before + steps[place])
-        reference[columns[place]] = after
+        references[joints[place]] = after

@@ -26,8 +26,9 @@ import math
 
 import numpy as np
 
+from cbdsl.control.basis import Basis
 from cbdsl.control.eigen import diagonalize
-from cbdsl.numeric.arrays import Floats, Integers
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, copy, dot, fill, norm
 
@@ -60,27 +61,24 @@ def add_curvature(hessians: Floats, weights: Floats, factor: float, curvature: F
 
 
 @compiled
-def balance(
-    pull: Floats, basis: Floats, sides: Floats, pins: Integers, count: int, rows: Floats
-) -> Floats:
+def balance(pull: Floats, basis: Basis, count: int, rows: Floats) -> Floats:
     """Return the multipliers of the levels above that balance a pull of a level below.
 
     The basis makes the rows above block-triangular, so that back substitution solves for them.
 
     Args:
         pull: Generalised force of the lower level, shape (n,); becomes the unbalanced remainder.
-        basis: Orthonormal directions that are taken, shape (n, n).
-        sides: Parts of all K task rows in each direction, shape (n, K).
-        pins: Joint that each direction stands for because it is locked, or -1, shape (n,).
+        basis: Basis of the levels above.
         count: Number of directions that are taken.
         rows: Jacobian of all task coordinates, shape (K, n).
     """
+    directions, sides = basis.directions, basis.sides
     multipliers = np.zeros(len(rows))
     i = count - 1
     while i >= 0:
-        along, square, pin = dot(pull, basis[i]), dot(sides[i], sides[i]), pins[i]
+        along, square, pin = dot(pull, directions[i]), dot(sides[i], sides[i]), basis.pins[i]
         if pin >= 0:
-            part = basis[i, pin]
+            part = directions[i, pin]
             pull[pin] -= along * part / (part * part + _SOFT)
         elif square > 0.0:
             along /= square + _SOFT
@@ -119,13 +117,11 @@ def newton_step(
     curvature: Floats,
     basis: Floats,
     taken: int,
-    below: int,
     values: Floats,
     along: Floats,
     guards: Floats,
     least: float,
-    change: Floats,
-) -> Floats:
+) -> tuple[Floats, Floats]:
     """Compute a level's Newton step in its free directions.
 
     Args:
@@ -133,17 +129,16 @@ def newton_step(
         basis: Orthonormal directions, shape (n, n): first those of the levels above, then those of
             the level's rows; becomes complete.
         taken: Number of directions of the levels above.
-        below: Number of directions including those of the level.
         values: Singular values of the level's rows, shape (rank,).
         along: Requested displacement along each of them, shape (rank,).
-        guards: Guards of ``composition.compose``.
+        guards: Guards of the law.
         least: Stiffness above which a direction counts as resisted.
-        change: Becomes the step, rad, shape (n,).
 
     Returns:
-        Resisted directions, as long as the square roots of their stiffness, shape (r, n).
+        The step, rad, shape (n,), and the resisted directions, as long as the square roots of their
+        stiffness, shape (r, n).
     """
-    _complete(basis, below)
+    _complete(basis, taken + len(values))
     free, damping, threshold = basis[taken:], guards[0], guards[1]
     size = len(free)
     positive, resisted = _positive_part(_restrict(curvature, free), free, least)
@@ -151,7 +146,7 @@ def newton_step(
         positive[i, i] += values[i] * values[i]
     vectors = np.empty((size, size))
     diagonalize(positive, vectors)
-    fill(change, 0.0)
+    change = np.zeros(free.shape[1])
     for i in range(size):
         stiffness, pull = max(positive[i, i], 0.0), 0.0
         for j in range(len(values)):
@@ -160,7 +155,7 @@ def newton_step(
         step = pull / max(stiffness + damping * weight, _FLOOR)
         for j in range(size):
             add(change, free[j], step * vectors[i, j])
-    return resisted
+    return change, resisted
 
 
 @compiled

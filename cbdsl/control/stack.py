@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cbdsl.control.composition import extrapolate_half_tick
+from cbdsl.control.half_tick import extrapolate_half_tick
 from cbdsl.control.level import Level, LevelArrays
 from cbdsl.control.signal import SignalError
 from cbdsl.numeric.arrays import Floats
@@ -28,7 +28,7 @@ class Stack:
         ends: Index after the last row of each level, shape (levels,).
         ages: Number of consecutive ticks in which each level has acted, up to 3; 0 if it does not
             act, shape (levels,).
-        arrays: All of these except the names and the clock, with the levels' second order.
+        arrays: All of these except the names, with the levels' second order.
 
     Args:
         levels: Names of the controllers with their numbers of task coordinates.
@@ -43,12 +43,12 @@ class Stack:
         size = int(sizes.sum())
         self.rows, self.wanted = np.zeros((TICKS, size, joints)), np.zeros(size)
         self.ages = np.zeros(len(levels), dtype=np.int64)
+        self.clock = np.zeros(1, dtype=np.int64)
         self.arrays = LevelArrays(
-            self.rows, self.ages, self.wanted, self.ends, np.ones(len(levels)),
+            self.clock, self.rows, self.ages, self.wanted, self.ends, np.ones(len(levels)),
             np.zeros(len(levels), dtype=np.bool_), np.zeros((size, joints, joints)),
             np.zeros(len(levels), dtype=np.int64),
         )  # fmt: skip
-        self.clock = np.zeros(1, dtype=np.int64)
 
     @classmethod
     def of(cls, levels: Sequence[Level], joints: int) -> Stack:

@@ -148,7 +148,10 @@ def _type(value: object) -> str:
 
 
 def describe_type(kind: Any) -> str:
-    """Describe a type of the compiler, with the fields of named tuples."""
+    """Describe a type of the compiler, with the fields of named tuples and handles."""
+    if isinstance(kind, types.StructRef):
+        held = [(name, describe_type(part)) for name, part in kind.field_dict.items()]
+        return f"{type(kind).__qualname__} {held}"
     fields = getattr(getattr(kind, "instance_class", None), "_fields", ())
     is_tuple = isinstance(kind, types.BaseTuple)
     parts = tuple(kind) if is_tuple else ()

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.stack import Stack
-from cbdsl.control.tick import RESTED, UNSOUND, tick
+from cbdsl.control.tick import RESTED, UNSOUND, ActingArrays, TickArrays, tick
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.arrays import Floats, Integers
+from cbdsl.numeric.handle import bind
 from cbdsl.program.checked import NO_GUARDS, Guards
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.controller_run import ControllerRun
@@ -43,7 +43,7 @@ class ControllerBatch:
         selection: Required rows of the signal table.
         prepared: Runs that need preparation before the tick.
         computes: True if a preparation uses the rows of the tick.
-        arguments: Arguments of ``tick``, valid while table and plan are of ``versions``.
+        tick: Call of ``tick.tick`` with all arrays, valid while table and plan are of ``versions``.
     """
 
     active: Sequence[Active]
@@ -56,7 +56,7 @@ class ControllerBatch:
     selection: Selection
     prepared: tuple[ControllerRun, ...]
     computes: bool
-    arguments: tuple[Any, ...] = ()
+    tick: Callable[[], int] | None = None
     versions: tuple[int, int] = field(default=(-1, -1))
 
     def begin(self) -> None:
@@ -133,10 +133,11 @@ class Actuation:
         for run in batch.prepared:
             run.prepare()
         self.load_guards.note_strain()
-        if batch.versions != (self._signals.table.version, self._plan.version):
-            self._arrange(batch)
+        versions = self._signals.table.version, self._plan.version
+        if batch.tick is None or batch.versions != versions:
+            batch.tick, batch.versions = self._bind(batch), versions
         try:
-            outcome = tick(*batch.arguments)
+            outcome = batch.tick()
         except Exception as error:  # our own kernels raise none
             fault = _fault_of(batch.runs, error)
             raise (fault or error) from (error if fault else None)
@@ -173,18 +174,20 @@ class Actuation:
             if locked
         )
 
-    def _arrange(self, batch: ControllerBatch) -> None:
-        """Bind the current arrays of table and plan."""
-        signals, plan, stack = self._signals, self._plan, batch.step.stack
-        batch.versions = signals.table.version, plan.version
-        batch.arguments = (
-            batch.selection.compiled, signals.clock, *signals.arrays, *plan.arrays,
-            batch.acting, batch.columns,
-            stack.clock, stack.arrays,
-            self.reference, batch.joints, *batch.law.arrays,
-            batch.step.displacement, batch.step.locked, batch.step.singular_values,
+    def _bind(self, batch: ControllerBatch) -> Callable[[], int]:
+        """Return a call of the tick with the current arrays of table and plan."""
+        signals, step = self._signals, batch.step
+        needed = batch.selection.compiled
+        arrays = TickArrays(
+            signals.arrays,
+            self._plan.arrays,
+            ActingArrays(needed, signals.clock, batch.acting, batch.columns, batch.joints),
+            step.stack.arrays,
+            batch.law.arrays(step),
+            self.reference,
             self.load_guards.records,
-        )  # fmt: skip
+        )
+        return bind(tick, arrays)
 
     def _batch(self, active: Sequence[Active]) -> ControllerBatch:
         """Return the batch of the active controllers, allocated when they first act together."""

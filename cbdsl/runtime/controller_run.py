@@ -14,7 +14,7 @@ from cbdsl.control.rate import bounds_of
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import SignalError, require_finite
-from cbdsl.control.tick import error_bound
+from cbdsl.control.slot import error_bound
 from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.program.controller import Controller, Relative
 from cbdsl.runtime.controller_rows import anchor_of, bind_rows

@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 
 from cbdsl.kinematics.forward import multiply, place_point, twist_of
-from cbdsl.numeric.arrays import Booleans, Floats, Integers, Records
+from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.numeric.handle import Handle
 from cbdsl.numeric.vector import add, cross, fill, norm
+from cbdsl.sensing.signal_arrays import SensedArrays, SignalArrays, TableArrays, TreeArrays
 
 #: Kinds of rows by the source of their numbers: written by Python; joint positions; a tip; the
 #: Jacobian of tips; a weighted sum of other rows; the forces along the normals of load cells; a row
@@ -77,69 +79,48 @@ PART = np.dtype(
 
 
 @compiled_once
-def refresh(
-    needed: Integers,
-    stamp: int,
-    positions: Floats,
-    loads: Floats,
-    feeling: Booleans,
-    table: Records,
-    parts: Records,
-    support: Integers,
-    value: Floats,
-    jacobian: Floats,
-    tree: Records,
-    frames: Floats,
-    axes: Floats,
-) -> None:
-    """Write rows of the signal table.
-
-    Args:
-        needed: Numbers of the rows to write, dependencies first, shape (r,).
-        stamp: Number of the posture.
-        positions: Positions of the actuated joints, rad, shape (n,).
-        loads: Loads of the load cells, N and N m, world frame, shape (cells, 6).
-        feeling: True for each load cell in contact, shape (cells,).
-        table, parts, support, value, jacobian: Arrays of the signal table.
-        tree, frames, axes: Arrays of the kinematics.
-    """
-    for place in range(len(needed)):
-        row = table[needed[place]]
-        row.stamp, row.defined = stamp, DEFINED
-        if row.kind == CONFIGURATION:
-            for i in range(row.columns):
-                value[row.start + i] = positions[support[row.column + i]]
-        elif row.kind == TIP:
-            _write_tip(row, table, parts, support, value, jacobian, tree, frames, axes)
-        elif row.kind == MANIPULATOR:
-            _write_manipulator(row, parts, support, value, jacobian, tree, frames, axes)
-        elif row.kind == MIXTURE:
-            _write_mixture(row, table, parts, value, jacobian)
-        elif row.kind == NORMAL_FORCES:
-            _write_forces(row, parts, loads, feeling, value, frames)
-        elif row.kind == DISPLACED:
-            _write_displaced(row, table, parts, value)
-        elif row.kind == LENGTH:
-            _write_length(row, table, parts, support, value, jacobian)
+def refresh(signals: Handle, needed: Integers, stamp: int) -> None:
+    """Write rows of the signal table, for calls from Python; see ``write_rows``."""
+    write_rows(signals.held, needed, stamp)
 
 
 @compiled
-def _write_tip(
-    row: Any,
-    table: Records,
-    parts: Records,
-    support: Integers,
-    value: Floats,
-    jacobian: Floats,
-    tree: Records,
-    frames: Floats,
-    axes: Floats,
-) -> None:
+def write_rows(signals: SignalArrays, needed: Integers, stamp: int) -> None:
+    """Write rows of the signal table.
+
+    Args:
+        signals: Arrays of the signals.
+        needed: Numbers of the rows to write, dependencies first, shape (r,).
+        stamp: Number of the posture.
+    """
+    sensed, table, tree = signals.sensed, signals.table, signals.tree
+    for place in range(len(needed)):
+        row = table.records[needed[place]]
+        row.stamp, row.defined = stamp, DEFINED
+        if row.kind == CONFIGURATION:
+            for i in range(row.columns):
+                table.value[row.start + i] = sensed.positions[table.support[row.column + i]]
+        elif row.kind == TIP:
+            _write_tip(row, table, tree)
+        elif row.kind == MANIPULATOR:
+            _write_manipulator(row, table, tree)
+        elif row.kind == MIXTURE:
+            _write_mixture(row, table)
+        elif row.kind == NORMAL_FORCES:
+            _write_forces(row, table, sensed, tree.frames)
+        elif row.kind == DISPLACED:
+            _write_displaced(row, table)
+        elif row.kind == LENGTH:
+            _write_length(row, table)
+
+
+@compiled
+def _write_tip(row: Any, table: TableArrays, tree: TreeArrays) -> None:
     """Write a control point's position, rotation row by row, or both, and its Jacobian."""
-    part = parts[row.part]
-    frame, turned = frames[part.frame], part.rotation
+    part, value, jacobian = table.parts[row.part], table.value, table.jacobian
+    frame, turned = tree.frames[part.frame], part.rotation
     origin, point, twist = np.empty(3), np.empty(3), np.empty(6)
-    stand_off(row, table, part, origin)
+    stand_off(row, table.records, part, origin)
     place_point(frame, origin, point)
     start = row.start
     if row.linear:
@@ -152,36 +133,28 @@ def _write_tip(
     for i in range(row.rows):
         fill(jacobian[row.row + i], 0.0)
     for number in range(part.support, part.support + part.joints):
-        joint = support[number]
-        twist_of(point, joint, tree, frames, axes, twist)
-        column = tree[joint].column
+        joint = table.support[number]
+        twist_of(point, joint, tree.joints, tree.frames, tree.axes, twist)
+        column = tree.joints[joint].column
         for i in range(row.rows):
             jacobian[row.row + i, column] += twist[first + i]
 
 
 @compiled
-def stand_off(row: Any, table: Records, part: Any, origin: Floats) -> None:
+def stand_off(row: Any, records: Records, part: Any, origin: Floats) -> None:
     """Write the position of a tip's control point in its frame, m, shape (3,)."""
     along = 0.0
     if row.facing >= 0:
         clearance, least, most = row.standoff[0], row.standoff[1], row.standoff[2]
-        along = min(max(table[row.facing].radius + clearance, least), most)
+        along = min(max(records[row.facing].radius + clearance, least), most)
     for i in range(3):
         origin[i] = part.origin[i] + along * part.rotation[3 * i + 2]
 
 
 @compiled
-def _write_manipulator(
-    row: Any,
-    parts: Records,
-    support: Integers,
-    value: Floats,
-    jacobian: Floats,
-    tree: Records,
-    frames: Floats,
-    axes: Floats,
-) -> None:
+def _write_manipulator(row: Any, table: TableArrays, tree: TreeArrays) -> None:
     """Write the Jacobian of tips by some columns, row by row, and its derivative (Eq 3.5)."""
+    support, value, jacobian = table.support, table.value, table.jacobian
     width, columns = row.columns, support[row.column : row.column + row.columns]
     fill(value[row.start : row.start + row.size], 0.0)
     for i in range(row.rows):
@@ -189,19 +162,19 @@ def _write_manipulator(
     height = 6 if row.angular else 3
     first, second, change, point = np.empty(6), np.empty(6), np.empty(3), np.empty(3)
     for number in range(row.parts):
-        part = parts[row.part + number]
+        part = table.parts[row.part + number]
         own = support[part.support : part.support + part.joints]
-        place_point(frames[part.frame], part.origin, point)
+        place_point(tree.frames[part.frame], part.origin, point)
         for i in range(len(own)):
-            twist_of(point, own[i], tree, frames, axes, first)
-            one = tree[own[i]].column
+            twist_of(point, own[i], tree.joints, tree.frames, tree.axes, first)
+            one = tree.joints[own[i]].column
             here = _place(columns, one)
             for k in range(height):
                 if here >= 0:
                     value[row.start + (number * height + k) * width + here] += first[k]
             for j in range(i, len(own)):
-                twist_of(point, own[j], tree, frames, axes, second)
-                other = tree[own[j]].column
+                twist_of(point, own[j], tree.joints, tree.frames, tree.axes, second)
+                other = tree.joints[own[j]].column
                 there = _place(columns, other)
                 cross(first[3:], second[:3], change)
                 block = row.row + number * height * width
@@ -232,16 +205,15 @@ def _place(columns: Integers, column: int) -> int:
 
 
 @compiled
-def _write_mixture(
-    row: Any, table: Records, parts: Records, value: Floats, jacobian: Floats
-) -> None:
+def _write_mixture(row: Any, table: TableArrays) -> None:
     """Write the weighted sum of other rows, which is defined if all of them are."""
+    value, jacobian = table.value, table.jacobian
     fill(value[row.start : row.start + row.size], 0.0)
     for i in range(row.rows):
         fill(jacobian[row.row + i], 0.0)
     for number in range(row.part, row.part + row.parts):
-        part = parts[number]
-        source = table[part.source]
+        part = table.parts[number]
+        source = table.records[part.source]
         row.defined = min(row.defined, source.defined)
         for i in range(source.size):
             value[row.start + part.shift + i] += part.weight * value[source.start + i]
@@ -250,20 +222,14 @@ def _write_mixture(
 
 
 @compiled
-def _write_length(
-    row: Any,
-    table: Records,
-    parts: Records,
-    support: Integers,
-    value: Floats,
-    jacobian: Floats,
-) -> None:
+def _write_length(row: Any, table: TableArrays) -> None:
     """Write the length of another row's vector, and its Jacobian by the columns of the row.
 
     These joints move together: each has an equal part of the change by a common step of all. A
     gradient would move a thumb twice as far as two fingers that oppose it.
     """
-    source = table[parts[row.part].source]
+    value, jacobian = table.value, table.jacobian
+    source = table.records[table.parts[row.part].source]
     row.defined = source.defined
     vector = value[source.start : source.start + source.size]
     length = norm(vector)
@@ -271,7 +237,7 @@ def _write_length(
     fill(jacobian[row.row], 0.0)
     if length == 0.0:
         return
-    columns, change = support[row.column : row.column + row.columns], 0.0
+    columns, change = table.support[row.column : row.column + row.columns], 0.0
     for column in columns:
         for i in range(source.rows):
             change += jacobian[source.row + i, column] * vector[i] / length
@@ -280,27 +246,26 @@ def _write_length(
 
 
 @compiled
-def _write_forces(
-    row: Any, parts: Records, loads: Floats, feeling: Booleans, value: Floats, frames: Floats
-) -> None:
+def _write_forces(row: Any, table: TableArrays, sensed: SensedArrays, frames: Floats) -> None:
     """Write each cell's force along its normal; measured while all cells are in contact."""
     for i in range(row.parts):
-        part = parts[row.part + i]
+        part = table.parts[row.part + i]
         frame, along = frames[part.frame], 0.0
         for k in range(3):
             turned = 0.0
             for inner in range(3):
                 turned += frame[3 * k + inner] * part.normal[inner]
-            along += turned * loads[part.cell, k]
-        value[row.start + i] = along
-        if not feeling[part.cell]:
+            along += turned * sensed.loads[part.cell, k]
+        table.value[row.start + i] = along
+        if not sensed.feeling[part.cell]:
             row.defined = READABLE
 
 
 @compiled
-def _write_displaced(row: Any, table: Records, parts: Records, value: Floats) -> None:
+def _write_displaced(row: Any, table: TableArrays) -> None:
     """Write a row displaced by a constant one, with stamp, radius and state of the former."""
-    base, offset = table[parts[row.part].source], table[parts[row.part + 1].source]
+    records, parts, value = table.records, table.parts, table.value
+    base, offset = records[parts[row.part].source], records[parts[row.part + 1].source]
     row.defined, row.stamp, row.radius = base.defined, base.stamp, base.radius
     displace_value(
         value[base.start : base.start + base.size],

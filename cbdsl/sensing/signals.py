@@ -10,6 +10,7 @@ import numpy as np
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
+from cbdsl.numeric.handle import Handle, hold
 from cbdsl.sensing.blob_signals import BlobSignals
 from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.declared_sensor import sensor_reader
@@ -29,6 +30,7 @@ from cbdsl.sensing.refresh import (
     refresh,
 )
 from cbdsl.sensing.sensor_faults import require_finite
+from cbdsl.sensing.signal_arrays import SensedArrays, SignalArrays, TableArrays, TreeArrays
 from cbdsl.sensing.signal_rows import Selection, SignalRows
 from cbdsl.sensing.solid_signals import SolidSignals
 from cbdsl.sensing.strain import Strain
@@ -110,6 +112,7 @@ class Signals:
         self.positions = kinematics.positions
         self._rows = SignalRows(len(self.joints))
         self.table = self._rows.table
+        self._held: tuple[int, Handle | None] = 0, None
         resources = tuple(_with_features(resources))
         channels = [channel for resource in resources for channel in _channels_of(resource)]
         self.vision = Vision(robot, kinematics, channels)
@@ -261,21 +264,29 @@ class Signals:
         self._rows.refresh_read(selection)
         self.kinematics.place()
         if len(selection.compiled):
-            refresh(selection.compiled, self.tips.stamp, *self.arrays)
+            refresh(self._handle(), selection.compiled, self.tips.stamp)
 
     def refresh_read(self, selection: Selection) -> None:
         """Refresh the rows that Python reads."""
         self._rows.refresh_read(selection)
 
     @property
-    def arrays(self) -> tuple[Any, ...]:
-        """Array arguments of ``refresh`` after the stamp."""
+    def arrays(self) -> SignalArrays:
+        """Arrays of measurements, table and joint tree; valid for one version of the table."""
         table, touch, kinematics = self.table, self.touch, self.kinematics
-        return (
-            self.positions, touch.loads, touch.feeling,
-            table.records, table.parts, table.support, table.value, table.jacobian,
-            kinematics.tree, kinematics.frames, kinematics.axes,
-        )  # fmt: skip
+        return SignalArrays(
+            SensedArrays(self.positions, touch.loads, touch.feeling),
+            TableArrays(table.records, table.parts, table.support, table.value, table.jacobian),
+            TreeArrays(kinematics.tree, kinematics.frames, kinematics.axes),
+        )
+
+    def _handle(self) -> Handle:
+        """Return a handle of the current arrays."""
+        version, handle = self._held
+        if handle is None or version != self.table.version:
+            handle = hold(self.arrays)
+            self._held = self.table.version, handle
+        return handle
 
     def read(self, resource: Resource) -> Reading | None:
         """Return a copy of the resource's current reading, or ``None`` while it is undefined."""

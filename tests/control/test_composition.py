@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.control.composition import compose, extrapolate_half_tick
+from cbdsl.control.composition import ComposedArrays, compose_held
+from cbdsl.control.half_tick import extrapolate_half_tick
+from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
 from cbdsl.numeric.arrays import Floats
+from cbdsl.numeric.handle import hold
 
 FREE = 1e300
 
@@ -21,12 +24,13 @@ def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats
     step, locked, values = np.empty(joints), np.empty(joints, dtype=bool), np.empty(ends[-1])
     count = len(blocks)
     levels = LevelArrays(
-        rows, np.ones(count, dtype=int), np.concatenate(wanted), ends, np.ones(count),
-        np.zeros(count, dtype=bool), np.zeros((ends[-1], joints, joints)),
+        np.zeros(1, dtype=int), rows, np.ones(count, dtype=int), np.concatenate(wanted), ends,
+        np.ones(count),        np.zeros(count, dtype=bool), np.zeros((ends[-1], joints, joints)),
         np.zeros(count, dtype=int),
     )  # fmt: skip
     steps, guards = np.full(joints, FREE), np.array([0.0, 1e-300, FREE])
-    compose(np.zeros(joints), 0, levels, False, limits, steps, guards, step, locked, values)
+    law = LawArrays(limits, steps, guards, step, locked, values)
+    compose_held(hold(ComposedArrays(levels, law)), np.zeros(joints), False)
     assert not locked.any()
     return step, values
 

@@ -11,8 +11,8 @@ import pytest
 from cbdsl.control.hessian import has_hessian, write_hessian
 from cbdsl.control.plan import ControllerPlan, SlotForm
 from cbdsl.control.potential import Potential
+from cbdsl.control.slot import SLOT
 from cbdsl.control.spring import along_axes, spring
-from cbdsl.control.tick import SLOT
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.kinematics.rotation import exp
@@ -103,8 +103,8 @@ class Spring:
         size = self.potential.size
         hessian = np.full((size, self.joints, self.joints), np.nan)
         write_hessian(
-            self.plan.slots[0], *self.signals.arrays[3:], self.plan.parameters,
-            np.arange(self.joints), hessian,
+            self.plan.slots[0], self.signals.arrays, self.plan.parameters, np.arange(self.joints),
+            hessian,
         )  # fmt: skip
         return hessian
 
@@ -172,8 +172,8 @@ def test_hessian_of_a_carried_object_is_that_of_a_point_of_the_hand(
     it.signals.table.write(carried, Reading(value, rows, 1))
     it.plan.slots["feedback"], it.plan.slots["carried"] = carried, True
     hessian = np.full_like(expected, np.nan)
-    arrays = it.signals.arrays[3:]
-    write_hessian(it.plan.slots[0], *arrays, it.plan.parameters, np.arange(it.joints), hessian)
+    arrays = it.signals.arrays
+    write_hessian(it.plan.slots[0], arrays, it.plan.parameters, np.arange(it.joints), hessian)
     np.testing.assert_allclose(hessian, expected, atol=1e-12)
 
 
@@ -183,7 +183,7 @@ def test_hessian_leaves_joints_out_that_the_slot_does_not_move(rng: np.random.Ge
     columns = np.arange(it.joints)
     columns[::2] = -1
     part = np.full_like(whole, np.nan)
-    write_hessian(it.plan.slots[0], *it.signals.arrays[3:], it.plan.parameters, columns, part)
+    write_hessian(it.plan.slots[0], it.signals.arrays, it.plan.parameters, columns, part)
     moved = columns >= 0
     np.testing.assert_array_equal(part, whole * np.outer(moved, moved))
 

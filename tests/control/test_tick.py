@@ -18,15 +18,19 @@ from cbdsl.control.potential import Potential, Rule, interpreted, potential
 from cbdsl.control.predicate import PREDICATE, PREDICATES, settings_of
 from cbdsl.control.range import between
 from cbdsl.control.rate import bounds_of, displace
+from cbdsl.control.slot import IDLE, SEARCH, TRACK
+from cbdsl.control.slot_step import _stride
 from cbdsl.control.spring import spring
 from cbdsl.control.stack import Stack
-from cbdsl.control.tick import IDLE, MOVED, RESTED, SEARCH, TRACK, UNSOUND, _stride, tick
+from cbdsl.control.tick import MOVED, RESTED, UNSOUND, ActingArrays, TickArrays, tick
 from cbdsl.kinematics.forward import JOINT
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
+from cbdsl.numeric.handle import bind
 from cbdsl.program.controller import Controller
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.refresh import WRITTEN
+from cbdsl.sensing.signal_arrays import SensedArrays, SignalArrays, TableArrays, TreeArrays
 from cbdsl.sensing.table import Form, SignalTable
 from cbdsl.types.resource_type import FORCE, ORIENTATION, POSITION, ResourceType, configuration
 from tests.control.evaluation import Signal, evaluate
@@ -123,16 +127,20 @@ class Bench:
     def tick(self) -> int:
         table, stack, step = self.table, self.stack, self.step
         law = Law(np.full(5, -1e3), np.full(5, 1e3), LawSettings(joint_step=1e3))
-        return tick(
-            np.zeros(0, np.int64), np.zeros(1, np.int64), self.positions,
-            self.loads, np.zeros(len(self.loads), np.bool_),
-            table.records, table.parts, table.support, table.value, table.jacobian,
-            np.zeros(0, JOINT), np.zeros((1, 12)), np.zeros((0, 3)),
-            *self.plan.arrays, self.acting, self.columns,
-            stack.clock, stack.arrays,
-            self.references, JOINTS, *law.arrays,
-            step.displacement, step.locked, step.singular_values, self.load_guards,
+        feeling = np.zeros(len(self.loads), np.bool_)
+        signals = SignalArrays(
+            SensedArrays(self.positions, self.loads, feeling),
+            TableArrays(table.records, table.parts, table.support, table.value, table.jacobian),
+            TreeArrays(np.zeros(0, JOINT), np.zeros((1, 12)), np.zeros((0, 3))),
+        )
+        acting = ActingArrays(
+            np.zeros(0, np.int64), np.zeros(1, np.int64), self.acting, self.columns, JOINTS
+        )
+        arrays = TickArrays(
+            signals, self.plan.arrays, acting, stack.arrays, law.arrays(step), self.references,
+            self.load_guards,
         )  # fmt: skip
+        return bind(tick, arrays)()
 
     def predicates(self) -> str:
         return "".join(PREDICATES[note] for note in self.plan.slots["notes"][:, PREDICATE])

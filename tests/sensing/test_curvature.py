@@ -27,8 +27,8 @@ STEP = 1e-5  # rad
 
 
 @compiled_once
-def bend(number, table, parts, support, tree, frames, axes, bends) -> None:  # type: ignore[no-untyped-def]
-    bend_row(table[number], table, parts, support, tree, frames, axes, bends)
+def bend(number, table, tree, bends) -> None:  # type: ignore[no-untyped-def]
+    bend_row(table.records[number], table, tree, bends)
 
 
 class Robot:
@@ -78,9 +78,9 @@ class Robot:
 
     def bends(self, number: int) -> np.ndarray:
         self.rows(number)
-        table, parts, support, _, _, tree, frames, axes = self.signals.arrays[3:]
-        bends = np.zeros((table["rows"][number], self.joints, self.joints))
-        bend(number, table, parts, support, tree, frames, axes, bends)
+        _, table, tree = self.signals.arrays
+        bends = np.zeros((table.records["rows"][number], self.joints, self.joints))
+        bend(number, table, tree, bends)
         return bends
 
 

@@ -1,0 +1,62 @@
+"""Bounds of the joints' displacements in a tick; compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cbdsl.control.law_arrays import LawArrays
+from cbdsl.numeric.arrays import Floats
+from cbdsl.numeric.compiled import compiled
+
+# Bounds are this much wider, rad, so that rounding never counts as passing one.
+_SLACK = 1e-12
+
+
+@compiled
+def displacement_bounds(positions: Floats, law: LawArrays) -> Floats:
+    """Return the least and the largest displacement of each joint, shape (2, n).
+
+    Limits take precedence over the levels' requests, and the largest step over limits.
+    """
+    limits, steps = law.limits, law.steps
+    bounds = np.empty(limits.shape)
+    for joint in range(len(positions)):
+        step = steps[joint]
+        lowest = limits[0, joint] - positions[joint] - _SLACK
+        highest = limits[1, joint] - positions[joint] + _SLACK
+        bounds[0, joint] = max(min(lowest, step), -step - 2 * _SLACK)
+        bounds[1, joint] = min(max(highest, -step), step + 2 * _SLACK)
+    return bounds
+
+
+@compiled
+def shorten(change: Floats, law: LawArrays, bounds: Floats) -> None:
+    """Shorten a change as a whole so that every joint keeps within its largest step."""
+    total, locked, steps = law.displacement, law.locked, law.steps
+    share, exceeds = 1.0, False
+    for joint in range(len(change)):
+        if locked[joint]:
+            change[joint] = 0.0  # exact, because rounding could look like passing a bound
+        target = total[joint] + change[joint]
+        exceeds |= target < bounds[0, joint] or target > bounds[1, joint]
+        size = abs(change[joint])
+        ahead = total[joint] if change[joint] > 0.0 else -total[joint]
+        left = max(steps[joint] + _SLACK - ahead, 0.0)
+        if size > left + _SLACK:
+            share = min(share, left / size)
+    if exceeds:
+        for joint in range(len(change)):
+            change[joint] *= share
+
+
+@compiled
+def lock(change: Floats, law: LawArrays, bounds: Floats) -> bool:
+    """Lock joints that would pass a bound, at their position or on their way back inside."""
+    total, locked = law.displacement, law.locked
+    passes = False
+    for joint in range(len(change)):
+        target = total[joint] + change[joint]
+        if target < bounds[0, joint] or target > bounds[1, joint]:
+            passes = locked[joint] = True
+            total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
+    return passes
