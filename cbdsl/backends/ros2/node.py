@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from functools import cached_property
 from typing import Any, NamedTuple
 from weakref import WeakValueDictionary
 
@@ -82,23 +84,19 @@ class RosNode:
         self._domain = _domain(domain_id(), interface or LOOPBACK)
         self._participant = DomainParticipant(self._domain.number)
         self._lease = Policy.Liveliness.Automatic(duration(seconds=_LEASE))
-        alive = ViewState.Any | SampleState.Any | InstanceState.Alive
-        self._builtin = [
-            (reader, ReadCondition(reader, alive), writes)
-            for topic, writes in (
-                (BuiltinTopicDcpsPublication, True),
-                (BuiltinTopicDcpsSubscription, False),
-            )
-            for reader in [BuiltinDataReader(self._participant, topic)]
-        ]
 
-        unread = ViewState.Any | SampleState.NotRead | InstanceState.Any
-        self._news = [ReadCondition(reader, unread) for reader, _, _ in self._builtin]
+    @cached_property
+    def _endpoints(self) -> list[_Endpoints]:
+        """Readers of the domain's writers and readers, made when they are first needed."""
+        return [
+            _Endpoints(self._participant, BuiltinTopicDcpsPublication, writes=True),
+            _Endpoints(self._participant, BuiltinTopicDcpsSubscription, writes=False),
+        ]
 
     @property
     def has_news(self) -> bool:
         """True if readers or writers came or went since the last call of ``remotes``."""
-        return any(condition.is_triggered() for condition in self._news)
+        return any(endpoints.has_news for endpoints in self._endpoints)
 
     def reader(
         self, topic: str, message: type[Any], *, lasting: bool = False, reliable: bool = False
@@ -143,20 +141,45 @@ class RosNode:
 
     def remotes(self) -> list[Remote]:
         """Return all living readers and writers of ROS topics in the domain."""
-        remotes = []
-        for (reader, alive, writes), unread in zip(self._builtin, self._news, strict=True):
-            reader.read(_MOST_ENDPOINTS, unread)  # which leaves no news
-            for endpoint in reader.read(_MOST_ENDPOINTS, alive):
-                if endpoint.topic_name.startswith("rt/"):
-                    topic = endpoint.topic_name.removeprefix("rt")
-                    remotes.append(Remote(endpoint.key, topic, endpoint.type_name, writes))
-        return remotes
+        return [remote for endpoints in self._endpoints for remote in endpoints.living()]
 
     def close(self) -> None:
         """Leave the domain."""
-        self._news.clear()
-        self._builtin.clear()
+        self.__dict__.pop("_endpoints", None)
         del self._participant, self._domain
+
+
+class _Endpoints:
+    """Readers or writers of all participants in a domain.
+
+    Args:
+        participant: Participant that watches them.
+        topic: Built-in topic that announces them.
+        writes: True if they are writers.
+    """
+
+    def __init__(self, participant: DomainParticipant, topic: Any, *, writes: bool) -> None:
+        self._reader, self._writes = BuiltinDataReader(participant, topic), writes
+        any_sample = ViewState.Any | SampleState.Any
+        gone = InstanceState.NotAliveDisposed | InstanceState.NotAliveNoWriters
+        self._alive = ReadCondition(self._reader, any_sample | InstanceState.Alive)
+        self._gone = ReadCondition(self._reader, any_sample | gone)
+        unread = ViewState.Any | SampleState.NotRead | InstanceState.Any
+        self._news = ReadCondition(self._reader, unread)
+
+    @property
+    def has_news(self) -> bool:
+        """True if one came or went since the last call of ``living``."""
+        return bool(self._news.is_triggered())
+
+    def living(self) -> Iterator[Remote]:
+        """Yield the living ones of ROS topics, and forget those that are gone."""
+        self._reader.take(_MOST_ENDPOINTS, self._gone)
+        # Reading leaves no news.
+        for endpoint in self._reader.read(_MOST_ENDPOINTS, self._alive):
+            if endpoint.topic_name.startswith("rt/"):
+                topic = endpoint.topic_name.removeprefix("rt")
+                yield Remote(endpoint.key, topic, endpoint.type_name, self._writes)
 
 
 class _Domain:

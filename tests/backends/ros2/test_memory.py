@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
+import time
 import tracemalloc
 from collections.abc import Callable
 
@@ -16,6 +18,8 @@ from cbdsl.backends.backend import embody
 from cbdsl.backends.drivers.sample import Command
 from cbdsl.backends.drivers.views import with_views
 from cbdsl.backends.ros2.link import Ros2Link
+from cbdsl.backends.ros2.messages import JointState
+from cbdsl.backends.ros2.node import RosNode
 from cbdsl.backends.ros2.server import RobotServer, simulated_robot
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
@@ -63,6 +67,50 @@ def test_ticks_of_a_served_robot_keep_no_memory(monkeypatch: pytest.MonkeyPatch)
     finally:
         link.close()
         served.close()
+
+
+def test_peers_that_come_and_go_keep_no_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "97")
+    watching, peers, topics = RosNode(), 30, 40
+
+    def work(count: int) -> None:
+        for _ in range(count):
+            node = RosNode()
+            endpoints = [node.writer(f"/topic_{i}", JointState) for i in range(topics)]
+            while len(watching.remotes()) < len(endpoints):
+                time.sleep(0.001)
+            endpoints.clear()
+            node.close()
+            while watching.remotes():
+                time.sleep(0.001)
+
+    try:
+        work(peers)
+        before = _allocated()
+        work(peers)
+        # A record of an endpoint that is gone needs 2 kB.
+        assert _allocated() - before < 500 * peers * topics
+    finally:
+        watching.close()
+
+
+class _MallInfo(ctypes.Structure):
+    """Statistics of the GNU C library's allocator: ``struct mallinfo2``."""
+
+    _fields_ = [(name, ctypes.c_size_t) for name in (
+        "arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks",
+        "fordblks", "keepcost",
+    )]  # fmt: skip
+
+
+def _allocated() -> int:
+    """Return the bytes that C code of this process has allocated."""
+    library = ctypes.CDLL(None)
+    if not hasattr(library, "mallinfo2"):
+        pytest.skip("the allocator has no statistics")
+    library.mallinfo2.restype = _MallInfo
+    gc.collect()
+    return int(library.mallinfo2().uordblks)
 
 
 def test_episodes_of_a_program_keep_no_memory() -> None:
