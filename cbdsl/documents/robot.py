@@ -379,9 +379,12 @@ class RobotDocument(Document):
     simulation: Simulation = Simulation.model_construct()
 
     def members(self, effector: str) -> tuple[str, ...]:
-        """Return the effectors of a group, or the named effector itself."""
-        group = self.groups.get(effector)
-        return (effector,) if group is None else group.members
+        """Return the effectors of a group, or the named effector itself.
+
+        A name of both, which is an error of its own, is that of the effector.
+        """
+        is_group = effector in self.groups and effector not in self.effectors
+        return self.groups[effector].members if is_group else (effector,)
 
     def joints(self, effector: str) -> tuple[str, ...]:
         """Return the actuated joints of an effector, or of all members of a group in order."""
