@@ -13,6 +13,7 @@ def lsp() -> None:
     from importlib.metadata import version
     from pathlib import Path
 
+    from cbdsl.cli.server_log import log_lines
     from cbdsl.diagnostics.errors import UsageError
 
     try:
@@ -23,4 +24,5 @@ def lsp() -> None:
         ) from error
     if sys.stdin is None or sys.stdout.name == os.devnull:
         raise UsageError("cb lsp needs the standard input and output, over which an editor talks")
+    log_lines()
     build(version("cbdsl"), Path.cwd()).serve(sys.stdin.buffer, sys.stdout.buffer)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl.editor.messages import MOST_BYTES, MessageStream
-from tests.editor.client import Client
+from tests.editor.client import COMMAND, Client
 
 BODY = b'{"jsonrpc": "2.0", "method": "x"}'
 
@@ -125,3 +126,28 @@ def test_the_server_answers_a_body_that_it_cannot_read(
     client.open(path, "kind: program\n")
     assert client.diagnostics(path)
     assert client.close() == 0
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"{",
+        b"[]",
+        b"\xff\xfe\x00",
+        b"[" * 100_000,
+        b'{"jsonrpc": "2.0", "id": 5}',
+        b'{"jsonrpc": "2.0", "id": 1.5, "method": "x\\u001b[2J"}',
+        b'{"jsonrpc": "2.0", "id": 5, "method": "textDocument/hover", "params": {"position": 1}}',
+        b'{"jsonrpc": "2.0", "id": 5, "method": "workspace/executeCommand",'
+        b' "params": {"command": "nope"}}',
+    ],
+    ids=lambda body: body[-40:].decode("latin-1"),
+)
+def test_server_reports_a_faulty_message_in_lines_without_traceback(body: bytes) -> None:
+    done = subprocess.run(
+        COMMAND, input=message(body) + message(b'{"jsonrpc": "2.0", "method": "exit"}'),
+        capture_output=True, check=False,
+    )  # fmt: skip
+    lines = done.stderr.decode().splitlines()
+    assert lines and all(line.startswith("cb lsp: ") for line in lines), lines
+    assert not any("Traceback" in line or "\x1b" in line for line in lines)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -15,6 +16,7 @@ from cbdsl.runtime.composer import Composer, ComposerError
 # Speeds beyond these are an input error, simulated seconds per second.
 _SLOWEST, _FASTEST = 0.01, 100.0
 _MOST_TICKS = 1000
+_LARGEST = sys.float_info.max
 
 Does = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
@@ -156,7 +158,9 @@ def number(request: Mapping[str, Any], key: str) -> float:
     Raises:
         RequestError: The value is no finite number.
     """
-    value = request.get(key)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    value: Any = request.get(key)
+    # Whole numbers beyond the largest float have no finite value.
+    is_number = type(value) is float or (type(value) is int and abs(value) <= _LARGEST)
+    if not is_number or not math.isfinite(value):
         raise RequestError(f"{key}: {value!r} is not a number")
     return float(value)

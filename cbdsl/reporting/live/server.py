@@ -29,6 +29,7 @@ _SILENCE = 1.0
 # Time for pages to receive the closing event, s.
 _FAREWELL = 1.0
 _LARGEST = 1 << 16
+_DIGITS = 9
 #: Header by which the page proves that it comes from this server.
 TOKEN = "X-Cbdsl-Token"
 
@@ -176,10 +177,12 @@ class _Handler(BaseHTTPRequestHandler):
             RequestError: The content is no JSON object, or too large.
         """
         length = self.headers.get("Content-Length", "")
-        if not length.isdecimal() or int(length) > _LARGEST:
+        if not length.isdecimal() or len(length) > _DIGITS or int(length) > _LARGEST:
             raise RequestError(f"a request has at most {_LARGEST} bytes, and says how many")
         try:
             content = json.loads(self.rfile.read(int(length)))
+        except TimeoutError as error:
+            raise RequestError("a request is shorter than it says") from error
         except (ValueError, RecursionError) as error:
             raise RequestError("a request is a JSON object") from error
         if not isinstance(content, dict):

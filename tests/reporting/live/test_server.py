@@ -137,6 +137,9 @@ def test_nothing_is_done_without_the_token(served: Served) -> None:
         ({"do": "speed", "value": 0}, "from 0.01 to 100"),
         ({"do": "speed", "value": "1"}, "not a number"),
         (b'{"do": "speed", "value": NaN}', "not a number"),
+        (b'{"do": "speed", "value": 1%s}' % (b"0" * 400), "not a number"),
+        (b'{"do": "speed", "value": -1%s}' % (b"0" * 400), "not a number"),
+        (b'{"do": "\\ud800"}', "known: pause"),
     ],
     ids=str,
 )
@@ -156,6 +159,25 @@ def test_request_with_an_odd_value_has_an_answer(served: Served, key: str, value
     for request in (*requests, f'{{"{key}": {value}}}', value):
         status, answer = served.request(request.encode("utf-8", "surrogatepass"))
         assert status in (200, 400, 409) and isinstance(answer, dict)
+
+
+@pytest.mark.parametrize(
+    ("length", "words"),
+    [
+        ("9" * 5000, "65536 bytes"),
+        ("-3", "65536 bytes"),
+        ("\u00b2", "65536 bytes"),
+        ("50", "shorter"),
+    ],
+)
+def test_request_with_an_odd_length_has_an_answer(
+    served: Served, length: str, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cbdsl.reporting.live.server._Handler.timeout", 0.2)
+    head = f"POST /request HTTP/1.1\r\nHost: {served.host}\r\n{TOKEN}: {served.token}\r\n"
+    with socket.create_connection(("127.0.0.1", served.port), timeout=LONG) as client:
+        client.sendall(f"{head}Content-Length: {length}\r\n\r\n{{}}".encode("latin-1"))
+        assert words in client.makefile("rb").read().decode()
 
 
 def test_other_paths_and_methods_are_refused(served: Served) -> None:
