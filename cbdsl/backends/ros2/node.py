@@ -173,7 +173,7 @@ class _Endpoints:
         return bool(self._news.is_triggered())
 
     def living(self) -> Iterator[Remote]:
-        """Yield the living ones of ROS topics, and forget those that are gone."""
+        """Yield the living endpoints of ROS topics, and forget the others."""
         self._reader.take(_MOST_ENDPOINTS, self._gone)
         # Reading leaves no news.
         for endpoint in self._reader.read(_MOST_ENDPOINTS, self._alive):
