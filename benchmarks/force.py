@@ -23,6 +23,7 @@ import numpy as np
 
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.proportion import exact_interval
+from cbdsl.runtime.episode_observer import EpisodeListeners
 
 TARGET = 0.95
 FORCE, TOLERANCE, WAY, CLOSE = 3.0, 0.5, 0.10, 0.005  # N, N, m, m
@@ -106,7 +107,7 @@ def run_episodes(backend: str, side: str, seeds: Iterable[int]) -> list[Episode]
             assert tip is not None
             judge = _Judge(body.truth, tip.link, values["hand"])
             runner = Runner(request.robot, kinematics, request.program, body)
-            result = runner.run(request.stage, seed, on_tick=judge.note)
+            result = runner.run(request.stage, seed, observer=EpisodeListeners(on_tick=judge.note))
             window = round(WINDOW * request.robot.simulation.physics_rate)
             episodes.append(judge.conclude(seed, result, by, window))
     return episodes

@@ -21,7 +21,7 @@ from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.transport import Transport
 from cbdsl.runtime.composer import Composer
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.tick import Tick
 
 
 def main() -> None:

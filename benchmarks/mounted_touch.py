@@ -32,7 +32,9 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 from cbdsl.yaml_text.library import Library
 
 PROGRAM = "bimanualtouch_printed"
@@ -162,7 +164,7 @@ def _run(runner: Runner, engine: Any, own: Kinematics, stage: StageDocument, see
         if transition.depth == 0 and transition.next_state.startswith("1"):
             taken.append(transition.depth)
 
-    result = runner.run(stage, seed, on_transition=judge, on_tick=note)
+    result = runner.run(stage, seed, observer=EpisodeListeners(on_transition=judge, on_tick=note))
     both = _hands_on(engine, stage) == _HANDS
     return Episode(
         seed, bool(taken), round(min(apart, default=np.nan), 3), any(met), result.rewarded, both,

@@ -41,7 +41,9 @@ from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.robot.resources import resources
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.camera import within_view
 from cbdsl.sensing.instances import Instances
 from cbdsl.sensing.memory import PositionMemory
@@ -338,7 +340,7 @@ def carried(rig: Rig, runner: Runner, channel: str, rng: np.random.Generator) ->
         contexts={"both": {"placed": placed, "joints": _CARRYING}},
     )
     watch = _GoalWatch(rig, channel)
-    runner.run(stage, int(rng.integers(2**31)), on_tick=watch)
+    runner.run(stage, int(rng.integers(2**31)), observer=EpisodeListeners(on_tick=watch))
     return Outcome(int(not watch.ran), 1) if watch.carried or watch.ran else None
 
 

@@ -41,8 +41,8 @@ from cbdsl.numeric.proportion import exact_interval
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking
 from cbdsl.program.schema_policy import Features, SchemaPolicy
-from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import EpisodeResult, Tick
+from cbdsl.runtime.episode_observer import EpisodeObserver
+from cbdsl.runtime.tick import Tick
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.trial import Trial
 from cbdsl.types.decision_tree import decide
@@ -73,7 +73,7 @@ class Case(NamedTuple):
     touched: bool
 
 
-class TouchWatcher:
+class TouchWatcher(EpisodeObserver):
     """Watcher of the robot's touches of shown objects, by the simulator's truth.
 
     For bodies without physics it knows the touches of fingertips alone.
@@ -88,19 +88,10 @@ class TouchWatcher:
         self._truth, self._stage = backend.truth, stage
         self.touched = False
 
-    def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
-        """Begin an episode; see ``EpisodeWatcher``."""
-
-    def note_transition(self, transition: Transition) -> None:
-        """Ignore a transition; see ``EpisodeWatcher``."""
-
     def note_tick(self, tick: Tick) -> None:
-        """Note the touches of a tick; see ``EpisodeWatcher``."""
+        """Note the touches of a tick; see ``EpisodeObserver``."""
         truth = self._truth
         self.touched = self.touched or any(map(truth.touched, shown(truth, self._stage)))
-
-    def note_end(self, result: EpisodeResult) -> None:
-        """Ignore the end; see ``EpisodeWatcher``."""
 
 
 def prepared(

@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 
 from cbdsl.api.run_request import RunRequest, read_request
 from cbdsl.numeric.proportion import exact_interval
+from cbdsl.runtime.episode_observer import EpisodeListeners
 
 PROGRAMS = ("reachtouch", "visualinspect", "pick_and_place")
 CAMERAS = ("ideal", "rendered")
@@ -109,7 +110,9 @@ def run(request: RunRequest, cameras: str, where: str, seed: int) -> dict[str, A
     from cbdsl.backends.drivers.backend import DrivenBackend
     from cbdsl.backends.drivers.person import Consent
     from cbdsl.kinematics.kinematics import Kinematics
-    from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+    from cbdsl.runtime.episode import Runner
+    from cbdsl.runtime.episode_result import EpisodeResult
+    from cbdsl.runtime.tick import Tick
 
     backend: Any
     if where == "served":
@@ -129,7 +132,9 @@ def run(request: RunRequest, cameras: str, where: str, seed: int) -> dict[str, A
             request.robot, Kinematics(request.robot, request.urdf), request.program, backend
         )
         try:
-            runner.run(request.stage, seed, on_tick=note, on_end=results.append)
+            runner.run(
+                request.stage, seed, observer=EpisodeListeners(on_tick=note, on_end=results.append)
+            )
         except Exception as error:
             return _fields(begun, results, str(error), rewarded=False)
     return _fields(begun, results, results[0].ending, rewarded=results[0].rewarded)

@@ -28,7 +28,9 @@ from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 from cbdsl.yaml_text.library import Library, shipped
 
 # Edge of the table to beyond its middle, both halves, the table's top to above the hands' ready
@@ -111,7 +113,9 @@ class SimulatedRobot:
         def note(tick: Tick) -> None:
             last[:] = [tick]
 
-        self._runner.run(self._staged(condition, place, seed), seed, on_tick=note)
+        self._runner.run(
+            self._staged(condition, place, seed), seed, observer=EpisodeListeners(on_tick=note)
+        )
         memory = last[0].signals.vision.memories["sat_10"]
         if memory.position is None:
             return None

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from cbdsl.diagnostics.diagnostic import Diagnostic
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.program.transition import Transition
-    from cbdsl.runtime.episode import EpisodeResult
+    from cbdsl.runtime.episode_result import EpisodeResult
 
 #: Module that each public name comes from.
 _HOMES = {
@@ -48,7 +48,7 @@ _HOMES = {
     "CalibrationOutcome": "cbdsl.api.calibrate",
     "Diagnostic": "cbdsl.diagnostics.diagnostic",
     "DiagnosticsError": "cbdsl.diagnostics.errors",
-    "EpisodeResult": "cbdsl.runtime.episode",
+    "EpisodeResult": "cbdsl.runtime.episode_result",
     "SuccessRate": "cbdsl.api.evaluate",
     "ExplorationOutcome": "cbdsl.api.explore",
     "ExploreRequest": "cbdsl.api.explore_request",

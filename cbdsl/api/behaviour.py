@@ -11,7 +11,8 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from cbdsl.api.open_robot import OpenRobot
-from cbdsl.runtime.episode import EpisodeResult, Tick
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.tick import Tick
 
 #: Status of a behaviour by the predicate of its program.
 STATUS = {"X": Status.INVALID, "-": Status.FAILURE, "0": Status.RUNNING, "1": Status.SUCCESS}

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from cbdsl.backends.backend import Backend
     from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.program.transition import Transition
-    from cbdsl.runtime.episode import EpisodeResult, Runner, Tick, TickListener
+    from cbdsl.runtime.episode import Runner
+    from cbdsl.runtime.episode_result import EpisodeResult
+    from cbdsl.runtime.tick import Tick
     from cbdsl.types.policy import Policy
 
 
@@ -102,7 +104,7 @@ class OpenRobot:
         *,
         context: str | None = None,
         on_transition: Callable[[Transition], None] | None = None,
-        on_tick: TickListener | None = None,
+        on_tick: Callable[[Tick], object] | None = None,
     ) -> EpisodeResult:
         """Run one episode; equal seeds give equal episodes.
 
@@ -122,7 +124,7 @@ class OpenRobot:
         if context is not None and context not in stage.contexts:
             what = f"context of stage '{stage.name}'"
             raise UsageError.unknown(what, context, stage.contexts)
-        episode = self._episode(None, seed, context, on_transition or _ignore, on_tick)
+        episode = self._episode(None, seed, context, on_transition, on_tick)
         with closing(episode):
             while True:
                 try:
@@ -144,21 +146,24 @@ class OpenRobot:
         It begins with the first tick, and raises ``UsageError`` if another episode runs on this
         body by then, or if the robot is closed.
         """
-        return self._episode(policy, seed, context, on_transition or _ignore, None)
+        return self._episode(policy, seed, context, on_transition, None)
 
     def _episode(
         self,
         policy: Policy | None,
         seed: int,
         context: str | None,
-        on_transition: Callable[[Transition], None],
-        on_tick: TickListener | None,
+        on_transition: Callable[[Transition], None] | None,
+        on_tick: Callable[[Tick], object] | None,
     ) -> BodyEpisode:
+        from cbdsl.runtime.episode_observer import EpisodeListeners
+
+        listeners = EpisodeListeners(on_transition, on_tick)
+
         def begin() -> Generator[Tick, None, EpisodeResult]:
             stage, goes_on = self.request.stage, self._is_taken_over()
-            return self._next(policy).ticks(
-                stage, seed, context, on_transition, on_tick, undisturbed=goes_on
-            )
+            runner = self._next(policy)
+            return runner.ticks(stage, seed, context, listeners, undisturbed=goes_on)
 
         self._body.require_open()
         return BodyEpisode(self._body, self.request.program.name, begin)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.program.transition import Transition
-    from cbdsl.runtime.episode import EpisodeResult, TickListener
+    from cbdsl.runtime.episode_result import EpisodeResult
+    from cbdsl.runtime.tick import Tick
 
 
 def run(
@@ -21,7 +22,7 @@ def run(
     backend: str | None = None,
     cameras: str | None = None,
     on_transition: Callable[[Transition], None] | None = None,
-    on_tick: TickListener | None = None,
+    on_tick: Callable[[Tick], object] | None = None,
 ) -> list[EpisodeResult]:
     """Run a program.
 

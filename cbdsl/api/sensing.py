@@ -8,9 +8,11 @@ from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.pair_names import pair_features
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.camera import heading
 from cbdsl.sensing.channels import bin_mask
 from cbdsl.sensing.signals import Signals
@@ -18,6 +20,7 @@ from cbdsl.types.resource import Headings, KernelSample, NetForces, NetLoad, Res
 
 __all__ = [
     "ControllerRun",
+    "EpisodeListeners",
     "FeatureReader",
     "Headings",
     "Image",

@@ -9,7 +9,9 @@ from weakref import ref
 
 if TYPE_CHECKING:
     from cbdsl.backends.backend import Backend
-    from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+    from cbdsl.runtime.episode import Runner
+    from cbdsl.runtime.episode_result import EpisodeResult
+    from cbdsl.runtime.tick import Tick
 
 
 class SharedBody:

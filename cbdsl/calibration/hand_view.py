@@ -11,7 +11,7 @@ import numpy as np
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.tick import Tick
 
 #: Number of fingertips that determine a ball's centre.
 FINGERS = 3

@@ -15,6 +15,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.storage.journal import Journal
 
 
@@ -97,7 +98,8 @@ def watch(
             journal.append(HandViews(hold, recorder.views[kept:]))
         kept = len(recorder.views)
 
-    runner.run(stage, _seed(seed, hold), on_transition=count, on_tick=recorder.note)
+    listeners = EpisodeListeners(on_transition=count, on_tick=recorder.note)
+    runner.run(stage, _seed(seed, hold), observer=listeners)
     if not recorder.touched and not before:
         raise CalibrationError(
             f"in program '{program.name}' on stage '{stage.name}' the fingers of {hand} never all "

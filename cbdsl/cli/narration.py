@@ -6,7 +6,16 @@ import json
 from dataclasses import asdict
 
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import EpisodeResult
+from cbdsl.runtime.episode_observer import EpisodeObserver
+from cbdsl.runtime.episode_result import EpisodeResult
+
+
+class Narration(EpisodeObserver):
+    """Printer of each transition."""
+
+    def note_transition(self, transition: Transition) -> None:
+        """Print a transition."""
+        narrate(transition)
 
 
 def narrate(transition: Transition) -> None:

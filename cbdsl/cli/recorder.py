@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
-    from cbdsl.runtime.episode import EpisodeResult
+    from cbdsl.runtime.episode_result import EpisodeResult
     from cbdsl.runtime.recording import Recording
 
 

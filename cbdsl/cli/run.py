@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,15 +21,10 @@ if TYPE_CHECKING:
     from cbdsl.cli.recorder import Recorder
     from cbdsl.documents.stage import StageDocument
     from cbdsl.kinematics.kinematics import Kinematics
-    from cbdsl.program.transition import Transition
     from cbdsl.reporting.live.live_view import LiveView
-    from cbdsl.runtime.episode import (
-        EpisodeResult,
-        Runner,
-        Tick,
-        TickListener,
-        TransitionListener,
-    )
+    from cbdsl.runtime.episode import Runner
+    from cbdsl.runtime.episode_observer import EpisodeObserver
+    from cbdsl.runtime.episode_result import EpisodeResult
     from cbdsl.runtime.recording import Recording
 
 Stage = Annotated[
@@ -255,21 +250,16 @@ def _episode(
     from cbdsl.backends.backend import BackendError
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.runtime.episode import DeadlineError
+    from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObservers
 
     ended: list[EpisodeResult] = []
-    recorder, live = telling.recorder, telling.live
-    if live is not None:
-        live.begin(request.program, request.stage.name, seed)
-
-    def on_end(result: EpisodeResult) -> None:
-        ended.append(result)
-        if live is not None:
-            live.note_end(result)
-
+    recorder = telling.recorder
     with nullcontext() if recorder is None else recorder.episode(seed, ended) as recording:
-        on_transition, on_tick = _listeners(telling, recording)
+        observer = EpisodeObservers(
+            EpisodeListeners(on_end=ended.append), *_observers(telling, recording)
+        )
         try:
-            runner.run(request.stage, seed, context, on_transition, on_tick, on_end)
+            runner.run(request.stage, seed, context, observer)
         except BackendError as error:
             raise UsageError(f"seed {seed}: {error}") from error
         except DeadlineError:
@@ -284,35 +274,19 @@ def _episode(
     return ended[0]
 
 
-def _listeners(
-    telling: Telling, recording: Recording | None
-) -> tuple[TransitionListener, TickListener]:
-    """Return the listeners to an episode's transitions, and to its ticks."""
-    from cbdsl.cli.narration import narrate
+def _observers(telling: Telling, recording: Recording | None) -> Iterator[EpisodeObserver]:
+    """Yield the observers of an episode, in the order of their output."""
+    from cbdsl.cli.narration import Narration
     from cbdsl.cli.stack_narration import StackNarration
 
-    transitions: list[TransitionListener] = [] if telling.as_json else [narrate]
-    ticks: list[TickListener] = []
+    if not telling.as_json:
+        yield Narration()
     if telling.explain:
-        stack = StackNarration()
-        transitions.append(stack.note_transition)
-        ticks.append(stack.note_tick)
+        yield StackNarration()
     if recording is not None:
-        transitions.append(recording.note_transition)
-        ticks.append(recording.note_tick)
+        yield recording
     if telling.live is not None:
-        transitions.append(telling.live.note_transition)
-        ticks.append(telling.live.note_tick)
-
-    def on_transition(transition: Transition) -> None:
-        for listener in transitions:
-            listener(transition)
-
-    def on_tick(tick: Tick) -> None:
-        for listener in ticks:
-            listener(tick)
-
-    return on_transition, on_tick
+        yield telling.live
 
 
 def _heading(seed: int, index: int, episodes: int, results: list[EpisodeResult]) -> str:

@@ -7,8 +7,9 @@ from collections import Counter
 from collections.abc import Sequence
 
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.explanation import Explanation, LevelExplanation, TickExplanation
+from cbdsl.runtime.tick import Tick
 
 #: Simulated time between tables while nothing changes, s.
 _PAUSE = 1.0
@@ -18,7 +19,7 @@ _INDENT = " " * 12
 _HEADINGS = ("level", "phi", "predicted", "measured", "achieved", "rank", "s_min", "others")
 
 
-class StackNarration:
+class StackNarration(EpisodeObserver):
     """Printer of a table of the levels at every transition, and every second between them.
 
     ``predicted`` and ``measured`` are the changes of phi since the last table: the first-order

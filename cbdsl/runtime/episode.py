@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from itertools import count
 from typing import NamedTuple
 
@@ -24,12 +23,18 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stayed_far
+from cbdsl.runtime.episode_observer import EpisodeObserver
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.sensor_faults import SensorError
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Resource
+
+# Observer that ignores all calls.
+_SILENT = EpisodeObserver()
 
 
 class EpisodeError(UsageError):
@@ -46,56 +51,6 @@ class DeadlineError(EpisodeError):
     def __init__(self, result: EpisodeResult) -> None:
         super().__init__(f"seed {result.seed}: {result.ending}")
         self.result = result
-
-
-@dataclass(frozen=True)
-class EpisodeResult:
-    """Outcome of an episode.
-
-    Attributes:
-        program, stage, context, seed: Names of program, stage and context, and the seed.
-        rewarded: True if the program earned its reward.
-        predicates: States of the episode, from all X to the last.
-        actions: Actions between the states.
-        ticks: Number of control ticks.
-        sim_seconds, wall_seconds: Simulated and wall time of the episode, s.
-        renderer: Name of the renderer of the images.
-        ending: Reason of the end, as a sentence.
-        outcome: ``success`` or ``failure`` by its program's states; empty if they define none or it
-            reached none.
-        guards: Duration and force for each guard that limited the motion.
-        far: Controllers of the last action that came to rest far from their goals.
-    """
-
-    program: str
-    stage: str
-    context: str
-    seed: int
-    rewarded: bool
-    predicates: tuple[str, ...]
-    actions: tuple[str, ...]
-    ticks: int
-    sim_seconds: float
-    wall_seconds: float
-    renderer: str
-    ending: str
-    outcome: str = ""
-    guards: tuple[str, ...] = ()
-    far: tuple[str, ...] = ()
-
-
-class Tick(NamedTuple):
-    """State of an episode after a control tick, for recorders."""
-
-    observation: Observation
-    signals: Signals
-    run: ProgramRun
-    actuation: Actuation
-
-
-TickListener = Callable[[Tick], None]
-TransitionListener = Callable[[Transition], None]
-EndListener = Callable[[EpisodeResult], None]
 
 
 class _Begun(NamedTuple):
@@ -150,9 +105,7 @@ class Runner:
         stage: StageDocument,
         seed: int,
         context: str | None = None,
-        on_transition: TransitionListener = lambda transition: None,
-        on_tick: TickListener | None = None,
-        on_end: EndListener = lambda result: None,
+        observer: EpisodeObserver = _SILENT,
         *,
         undisturbed: bool = False,
     ) -> EpisodeResult:
@@ -162,10 +115,7 @@ class Runner:
             stage: Stage of the episode.
             seed: Seed of all random numbers.
             context: Context of the stage; drawn if ``None``.
-            on_transition: Listener that receives each transition.
-            on_tick: Listener that receives each control tick.
-            on_end: Listener that receives the result, also of an episode that is interrupted or
-                fails.
+            observer: Observer of the episode, also if it is interrupted or fails.
             undisturbed: True if the experimenter leaves a continuing world as it is.
 
         Raises:
@@ -176,9 +126,7 @@ class Runner:
 
         The backend is halted before any exception leaves, including that of Ctrl-C.
         """
-        ticks = self.ticks(
-            stage, seed, context, on_transition, on_tick, on_end, undisturbed=undisturbed
-        )
+        ticks = self.ticks(stage, seed, context, observer, undisturbed=undisturbed)
         with closing(ticks):
             while True:
                 try:
@@ -192,9 +140,7 @@ class Runner:
         stage: StageDocument,
         seed: int,
         context: str | None = None,
-        on_transition: TransitionListener = lambda transition: None,
-        on_tick: TickListener | None = None,
-        on_end: EndListener = lambda result: None,
+        observer: EpisodeObserver = _SILENT,
         *,
         undisturbed: bool = False,
     ) -> Generator[Tick, None, EpisodeResult]:
@@ -210,6 +156,7 @@ class Runner:
         """
         began = time.perf_counter()
         begun: _Begun | None = None
+        observer.begin(self._program, stage.name, seed)
         try:
             world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
             drawn = self._resume(stage, context, undisturbed=undisturbed)
@@ -219,35 +166,35 @@ class Runner:
             def note(transition: Transition) -> None:
                 if transition.depth == 0:
                     passed.append(transition)
-                on_transition(transition)
+                observer.note_transition(transition)
 
             self._run.begin(own_rng, note, self._policy)
             self._ticks, self._time = 0, 0.0
             begun = _Begun(stage.name, drawn, seed, began, passed)
-            late = yield from self._control(seed, on_tick)
+            late = yield from self._control(seed, observer)
         except BaseException as error:
-            self._stop(error, begun, on_end)
+            self._stop(error, begun, observer)
             raise
         result = self._result(begun, late)
         if not late:
-            on_end(result)
+            observer.note_end(result)
             return result
         lateness = DeadlineError(result)
         self._calls.halt(lateness)
-        on_end(result)
+        observer.note_end(result)
         raise lateness
 
-    def _stop(self, cause: BaseException, begun: _Begun | None, on_end: EndListener) -> None:
+    def _stop(self, cause: BaseException, begun: _Begun | None, observer: EpisodeObserver) -> None:
         """Halt the robot, and report a begun episode; an error while reporting becomes a note."""
         try:
             self._calls.halt(cause)
         finally:
             if begun is not None:
-                self._end_early(cause, begun, on_end)
+                self._end_early(cause, begun, observer)
 
-    def _end_early(self, cause: BaseException, begun: _Begun, on_end: EndListener) -> None:
+    def _end_early(self, cause: BaseException, begun: _Begun, observer: EpisodeObserver) -> None:
         try:
-            on_end(self._result(begun, describe_stop(self._run, self._seconds, cause)))
+            observer.note_end(self._result(begun, describe_stop(self._run, self._seconds, cause)))
         except Exception as failure:
             cause.add_note(f"the episode so far is not recorded: {failure}")
 
@@ -326,7 +273,7 @@ class Runner:
         """Time of the newest observation, s; ticks of a real robot may be late."""
         return self._time
 
-    def _control(self, seed: int, on_tick: TickListener | None) -> Generator[Tick, None, str]:
+    def _control(self, seed: int, observer: EpisodeObserver) -> Generator[Tick, None, str]:
         """Run the control ticks of an episode, and count them.
 
         Returns:
@@ -341,8 +288,7 @@ class Runner:
             self._advance(observation, seed, first=ticks == 0)
             taken = self._clock() - began
             tick = Tick(observation, self.signals, run, self._actuation)
-            if on_tick is not None:
-                on_tick(tick)
+            observer.note_tick(tick)
             if run.predicate != "0":
                 break
             if backend.deadline is not None and taken > backend.deadline:

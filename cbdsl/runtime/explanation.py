@@ -12,8 +12,8 @@ from cbdsl.control.law import LevelReport, Step
 from cbdsl.control.level import Level
 from cbdsl.numeric.arrays import Floats
 from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.runtime.tick import Tick
 from cbdsl.types.potential import POTENTIALS
 
 #: Holder of a level whose freedom is taken by joints at their limits.

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.runtime.tick import Tick
 from cbdsl.types.resource import Resource, SurfacePoint
 
 # Images come at most every fourth tick, and visual signals do not change in between.
 _EVERY = 4
 
 
-class FeatureReader:
+class FeatureReader(EpisodeObserver):
     """Reader of features, once, at the first moment of an episode when all are defined.
 
     If there is no such moment, it reads them when most of them are defined. A feature that is
@@ -36,7 +37,7 @@ class FeatureReader:
         self._ticks, self._time = 0, 0.0
 
     def note_tick(self, tick: Tick) -> None:
-        """Read the features that are still to be read; a listener of ``Runner.run``."""
+        """Read the features that are still to be read."""
         self._ticks += 1
         if self._ticks % _EVERY:
             return

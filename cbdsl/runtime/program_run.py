@@ -22,8 +22,6 @@ from cbdsl.sensing.signals import Signals
 from cbdsl.types.policy import DeferredPolicy, Policy, ReasonedPolicy
 from cbdsl.types.state import matches
 
-Listener = Callable[[Transition], None]
-
 
 class ProgramRun:
     """Run of a program that chooses actions by its members' predicates and has one itself.
@@ -80,7 +78,10 @@ class ProgramRun:
         self._plan, self._slots = plan, slice(first, first + len(self.runs))
 
     def begin(
-        self, rng: np.random.Generator, listener: Listener, policy: Policy | None = None
+        self,
+        rng: np.random.Generator,
+        listener: Callable[[Transition], None],
+        policy: Policy | None = None,
     ) -> None:
         """Begin an episode; discard the last.
 

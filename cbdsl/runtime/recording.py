@@ -19,9 +19,12 @@ from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.simplified_mesh import simplified
-from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
+from cbdsl.runtime.episode import resources_of
+from cbdsl.runtime.episode_observer import EpisodeObserver
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import LIMITS, REACH, Explanation, LevelExplanation, named_runs
 from cbdsl.runtime.recording_folder import RecordingFolder
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.signals import Signals
 from cbdsl.storage.atomic_file import replace_file
 from cbdsl.types.resource import Centroid, Resource, StereoPosition, Tip
@@ -50,7 +53,7 @@ _LEVEL = {
 _ABSENT = (-1, np.nan, 0, np.nan, np.nan, -1)
 
 
-class Recording:
+class Recording(EpisodeObserver):
     """Recorder of one episode into two files: numbers as NPZ, the rest as JSON.
 
     The NPZ holds, per control tick:

@@ -11,8 +11,9 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.action_outcome import NOOP, ActionOutcome
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode import EpisodeError, EpisodeResult, Runner, Tick
-from cbdsl.runtime.episode_watcher import EpisodeWatcher
+from cbdsl.runtime.episode import EpisodeError, Runner
+from cbdsl.runtime.episode_observer import EpisodeObserver, EpisodeObservers
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.training.explorable import Explorable
 from cbdsl.types.resource import Resource
@@ -37,7 +38,7 @@ class ActionRunner:
         actions: Actions that can be chosen.
         between: Program that runs after each action and makes the robot ready for the next.
         longest: Longest time of an action, s.
-        watcher: Observer of the episodes, if any.
+        observer: Observer of the episodes.
     """
 
     def __init__(
@@ -49,12 +50,13 @@ class ActionRunner:
         actions: Sequence[Explorable],
         between: CheckedProgram,
         longest: float,
-        watcher: EpisodeWatcher | None = None,
+        observer: EpisodeObserver | None = None,
     ) -> None:
         self._robot, self._kinematics = robot, kinematics
         self._backend, self._stage = backend, stage
         self._actions = {each.name: each for each in actions}
-        self._between, self._longest, self._watcher = between, longest, watcher
+        self._between, self._longest = between, longest
+        self._observer = observer or EpisodeObserver()
         self._runners: dict[str, Runner] = {}
         self._last: Runner | None = None
         self._turns = 0
@@ -168,34 +170,12 @@ class ActionRunner:
     ) -> EpisodeResult:
         if self._last is not None:
             runner.take_over(self._last)
-        result = self._watched(runner, seed, reader, undisturbed=undisturbed)
+        observer = self._observer
+        if reader is not None:
+            observer = EpisodeObservers(reader, observer)
+        result = runner.run(self._stage, seed, observer=observer, undisturbed=undisturbed)
         self._last = runner
         return result
-
-    def _watched(
-        self, runner: Runner, seed: int, reader: FeatureReader | None, *, undisturbed: bool
-    ) -> EpisodeResult:
-        """Run an episode that reports to reader and watcher."""
-        stage, watcher = self._stage, self._watcher
-        note_tick = None if reader is None else reader.note_tick
-        if watcher is None:
-            return runner.run(stage, seed, on_tick=note_tick, undisturbed=undisturbed)
-        watched = watcher
-
-        def on_tick(tick: Tick) -> None:
-            if note_tick is not None:
-                note_tick(tick)
-            watched.note_tick(tick)
-
-        watcher.begin(runner.program, stage.name, seed)
-        return runner.run(
-            stage,
-            seed,
-            on_transition=watcher.note_transition,
-            on_tick=on_tick,
-            on_end=watcher.note_end,
-            undisturbed=undisturbed,
-        )
 
 
 def _value(runner: Runner, resource: Resource) -> tuple[float, ...] | None:

@@ -13,8 +13,9 @@ from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
-from cbdsl.runtime.episode_watcher import EpisodeWatcher
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeObserver, EpisodeObservers
+from cbdsl.runtime.tick import Tick
 from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Tip
 
@@ -49,7 +50,7 @@ class BackendEpisodeRunner:
         kinematics: Kinematics of the same robot.
         backend: Backend that embodies the robot.
         stage: Training context.
-        watcher: Observer of the episodes, if any.
+        observer: Observer of the episodes.
     """
 
     def __init__(
@@ -58,10 +59,11 @@ class BackendEpisodeRunner:
         kinematics: Kinematics,
         backend: Backend,
         stage: StageDocument,
-        watcher: EpisodeWatcher | None = None,
+        observer: EpisodeObserver | None = None,
     ) -> None:
         self._robot, self._kinematics = robot, kinematics
-        self._backend, self._stage, self._watcher = backend, stage, watcher
+        self._backend, self._stage = backend, stage
+        self._observer = observer or EpisodeObserver()
         self._last: tuple[CheckedProgram, Policy, Runner] | None = None
 
     def run(
@@ -76,39 +78,14 @@ class BackendEpisodeRunner:
         Raises:
             BackendError, EpisodeError: Errors of ``Runner.run``.
         """
-        runner, watcher = self._runner(program, policy), self._watcher
-        transitions: list[Transition] = []
-        rewarded: dict[str, tuple[float, ...]] = {}
-
-        def on_transition(transition: Transition) -> None:
-            if watcher is not None:
-                watcher.note_transition(transition)
-            if transition.depth == 0:
-                transitions.append(transition)
-                see(transition)
-
-        def on_tick(tick: Tick) -> None:
-            for member in transitions[-1].rewarding if tick.run.rewarded else ():
-                effector = moved(program.primitives[member].lead)
-                angles = tick.observation.positions[tick.signals.joints.of(effector)]
-                rewarded[effector] = tuple(float(angle) for angle in angles)
-            if watcher is not None:
-                watcher.note_tick(tick)
-
-        def on_end(result: EpisodeResult) -> None:
-            if watcher is not None:
-                watcher.note_end(result)
-
-        if watcher is not None:
-            watcher.begin(program, self._stage.name, seed)
-        result = runner.run(
-            self._stage, seed, on_transition=on_transition, on_tick=on_tick, on_end=on_end
-        )
+        learning = _LearnedEpisode(see)
+        observer = EpisodeObservers(self._observer, learning)
+        result = self._runner(program, policy).run(self._stage, seed, observer=observer)
         return Experience(
             context=result.context,
             seed=seed,
-            transitions=tuple(transitions),
-            rewarded=rewarded,
+            transitions=tuple(learning.transitions),
+            rewarded=learning.rewarded,
             ticks=result.ticks,
             sim_seconds=result.sim_seconds,
             wall_seconds=result.wall_seconds,
@@ -125,6 +102,37 @@ class BackendEpisodeRunner:
             runner.take_over(self._last[2])
         self._last = program, policy, runner
         return runner
+
+
+class _LearnedEpisode(EpisodeObserver):
+    """Observer that keeps the parts of an episode that a learner uses.
+
+    Args:
+        see: Listener that receives each transition of the program itself.
+
+    Attributes:
+        transitions: Transitions of the program itself.
+        rewarded: Configuration of each effector that earned the reward, rad.
+    """
+
+    def __init__(self, see: Callable[[Transition], None]) -> None:
+        self._see = see
+        self.transitions: list[Transition] = []
+        self.rewarded: dict[str, tuple[float, ...]] = {}
+
+    def note_transition(self, transition: Transition) -> None:
+        """Keep a transition of the program itself."""
+        if transition.depth == 0:
+            self.transitions.append(transition)
+            self._see(transition)
+
+    def note_tick(self, tick: Tick) -> None:
+        """Keep the configurations that earned a reward in this tick."""
+        program = tick.run.program
+        for member in self.transitions[-1].rewarding if tick.run.rewarded else ():
+            effector = moved(program.primitives[member].lead)
+            angles = tick.observation.positions[tick.signals.joints.of(effector)]
+            self.rewarded[effector] = tuple(float(angle) for angle in angles)
 
 
 def moved(controller: Controller) -> str:

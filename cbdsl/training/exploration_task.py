@@ -17,6 +17,7 @@ from cbdsl.learning.exploration import Exploration
 from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.learning.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.runtime.exploration_observer import ExplorationObserver
 from cbdsl.storage.atomic_file import remove_leftovers
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.action_work import FinishedAction
@@ -24,7 +25,6 @@ from cbdsl.training.catalog_provenance import catalog_provenance, identity_of
 from cbdsl.training.catalog_writing import catalog_document
 from cbdsl.training.explorable import Explorable
 from cbdsl.training.exploration_phases import Phase, open_journal
-from cbdsl.training.exploration_watcher import ExplorationWatcher
 from cbdsl.training.exploration_work import ExplorationWork, Forms
 from cbdsl.training.task_files import exploration_journal, require_free
 from cbdsl.training.task_loop import run_items
@@ -94,7 +94,7 @@ class ExplorationTask:
         body: Backend,
         kinematics: Kinematics,
         observer: TaskObserver[FinishedAction] | None = None,
-        watcher: ExplorationWatcher | None = None,
+        watcher: ExplorationObserver | None = None,
     ) -> CatalogDocument:
         """Run the remaining actions on a body, and write the catalog.
 
@@ -108,6 +108,7 @@ class ExplorationTask:
             JournalError: If the journal belongs to another undertaking.
             OSError: If journal or catalog cannot be written.
         """
+        watcher = watcher or ExplorationObserver()
         runner = ActionRunner(
             self.robot,
             kinematics,

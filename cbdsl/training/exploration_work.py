@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable, Sequence
 
 from cbdsl.learning.action_outcome import NOOP, ActionOutcome, FeatureForm
 from cbdsl.learning.exploration import Exploration
+from cbdsl.runtime.exploration_observer import ExplorationObserver
 from cbdsl.storage.journal import Journal, damaged
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.action_work import ActionWork, Course, FinishedAction
 from cbdsl.training.explorable import Explorable
 from cbdsl.training.exploration_phases import ActionRow, Joined, Phase, phase
-from cbdsl.training.exploration_watcher import ExplorationWatcher
 
 Forms = dict[str, Sequence[FeatureForm]]
 
@@ -26,7 +26,7 @@ class ExplorationWork(ActionWork):
         journal: Journal of the exploration.
         course: Seeds and end of the exploration.
         renderer: Name of the renderer of the images.
-        watcher: Observer of the exploration, if any.
+        observer: Observer of the exploration.
 
     Attributes:
         runner: Runner of the actions.
@@ -44,9 +44,9 @@ class ExplorationWork(ActionWork):
         journal: Journal[ActionRow],
         course: Course,
         renderer: str,
-        watcher: ExplorationWatcher | None = None,
+        observer: ExplorationObserver,
     ) -> None:
-        self._actions, self.runner, self._watcher = tuple(actions), runner, watcher
+        self._actions, self.runner, self._observer = tuple(actions), runner, observer
         self.phases = [phase(0, journal.identity)]
         super().__init__(begin(self._forms(self.phases[0])), course, renderer)
         self._replay(journal)
@@ -77,8 +77,7 @@ class ExplorationWork(ActionWork):
 
     def act(self, name: str, seed: int) -> ActionOutcome:
         """Run an action; see ``ActionWork.act``."""
-        if self._watcher is not None:
-            self._watcher.note_choice(name)
+        self._observer.note_choice(name)
         return self.runner.run(name, list(self.exploration.affordances), seed)
 
     def note(self, row: ActionOutcome) -> FinishedAction:
@@ -86,6 +85,5 @@ class ExplorationWork(ActionWork):
         new = self.runner.known([row.action, *row.opened])
         self.exploration.add({name: each.forms for name, each in new.items()})
         action = super().note(row)
-        if self._watcher is not None:
-            self._watcher.note_step(self.exploration)
+        self._observer.note_step(self.exploration)
         return action

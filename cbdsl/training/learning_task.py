@@ -14,7 +14,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode_watcher import EpisodeWatcher
+from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.storage.journal import require_usable
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.provenance import TrialSetting, provenance_of
@@ -87,7 +87,7 @@ class LearningTask:
         body: Backend,
         kinematics: Kinematics,
         observer: TaskObserver[Experience] | None = None,
-        watcher: EpisodeWatcher | None = None,
+        watcher: EpisodeObserver | None = None,
     ) -> list[Path]:
         """Run the remaining episodes on a body and write the knowledge.
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.api.sensing import Tick, channel_names
+from cbdsl.api.sensing import EpisodeListeners, Tick, channel_names
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.background_documents import write_backgrounds
 from cbdsl_reproduction.claim import above
@@ -128,7 +128,7 @@ def looker(lab: SimulationFixture) -> Callable[[int], Posture]:
             columns = tick.signals.joints.of(_EFFECTOR)
             last[0] = tuple(round(float(a), 4) for a in tick.observation.positions[columns])
 
-        result = runner.run(lab.stage, seed, on_tick=note)
+        result = runner.run(lab.stage, seed, observer=EpisodeListeners(on_tick=note))
         return last[0] if result.rewarded else ()
 
     return look

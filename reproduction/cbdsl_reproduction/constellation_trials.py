@@ -6,7 +6,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from cbdsl.api.control import Kinematics
-from cbdsl.api.sensing import FeatureReader, Runner, Tick, pair_features, resources
+from cbdsl.api.sensing import (
+    EpisodeListeners,
+    FeatureReader,
+    Runner,
+    Tick,
+    pair_features,
+    resources,
+)
 from cbdsl.api.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.stack_trials import StackJudge
 from cbdsl_reproduction.trial_digest import trial_digest
@@ -83,7 +90,7 @@ def run_constellations(
                 judge.note(tick)
                 reader.note_tick(tick)
 
-            result = runner.run(lab.stage, seed, things, on_tick=note)
+            result = runner.run(lab.stage, seed, things, observer=EpisodeListeners(on_tick=note))
             after = {key: runner.signals.read(each) for key, each in features.items()}
             yield ConstellationTrial(
                 things,

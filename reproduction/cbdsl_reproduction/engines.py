@@ -18,7 +18,7 @@ from cbdsl.api.documents import (
     digest_of_text,
 )
 from cbdsl.api.program import CheckedProgram
-from cbdsl.api.sensing import Runner
+from cbdsl.api.sensing import EpisodeListeners, Runner
 from cbdsl.api.shipped import shipped_document, shipped_names, shipped_program, shipped_robot
 from cbdsl.api.trials import embody_simulated, find_backend
 from cbdsl_reproduction.claim import above
@@ -132,7 +132,7 @@ class EmbodiedRobot:
 
         def play(seed: int) -> PlayedEpisode:
             slip = SlipGauge(Truth(self.backend.truth), self._hands, fixtures)
-            result = runner.run(part.stage, seed, on_tick=slip.watch)
+            result = runner.run(part.stage, seed, observer=EpisodeListeners(on_tick=slip.watch))
             return PlayedEpisode(result, result.rewarded or runner.predicate == "1", slip.largest)
 
         return play

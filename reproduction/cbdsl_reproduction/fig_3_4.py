@@ -17,7 +17,7 @@ import numpy as np
 from cbdsl.api.control import Floats, Potential, manipulability_potential, range_potential
 from cbdsl.api.documents import StageDocument
 from cbdsl.api.program import WrittenPolicy
-from cbdsl.api.sensing import Runner, Tick
+from cbdsl.api.sensing import EpisodeListeners, Runner, Tick
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above, at_least, at_most, below
@@ -146,7 +146,7 @@ def _reach(
         record.error, record.at_rest = reach.error, reach.predicate == "1"
         record.touched |= lab.backend.truth.touched("table")
 
-    runner.run(stage, seed, on_tick=note)
+    runner.run(stage, seed, observer=EpisodeListeners(on_tick=note))
     return record
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.api.control import Kinematics
-from cbdsl.api.sensing import Resource, Runner, Signals, Tick, resources
+from cbdsl.api.sensing import EpisodeListeners, Resource, Runner, Signals, Tick, resources
 from cbdsl.api.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.constellation_trials import CHANNELS, STAGE
 from cbdsl_reproduction.stack_trials import StackJudge
@@ -116,7 +116,7 @@ def run_growing_stacks(
                 judge.note(tick)
                 reader.note(tick)
 
-            result = runner.run(lab.stage, seed, context, on_tick=note)
+            result = runner.run(lab.stage, seed, context, observer=EpisodeListeners(on_tick=note))
             yield GrowingStack(
                 context,
                 seed,

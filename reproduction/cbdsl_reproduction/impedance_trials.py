@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from cbdsl.api.learning import ImpedanceProfile
+from cbdsl.api.sensing import EpisodeListeners
 from cbdsl.api.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.impedance_gauge import ImpedanceGauge
 from cbdsl_reproduction.thing_pairs import ALL_PAIRS
@@ -52,6 +53,8 @@ def run_trials(
         runner = lab.runner()
         for seed in seeds:
             gauge = ImpedanceGauge(lab.program)
-            result = runner.run(lab.stage, seed, name, on_tick=gauge.note)
+            result = runner.run(
+                lab.stage, seed, name, observer=EpisodeListeners(on_tick=gauge.note)
+            )
             profile = gauge.finish(runner.signals)
             yield ImpedanceTrial(name, seed, profile, result.ending, result.sim_seconds)

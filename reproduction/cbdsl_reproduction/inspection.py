@@ -11,7 +11,7 @@ import numpy as np
 
 from cbdsl.api.control import Floats, localizability_potential
 from cbdsl.api.documents import BoxForm
-from cbdsl.api.sensing import Headings, Image, NetForces, Signals, Tick
+from cbdsl.api.sensing import EpisodeListeners, Headings, Image, NetForces, Signals, Tick
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.barcode import Barcode
 
@@ -82,7 +82,7 @@ class Inspection:
         def note(tick: Tick) -> None:
             last[:] = [tick]
 
-        self._looker.run(stage, seed, on_tick=note)
+        self._looker.run(stage, seed, observer=EpisodeListeners(on_tick=note))
         return _look(self._table, last[0].signals)
 
     def in_hands(self, barcode: Barcode, seed: int) -> InspectionRun:
@@ -105,7 +105,7 @@ class Inspection:
             record.phis.append(localizability.phi)
             record.forces.append(_forces(tick.signals))
 
-        self._handler.run(stage, seed, on_tick=note)
+        self._handler.run(stage, seed, observer=EpisodeListeners(on_tick=note))
         if at_first:
             record.optimum = _look(self._hands, last[0].signals)
             moved = _place_in_hands(self._hands, last[0].signals) - at_first[0]

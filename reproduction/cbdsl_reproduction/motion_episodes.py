@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cbdsl.api.sensing import Tick
+from cbdsl.api.sensing import EpisodeListeners, Tick
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.trial_digest import trial_digest
 
@@ -99,6 +99,8 @@ def run_motion_episodes(
         runner = replace(lab, program=lab.program._replace(transitions=_TRANSITIONS)).runner()
         for seed in seeds:
             watcher = _EpisodeEye(lab)
-            result = runner.run(lab.stage, seed, context, on_tick=watcher.note)
+            result = runner.run(
+                lab.stage, seed, context, observer=EpisodeListeners(on_tick=watcher.note)
+            )
             posture = watcher.posture if result.rewarded else ()
             yield MotionEpisode(context, seed, posture, watcher.off, result.ending)

@@ -10,6 +10,7 @@ import numpy as np
 
 from cbdsl.api.documents import MetaCatalogDocument, StageDocument
 from cbdsl.api.learning import StackPlan, plan_stack, support_graph
+from cbdsl.api.sensing import EpisodeListeners
 from cbdsl.api.shipped import shipped_document
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.constellation_trials import STAGE
@@ -77,6 +78,8 @@ def run_planned(
 
 def _build(lab: SimulationFixture, plan: StackPlan, things: str, seed: int) -> PlannedStack:
     judge = StackJudge(lab.backend.truth, plan.order)
-    result = lab.runner().run(lab.stage, seed, things, on_tick=judge.note)
+    result = lab.runner().run(
+        lab.stage, seed, things, observer=EpisodeListeners(on_tick=judge.note)
+    )
     stands = judge.conclude(things, seed, result.ending).stands
     return PlannedStack(seed, things, plan.order, plan.probability, stands, result.ending)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cbdsl import UsageError
-from cbdsl.api.sensing import Tick
+from cbdsl.api.sensing import EpisodeListeners, Tick
 from cbdsl.api.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.trial_digest import trial_digest
 
@@ -132,5 +132,7 @@ def run_stacks(
         runner = lab.runner()
         for seed in seeds:
             judge = StackJudge(lab.backend.truth, order)
-            result = runner.run(lab.stage, seed, stack, on_tick=judge.note)
+            result = runner.run(
+                lab.stage, seed, stack, observer=EpisodeListeners(on_tick=judge.note)
+            )
             yield judge.conclude(stack, seed, result.ending)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from cbdsl.api.sensing import Tick
+from cbdsl.api.sensing import EpisodeListeners, Tick
 from cbdsl.api.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.contact_place import contact_places
 from cbdsl_reproduction.trial_digest import trial_digest
@@ -89,7 +89,7 @@ def toucher(source: str, engine: str, cameras: str | None) -> Iterator[Callable[
             def note(tick: Tick) -> None:
                 last[:] = [tick]
 
-            result = runner.run(lab.stage, seed, on_tick=note)
+            result = runner.run(lab.stage, seed, observer=EpisodeListeners(on_tick=note))
             if not result.rewarded:
                 return TouchTrial(source, seed, ())
             places = contact_places(last[0].signals, own.hand, _RADIUS)

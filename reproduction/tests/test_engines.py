@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.runtime.episode import EpisodeResult
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl_reproduction import engines
 from cbdsl_reproduction.kept_episodes import PlayedEpisode
 from cbdsl_reproduction.quantity import Verdict

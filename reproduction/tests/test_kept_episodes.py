@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.runtime.episode import EpisodeResult
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl_reproduction.kept_episodes import KeptEpisodes, PlayedEpisode
 
 

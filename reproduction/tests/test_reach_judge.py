@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.runtime.episode import EpisodeResult
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl_reproduction.judges.reach import verdict_on
 
 REFUSED = "Not rewarded after 0.0 s in state XXX: reachtouch: reward is unlikely here (1 %)."

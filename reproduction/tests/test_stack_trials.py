@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from cbdsl import UsageError
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.tick import Tick
 from cbdsl_reproduction.stack_trials import StackJudge, StackTrial
 
 ORDER = ("base", "top")

@@ -11,7 +11,7 @@ import pytest
 
 import cbdsl
 from cbdsl.documents.policy import PolicyDocument
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.tick import Tick
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 

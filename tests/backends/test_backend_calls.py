@@ -16,7 +16,9 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.runtime.episode import EpisodeResult, Runner
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.sensing.observation import Observation
 from tests.conftest import Checked
 from tests.runtime.synthetic import SyntheticBackend
@@ -74,7 +76,7 @@ def play(
         backend.change, backend.halt_error = change or backend.change, halt_error
         runner = Runner(dexter, kinematics, checked("posture"), backend)
         with pytest.raises(BaseException) as caught:
-            runner.run(stage("absent"), 0, on_end=on_end or ended.append)
+            runner.run(stage("absent"), 0, observer=EpisodeListeners(on_end=on_end or ended.append))
         return backend, caught.value, ended
 
     return run
@@ -143,7 +145,7 @@ def test_late_tick_whose_halt_raises_reports_both(
     backend.deadline, backend.halt_error = 0.0, OSError("bus off")
     runner = Runner(dexter, kinematics, checked("posture"), backend)
     with pytest.raises(BaseException, match="a control tick took") as caught:
-        runner.run(stage("absent"), 0, on_end=ended.append)
+        runner.run(stage("absent"), 0, observer=EpisodeListeners(on_end=ended.append))
     assert "bus off" in caught.value.__notes__[0] and len(ended) == 1
 
 

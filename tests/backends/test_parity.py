@@ -20,7 +20,8 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.runtime.episode import EpisodeResult, Runner
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.sensing.channels import ChannelFilter
 from tests.conftest import Checked
 

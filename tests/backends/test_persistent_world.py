@@ -13,6 +13,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
 from tests.backends.conftest import (
     BACKENDS,
     URDF,
@@ -134,7 +135,11 @@ def test_what_is_in_the_hand_is_held_and_felt_in_the_next_episode(
     other.run(
         stage,
         1,
-        on_tick=lambda tick: felt.append(np.linalg.norm(tick.signals.touch.loads[:, :3], axis=1)),
+        observer=EpisodeListeners(
+            on_tick=lambda tick: felt.append(
+                np.linalg.norm(tick.signals.touch.loads[:, :3], axis=1)
+            )
+        ),
     )
     assert felt[0] == pytest.approx(forces, abs=0.1), "the bias is kept, and the grip too"
 

@@ -17,8 +17,8 @@ import pytest
 from cbdsl.backends.backend import BACKENDS
 from cbdsl.control import multigrid
 from cbdsl.reporting.recorded import read_recording
-from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.recording import Recording
+from cbdsl.runtime.tick import Tick
 from tests.cli import test_main
 from tests.conftest import ROOT
 

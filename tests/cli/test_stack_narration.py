@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cbdsl.cli.narration import narrate
+from cbdsl.cli.narration import Narration
 from cbdsl.cli.stack_narration import StackNarration
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeObservers
 from tests.conftest import Checked
 from tests.runtime.conftest import made_stage, on_table
 from tests.runtime.synthetic import SyntheticBackend
@@ -38,11 +39,8 @@ def told(checked: Checked, dexter: RobotDocument, urdf: Path, kinematics: Kinema
         stack = StackNarration()
         runner = Runner(dexter, kinematics, checked("reachtouch"), backend)
 
-        def on_transition(transition: object) -> None:
-            narrate(transition)  # type: ignore[arg-type]
-            stack.note_transition(transition)  # type: ignore[arg-type]
-
-        result = runner.run(made_stage({}), 0, None, on_transition, stack.note_tick)
+        observer = EpisodeObservers(Narration(), stack)
+        result = runner.run(made_stage({}), 0, observer=observer)
         assert result.rewarded
     return "\n".join(lines)
 

@@ -20,7 +20,8 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.affordance import deviation_of
 from cbdsl.program.catalog_models import models_of
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.tick import Tick
 from cbdsl.yaml_text.library import Library
 from tests.backends.conftest import stage_named
 

@@ -12,7 +12,8 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.learned_policy import LearnedPolicy
 from cbdsl.program.own_policy import own_policy
-from cbdsl.runtime.episode import EpisodeResult, Runner
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.types.policy import WrittenPolicy
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked

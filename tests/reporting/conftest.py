@@ -11,8 +11,8 @@ import pytest
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.recorded import Recorded, read_recording
-from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.recording import Recording
+from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
 from tests.runtime.conftest import TABLE_BALL, Play, play
 

@@ -12,7 +12,8 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.runtime.episode import EpisodeResult, Runner
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.yaml_text.library import Library
 
 CONTROL = """

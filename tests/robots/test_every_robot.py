@@ -14,7 +14,10 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.tick import Tick
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 from tests.runtime.synthetic import SyntheticBackend
@@ -150,7 +153,7 @@ def test_other_robots_run_their_programs_on_the_simulator(name: str) -> None:
 
     backend = BulletBackend(robot, urdf(robot))
     runner = Runner(robot, Kinematics(robot, urdf(robot)), program, backend)
-    result = runner.run(stage, 0, on_tick=note)
+    result = runner.run(stage, 0, observer=EpisodeListeners(on_tick=note))
     backend.close()
     assert result.predicates[-1] == "X11", result.ending
     # The reach is kept while the arm becomes more manipulable.

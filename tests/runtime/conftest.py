@@ -16,7 +16,10 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import EndListener, EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
 from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library
@@ -63,7 +66,7 @@ def play(dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> Play:
         seed: int = 0,
         policy: Policy | None = None,
         watch: Watch = lambda tick: None,
-        on_end: EndListener = lambda result: None,
+        on_end: Callable[[EpisodeResult], object] | None = None,
     ) -> Played:
         backend = SyntheticBackend(dexter, urdf, begin or (lambda rng: on_table()), direct)
         runner = Runner(dexter, kinematics, program, backend, policy)
@@ -77,9 +80,9 @@ def play(dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> Play:
         result = runner.run(
             made_stage(joints or {}),
             seed,
-            on_transition=transitions.append,
-            on_tick=note,
-            on_end=on_end,
+            observer=EpisodeListeners(
+                on_transition=transitions.append, on_tick=note, on_end=on_end
+            ),
         )
         return Played(result, backend, transitions, observations)
 

@@ -17,7 +17,9 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
 
 pytestmark = pytest.mark.slow

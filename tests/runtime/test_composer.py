@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cbdsl.runtime.composer import Composer, ComposerError
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
 from tests.runtime.conftest import Play
 

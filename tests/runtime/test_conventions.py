@@ -14,7 +14,10 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.tick import Tick
 from cbdsl.yaml_text.library import Library
 
 GO = """\
@@ -56,7 +59,9 @@ def go(
             joints.append(tick.observation.positions.copy())
             last[:] = [tick.signals.read(resource).value.copy()]
 
-        result = Runner(dexter, kinematics, program, backend).run(stage("absent"), 0, on_tick=note)
+        result = Runner(dexter, kinematics, program, backend).run(
+            stage("absent"), 0, observer=EpisodeListeners(on_tick=note)
+        )
         backend.close()
         return result, np.array(joints), last[0]
 

@@ -14,7 +14,10 @@ from cbdsl.cli.main import main
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.runtime.episode import DeadlineError, EpisodeError, EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode import DeadlineError, EpisodeError, Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
 from tests.conftest import Checked
 from tests.runtime.synthetic import SyntheticBackend, World
@@ -97,7 +100,9 @@ def test_ctrl_c_halts_the_backend(
     backend = SyntheticBackend(dexter, urdf)
     ended: list[EpisodeResult] = []
     with pytest.raises(KeyboardInterrupt):
-        runner(backend).run(absent, 0, on_tick=_interrupt, on_end=ended.append)
+        runner(backend).run(
+            absent, 0, observer=EpisodeListeners(on_tick=_interrupt, on_end=ended.append)
+        )
     assert backend.halts == 1
     (result,) = ended
     assert result.ending == "Interrupted after 0.1 s in state 0."
@@ -116,7 +121,7 @@ def test_a_broken_sensor_halts_the_backend(
     ended: list[EpisodeResult] = []
     broken_runner = Runner(dexter, kinematics, checked("reachtouch"), backend)
     with pytest.raises(EpisodeError):
-        broken_runner.run(stage("absent"), 0, on_end=ended.append)
+        broken_runner.run(stage("absent"), 0, observer=EpisodeListeners(on_end=ended.append))
     assert backend.halts == 1
     assert ended[0].ending.startswith("Failed after 0.0 s in state ")
     assert "finger_1" in ended[0].ending

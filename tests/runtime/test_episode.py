@@ -15,7 +15,10 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode import EpisodeError, EpisodeResult, Runner, Tick, resources_of
+from cbdsl.runtime.episode import EpisodeError, Runner, resources_of
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
 from cbdsl.types.resource import Resource
 from tests.conftest import Checked
@@ -69,7 +72,11 @@ def test_nothing_of_an_episode_reaches_into_the_next(
     def told(runner: Runner) -> tuple[EpisodeResult, list[bytes]]:
         references: list[bytes] = []
         result = runner.run(
-            stage, 2, on_tick=lambda tick: references.append(tick.actuation.reference.tobytes())
+            stage,
+            2,
+            observer=EpisodeListeners(
+                on_tick=lambda tick: references.append(tick.actuation.reference.tobytes())
+            ),
         )
         return replace(result, wall_seconds=0.0), references
 

@@ -9,8 +9,8 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.explanation import LIMITS, Explanation, TickExplanation
+from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
 from tests.runtime.conftest import Play
 from tests.runtime.synthetic import World

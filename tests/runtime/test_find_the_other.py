@@ -12,7 +12,9 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
 
 
@@ -32,7 +34,7 @@ def test_both_are_touched_one_after_the_other(
         touched.extend(name for name in ("one", "other") if backend.truth.touched(name))
 
     runner = Runner(dexter, kinematics, checked("find_the_other"), backend)
-    result = runner.run(stage("two_red_balls"), seed, on_tick=note)
+    result = runner.run(stage("two_red_balls"), seed, observer=EpisodeListeners(on_tick=note))
     backend.close()
     assert result.rewarded, result.ending
     assert set(touched) == {"one", "other"}

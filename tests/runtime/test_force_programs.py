@@ -11,7 +11,9 @@ from cbdsl.api.simulation_fixture import simulation_fixture
 from cbdsl.cli.simulation import simulation
 from cbdsl.kinematics.pose import Pose
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 
 
 @pytest.mark.slow
@@ -33,7 +35,7 @@ def test_the_force_stays_while_the_hand_slides() -> None:
                 places.append(truth.link_pose("right_palm").position.copy())
 
         truth.step = sample  # type: ignore[method-assign]
-        result = fixture.runner().run(fixture.stage, 3, on_tick=note)
+        result = fixture.runner().run(fixture.stage, 3, observer=EpisodeListeners(on_tick=note))
     assert result.outcome == "success"
     means = np.convolve(forces, np.full(24, 1 / 24), mode="valid")
     np.testing.assert_allclose(means, 4.0, atol=0.5)
@@ -50,7 +52,7 @@ def test_what_is_put_down_stands_where_it_was_held() -> None:
                 (thing,) = (name for name in truth.names() if name != "table")
                 held.append((thing, truth.pose(thing).position.copy()))
 
-        result = fixture.runner().run(fixture.stage, 12, on_tick=note)
+        result = fixture.runner().run(fixture.stage, 12, observer=EpisodeListeners(on_tick=note))
         assert result.outcome == "success", result.ending
         ((thing, before),) = held
         after = truth.pose(thing).position

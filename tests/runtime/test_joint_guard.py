@@ -15,7 +15,10 @@ from cbdsl.documents.robot import JointTorques, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import Guards
-from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.strain import Strain
 from cbdsl.yaml_text.library import Library
@@ -127,7 +130,7 @@ def _push(
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("builtins.print", lambda text, **_: told.append(text))
         runner = Runner(robot, Kinematics(robot, urdf), program, backend)
-        result = runner.run(stage, 8_000_501, on_tick=note)
+        result = runner.run(stage, 8_000_501, observer=EpisodeListeners(on_tick=note))
     backend.close()
     return result, forces
 

@@ -20,6 +20,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema_policy import SchemaPolicy
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.yaml_text.library import Library
 
 SCHEMA = """\
@@ -70,7 +71,10 @@ def episode(
     for seed in range(SEED, SEED + 10):
         transitions: list[Transition] = []
         result = runner.run(
-            stage("table_right"), seed, "out_of_view", on_transition=transitions.append
+            stage("table_right"),
+            seed,
+            "out_of_view",
+            observer=EpisodeListeners(on_transition=transitions.append),
         )
         if result.rewarded:
             break

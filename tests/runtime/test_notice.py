@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.camera import heading
 
 SEEDS = (5640000, 5640001)
@@ -24,7 +25,11 @@ def off_the_ball(lab: SimulationFixture, seed: int) -> float:
     def note(tick: Tick) -> None:
         last[:] = [tick]
 
-    if not lab.runner().run(lab.stage, seed, "elsewhere", on_tick=note).rewarded:
+    if (
+        not lab.runner()
+        .run(lab.stage, seed, "elsewhere", observer=EpisodeListeners(on_tick=note))
+        .rewarded
+    ):
         return 180.0
     frame = last[0].signals.kinematics.frame("left_camera")
     ball = lab.backend.truth.pose("ball").position

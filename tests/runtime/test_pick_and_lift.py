@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
 from tests.runtime.conftest import GRIP, TABLE_BALL, Play
 from tests.runtime.synthetic import Ball, World

@@ -13,7 +13,9 @@ from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 
@@ -88,7 +90,9 @@ def test_what_is_seen_in_the_way_is_gone_around(
 
         program = checked("deliver", obstacle=obstacle)
         runner = Runner(dexter, kinematics, program, backend)  # type: ignore[arg-type]
-        result = runner.run(stage_named("column_before_pad"), 1, on_tick=note)
+        result = runner.run(
+            stage_named("column_before_pad"), 1, observer=EpisodeListeners(on_tick=note)
+        )
         assert result.outcome == "success", result.ending
         assert "pad" in truth.neighbours("ball")
         highest[obstacle] = max(heights)

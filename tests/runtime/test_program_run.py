@@ -11,7 +11,7 @@ import pytest
 
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.tick import Tick
 from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked

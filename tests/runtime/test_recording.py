@@ -13,9 +13,11 @@ from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
-from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
+from cbdsl.runtime.episode import resources_of
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import LIMITS, REACH, Explanation
 from cbdsl.runtime.recording import Recording, is_place, members, triple
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.reading import Reading
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked

@@ -10,7 +10,7 @@ import pytest
 
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
 from tests.conftest import Checked

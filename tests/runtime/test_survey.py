@@ -12,7 +12,9 @@ from cbdsl.backends.backend import embody
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 
@@ -51,7 +53,7 @@ def test_survey_of_an_object_names_the_reason_of_a_refusal_and_moves_no_arm(
     def note(tick: Tick) -> None:
         postures.append(tick.observation.positions[tick.signals.joints.of("right_arm")])
 
-    result = runner.run(objects, seed, context, on_tick=note)
+    result = runner.run(objects, seed, context, observer=EpisodeListeners(on_tick=note))
     assert result.outcome == ("failure" if reason else "success"), result.ending
     assert reason in result.ending
     assert np.ptp(postures, axis=0).max() < 0.02

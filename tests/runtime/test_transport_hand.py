@@ -15,7 +15,9 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Box, Controller, Field
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 from cbdsl.types.resource import Resource
 from tests.conftest import Checked
 from tests.runtime.conftest import Play
@@ -94,7 +96,7 @@ def test_the_hand_goes_round_the_wall_and_arrives(
         touched.append(bullet.truth.touched("wall"))
 
     result = Runner(dexter, kinematics, program, bullet).run(
-        stage("wall_right"), seed, on_tick=note
+        stage("wall_right"), seed, observer=EpisodeListeners(on_tick=note)
     )
     assert result.predicates[-1] == "X1", result.ending
     assert path.distance < 0.005

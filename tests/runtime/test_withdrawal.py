@@ -19,7 +19,9 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking
 from cbdsl.program.schema_policy import Features, SchemaPolicy
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.tick import Tick
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
@@ -61,7 +63,9 @@ def test_both_arms_are_at_home_before_one_tries_alone(
             columns = tick.signals.joints.of("left_arm")
             begun.append(tick.observation.positions[columns])
 
-    result = runner.run(stage("near_and_far_training"), seed, "right", on_tick=note)
+    result = runner.run(
+        stage("near_and_far_training"), seed, "right", observer=EpisodeListeners(on_tick=note)
+    )
     backend.close()
     assert withdrawn > 20 and result.actions[-1].endswith("with right_arm")
     assert result.rewarded, result.ending
@@ -101,6 +105,8 @@ def test_a_program_that_is_withdrawn_from_is_left(
         if tick.run.action is None:
             left.add(tick.run.children["searchtrack"].predicate)
 
-    result = runner.run(stage("near_and_far_training"), 8_410_010, "right", on_tick=note)
+    result = runner.run(
+        stage("near_and_far_training"), 8_410_010, "right", observer=EpisodeListeners(on_tick=note)
+    )
     backend.close()
     assert result.actions[0] == "searchtrack" and left == {"X"}

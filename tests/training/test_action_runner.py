@@ -15,7 +15,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.action_outcome import ActionOutcome
 from cbdsl.learning.model_exploration import ModelConstants, ModelExploration
 from cbdsl.robot.resources import resources
-from cbdsl.runtime.episode import EpisodeResult
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.explorable import OPEN, Explorable, explorable, with_marks

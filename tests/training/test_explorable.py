@@ -15,6 +15,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.training.explorable import Explorable, explorable, other_hues
 from tests.backends.conftest import stage_named
@@ -78,7 +79,7 @@ def test_other_hues_go_by_their_aliases(dexter: RobotDocument) -> None:
 def run(
     runner: Runner, stage: StageDocument, reader: FeatureReader, context: str | None = None
 ) -> None:
-    runner.run(stage, 5, context, on_tick=reader.note_tick)
+    runner.run(stage, 5, context, observer=EpisodeListeners(on_tick=reader.note_tick))
 
 
 def test_they_are_read_before_the_thing_is_touched(

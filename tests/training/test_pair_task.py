@@ -10,7 +10,7 @@ import pytest
 from cbdsl.backends.backend import BackendError
 from cbdsl.learning.action_outcome import ActionOutcome
 from cbdsl.learning.catalog_exploration import CatalogConstants
-from cbdsl.runtime.episode import EpisodeResult
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.training.explorable_pair import ExplorablePair
 from cbdsl.training.pair_task import PairTask, PairWork
 

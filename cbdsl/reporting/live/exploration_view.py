@@ -15,13 +15,15 @@ from cbdsl.program.transition import Transition
 from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
 from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.message import message
-from cbdsl.runtime.episode import EpisodeResult, Tick
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.exploration_observer import ExplorationObserver
+from cbdsl.runtime.tick import Tick
 
 # Number of actions in the drawn course.
 _DRAWN = 1000
 
 
-class ExplorationView:
+class ExplorationView(ExplorationObserver):
     """Watcher of an exploration for a live page.
 
     Args:
@@ -41,28 +43,28 @@ class ExplorationView:
         self._course: list[dict[str, tuple[int, float, float | None]]] = []
 
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
-        """Begin an episode; see ``EpisodeWatcher.begin``."""
+        """Begin an episode; see ``EpisodeObserver.begin``."""
         self._view.begin(program, stage, seed)
 
     def note_transition(self, transition: Transition) -> None:
-        """Note a transition; see ``EpisodeWatcher.note_transition``."""
+        """Note a transition; see ``EpisodeObserver.note_transition``."""
         self._view.note_transition(transition)
 
     def note_tick(self, tick: Tick) -> None:
-        """Note a tick; see ``EpisodeWatcher.note_tick``."""
+        """Note a tick; see ``EpisodeObserver.note_tick``."""
         self._view.note_tick(tick)
 
     def note_end(self, result: EpisodeResult) -> None:
-        """Note the end of an episode; see ``EpisodeWatcher.note_end``."""
+        """Note the end of an episode; see ``EpisodeObserver.note_end``."""
         self._view.note_end(result)
 
     def note_choice(self, name: str) -> None:
-        """Note the chosen action; see ``ExplorationWatcher.note_choice``."""
+        """Note the chosen action; see ``ExplorationObserver.note_choice``."""
         self._chosen = name
         self._tell()
 
     def note_step(self, exploration: Exploration) -> None:
-        """Note a finished action; see ``ExplorationWatcher.note_step``."""
+        """Note a finished action; see ``ExplorationObserver.note_step``."""
         self._chosen, self._over = "", len(exploration.steps)
         known = exploration.affordances
         self._course.append({name: _course(name, exploration) for name in known})

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.staging.world_state import WorldState
 from cbdsl.reporting.thumbnails import encoded
-from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.explanation import Explanation, TickExplanation, named_runs
+from cbdsl.runtime.tick import Tick
 from cbdsl.types.resource import Resource
 
 # Half of the images' width suffices for display.

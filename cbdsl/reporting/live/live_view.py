@@ -13,9 +13,12 @@ from cbdsl.reporting.live.frame import frame, images
 from cbdsl.reporting.live.message import Message, message
 from cbdsl.reporting.live.transport import Transport
 from cbdsl.runtime.composer import Composer
-from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
+from cbdsl.runtime.episode import resources_of
+from cbdsl.runtime.episode_observer import EpisodeObserver
+from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.recording import drawn, is_place, members, triple
+from cbdsl.runtime.tick import Tick
 from cbdsl.types.resource import Resource
 
 # Wall time between frames, s.
@@ -24,7 +27,7 @@ _PAUSE = 1 / 30
 _KEPT = 50
 
 
-class LiveView:
+class LiveView(EpisodeObserver):
     """Watcher of episodes for live pages.
 
     Without a connected page it makes no frames, and only keeps the history of the program's state.
@@ -58,7 +61,7 @@ class LiveView:
         self._last: Tick | None = None
 
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
-        """Begin an episode; see ``EpisodeWatcher.begin``."""
+        """Begin an episode; see ``EpisodeObserver.begin``."""
         self._number += 1
         resources = [each for each in resources_of(program) if not each.is_drawn]
         self._places = [each for each in resources if is_place(each)]
@@ -84,7 +87,7 @@ class LiveView:
         self._feed.renew(lasting)
 
     def note_transition(self, transition: Transition) -> None:
-        """Note a transition; see ``EpisodeWatcher.note_transition``."""
+        """Note a transition; see ``EpisodeObserver.note_transition``."""
         content = {
             "program": transition.title,
             "depth": transition.depth,
@@ -97,7 +100,7 @@ class LiveView:
         self._feed.append(message("transition", content))
 
     def note_tick(self, tick: Tick) -> None:
-        """Note a tick; see ``EpisodeWatcher.note_tick``."""
+        """Note a tick; see ``EpisodeObserver.note_tick``."""
         if self._last is None and self._composer is not None:
             self._composer.begin(tick.run)
         self._last = tick
@@ -111,7 +114,7 @@ class LiveView:
         self._transport.hold(tick.observation.time, self._show)
 
     def note_end(self, result: EpisodeResult) -> None:
-        """Note the end of an episode; see ``EpisodeWatcher.note_end``."""
+        """Note the end of an episode; see ``EpisodeObserver.note_end``."""
         self._show()
         content = {
             "program": result.program,

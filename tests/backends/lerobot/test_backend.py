@@ -20,6 +20,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
 from tests.backends.conftest import robot_named, stage_named
 from tests.backends.lerobot.device import Device, Time, backend_of, cameras
 from tests.conftest import ROOT, Checked
@@ -127,7 +128,9 @@ def test_episode_on_a_late_robot_lasts_as_long_as_its_clock_says(checked: Checke
     runner = Runner(SIXAXIS, Kinematics(SIXAXIS, URDF), checked("sixaxis_reach"), backend)
     began, observed = time.now, []
     result = runner.run(
-        stage_named("sixaxis_bin"), 0, on_tick=lambda tick: observed.append(tick.observation.time)
+        stage_named("sixaxis_bin"),
+        0,
+        observer=EpisodeListeners(on_tick=lambda tick: observed.append(tick.observation.time)),
     )
     assert result.ending.startswith("Done")
     assert result.sim_seconds == pytest.approx(observed[-1], abs=1e-6)

@@ -11,7 +11,10 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.reporting.live.live_view import LiveView
-from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
 from tests.runtime.conftest import made_stage, on_table
 from tests.runtime.synthetic import SyntheticBackend
@@ -42,9 +45,9 @@ def watched(checked: Checked, dexter: RobotDocument, urdf: Path, kinematics: Kin
         return runner.run(
             stage,
             seed,
-            on_transition=view.note_transition,
-            on_tick=on_tick,
-            on_end=view.note_end,
+            observer=EpisodeListeners(
+                on_transition=view.note_transition, on_tick=on_tick, on_end=view.note_end
+            ),
         )
 
     return run

@@ -24,7 +24,7 @@ from cbdsl.reporting.live.requests import Requests
 from cbdsl.reporting.live.server import LiveServer
 from cbdsl.reporting.live.transport import Transport
 from cbdsl.runtime.composer import Composer
-from cbdsl.runtime.episode import EpisodeResult
+from cbdsl.runtime.episode_result import EpisodeResult
 from tests.conftest import ROOT
 from tests.reporting.browser import CHROMIUM, Page, browser
 from tests.reporting.conftest import Shown

@@ -13,7 +13,7 @@ from cbdsl.reporting.live import live_view as module
 from cbdsl.reporting.live.feed import Feed, PageCursor
 from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.transport import Transport
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.tick import Tick
 from tests.reporting.conftest import Shown
 from tests.reporting.live.conftest import Watched
 
