@@ -49,10 +49,9 @@ class Affordance:
         if self.model is None:
             self._before.append(outcome)
             return 0.0
-        before = self.model.variance(constants.measure)
-        self.model = self.model.updated(self.vector(outcome.features), rewarded=outcome.rewarded)
-        after = self.model.variance(constants.measure)
-        change = abs(after - before)
+        before = self.model
+        self.model = before.updated(self.vector(outcome.features), rewarded=outcome.rewarded)
+        change = before.change_to(self.model, constants.measure)
         if outcome.rewarded and self.vector(outcome.features) is not None:
             self.change = change
         return change

@@ -19,10 +19,10 @@ class ExplorationConstants(Section):
     """As how many samples the prior of a model counts."""
     units: Literal["workspace", "si"] = "workspace"
     """Deviations of the prior: 3 cm, 0.1 rad, 1 l and so on, or 1 in SI."""
-    measure: Measure = "sum"
-    """Variance of a covariance: the sum of all its elements, as the source has it, its trace, or
-    the d-th root of its determinant; or the spread, a trace that depends neither on the frame's
-    origin nor on the signs of its axes."""
+    measure: Measure = "spread"
+    """Variance of a covariance: the spread, a trace that depends neither on the frame's origin nor
+    on the signs of its axes; or the sum of all its elements, as the source has it, its trace, or
+    the d-th root of its determinant."""
     habituated: Annotated[float, quantity(gt=0, le=1)] = 0.1
     """Below this change of its variance, relative to the largest so far, a model is habituated."""
     least: Count = 3

@@ -106,6 +106,21 @@ class AffordanceModel:
             samples = replace(samples, mean=np.zeros(len(self.scale)))
         return MEASURES[measure](_prior(len(self.scale), self.prior).merged(samples).covariance)
 
+    def change_to(self, other: AffordanceModel, measure: str = "sum") -> float:
+        """Return the change of the variance to a later model (Eq 6.3).
+
+        That of the spread is relative, ln(after / before): it depends on no unit either. An
+        absolute change would shrink with the size of the first one, which is that of the prior.
+
+        Args:
+            other: Later model of the same features.
+            measure: Name of the measure of the variance.
+        """
+        before, after = self.variance(measure), other.variance(measure)
+        if measure == "spread":
+            return abs(math.log(after / before))
+        return abs(after - before)
+
     @property
     def reward_probability(self) -> float:
         """Probability Pr(reward | a), by Laplace's rule: 0.5 without trials."""

@@ -11,6 +11,9 @@ from typing import NamedTuple
 from cbdsl import ExploreRequest
 from cbdsl.api.shipped import shipped_folder
 
+# The sum of all elements of a covariance (Section 6.1).
+_MEASURE = {"measure": "sum"}
+
 
 class ExploredAction(NamedTuple):
     """Action of a series.
@@ -43,7 +46,7 @@ class ExplorationSeries:
         stage: Name of the stage.
         explored: Available actions.
         algorithm: Algorithm that chooses actions.
-        constants: Constants of the algorithm that differ from its defaults, as text.
+        constants: Constants of the algorithm that differ from the source's, as text.
         actions: Number of actions of each exploration, as in the source.
         trials: Number of trials, as in the source, which drew most of them from its models.
         grown_from: Preceding exploration with fewer available actions; ``actions`` are added to
@@ -61,6 +64,11 @@ class ExplorationSeries:
     trials: int = 25
     grown_from: ExplorationSeries | None = None
 
+    @property
+    def settings(self) -> Mapping[str, str]:
+        """Constants of the algorithm that differ from its defaults, as text."""
+        return _MEASURE | dict(self.constants)
+
     def command(self, seed: int, actions: int, backend: str, cameras: str | None) -> str:
         """Return the command line of ``cb explore`` for the same exploration."""
         words = ["cb", "explore", *(each.text for each in self.explored)]
@@ -68,7 +76,7 @@ class ExplorationSeries:
         words += ["--seed", str(seed), "--backend", backend]
         words += ["--cameras", cameras] if cameras is not None else []
         words += ["--algorithm", self.algorithm] if self.algorithm != "explore_catalog" else []
-        words += [f"--set={name}={value}" for name, value in self.constants.items()]
+        words += [f"--set={name}={value}" for name, value in self.settings.items()]
         words += ["--join"] if self.grown_from is not None else []
         return shlex.join([*words, "--actions", str(actions)])
 
@@ -81,7 +89,7 @@ class ExplorationSeries:
             feature=self.feature,
             actions=self.actions,
             algorithm=self.algorithm,
-            constants=self.constants,
+            constants=self.settings,
             join=self.grown_from is not None,
             folder=shipped_folder(),
         )

@@ -42,7 +42,7 @@ def test_its_command_explores_with_the_same_constants(
     app.command()(explore)
     _, name, *words = shlex.split(series.command(3, 7, "mujoco", "ideal"))
     given = typer.main.get_command(app).make_context(name, words).params
-    wanted = [f"{key}={value}" for key, value in series.constants.items()]
+    wanted = [f"{key}={value}" for key, value in series.settings.items()]
     assert list(given["set_"] or []) == wanted
 
 

@@ -13,12 +13,12 @@ from cbdsl.learning.learner import LEARNERS
 #: Of explorations the algorithms' constants, which no page lists; docs/reference.md has the others.
 MEASURED = {
     "explore_catalog": {
-        "alpha": 0.3, "cost": 0.05, "prior": 1.0, "units": "workspace", "measure": "sum",
+        "alpha": 0.3, "cost": 0.05, "prior": 1.0, "units": "workspace", "measure": "spread",
         "habituated": 0.1, "least": 3, "longest": 60.0, "temperature": 0.3, "decay": 0.96,
         "coldest": 0.02,
     },
     "explore_models": {
-        "alpha": 0.3, "cost": 0.05, "prior": 1.0, "units": "workspace", "measure": "sum",
+        "alpha": 0.3, "cost": 0.05, "prior": 1.0, "units": "workspace", "measure": "spread",
         "habituated": 0.1, "least": 3, "longest": 60.0, "gamma": 0.8, "epsilon": 0.05,
         "promise": 0.2, "surprise": 4.0,
     },
