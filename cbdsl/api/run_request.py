@@ -48,6 +48,28 @@ class RunRequest:
         return program_digest(self.program_file, self.library)
 
 
+def read_program(program: str, policy: str | None, values: Mapping[str, str]) -> CheckedProgram:
+    """Read and check a program, without a stage.
+
+    Args:
+        program: File or name of the program.
+        policy: File or name of the policy; the program's own if ``None``.
+        values: Values of the program's parameters.
+
+    Raises:
+        DiagnosticsError: A document has errors.
+        UsageError: There is no such document, or the documents do not fit each other.
+    """
+    from cbdsl.checking.program import check_program
+    from cbdsl.documents.program import ProgramDocument
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    path = library.locate(ProgramDocument, program)
+    checked = check_program(path, values, library)
+    return checked if policy is None else _under_policy(checked, policy, path, library)
+
+
 def read_request(
     program: str,
     stage: str | None,

@@ -51,11 +51,10 @@ def export_tree(program: Program, policy: Policy = None, with_: With = []) -> No
     Each use of a program is a separate tree, with the values of its parameters. The model at the
     end names the leaves. Exit 2 if the next action depends on more than the state.
     """
-    from cbdsl.api.load import load
+    from cbdsl.api.run_request import read_program
     from cbdsl.program.behavior_tree import behavior_tree
 
-    request = load(program, policy=policy, values=read_assignments(with_))
-    print(behavior_tree(request.program), end="")
+    print(behavior_tree(read_program(program, policy, read_assignments(with_))), end="")
 
 
 @export.command("mcap")

@@ -66,6 +66,21 @@ class _Part(BaseModel, strict=True):
     mesh: _Mesh = _Mesh(corners=[], triangles=[])
 
 
+class _Transition(BaseModel, strict=True):
+    program: str
+    depth: int
+    time: float
+    state: str
+    action: str
+    next_state: str
+    ticks: int
+    reward: float
+    rewarding: list[str] = []
+    allocation: str = ""
+    features: dict[str, float] = {}
+    use: str = ""
+
+
 class _Summary(BaseModel, strict=True):
     result: _Result
     joints: list[str]
@@ -73,7 +88,7 @@ class _Summary(BaseModel, strict=True):
     load_cells: list[Any]
     guards: list[str] = []
     predicates: list[str]
-    transitions: list[dict[str, Any]]
+    transitions: list[_Transition]
     members: dict[str, list[str]]
     triples: dict[str, _RecordedTriple]
     signals: dict[str, _Signal]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
@@ -158,3 +159,13 @@ def test_a_policy_is_printed_as_a_tree(
     assert capsys.readouterr().out.startswith('<root BTCPP_format="4"')
     assert cb(monkeypatch, "export", "tree", "searchtrak") == 2
     assert "did you mean 'searchtrack'" in capsys.readouterr().err
+
+
+def test_export_tree_needs_no_stage(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "programs" / "searchtrack.yaml").read_text("utf-8")
+    file = tmp_path / "searchtrack.yaml"
+    file.write_text(re.sub(r"^stage: .*\n", "", text, flags=re.MULTILINE), encoding="utf-8")
+    assert cb(monkeypatch, "export", "tree", str(file)) == 0
+    assert capsys.readouterr().out.startswith('<root BTCPP_format="4"')

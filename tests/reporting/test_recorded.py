@@ -90,6 +90,17 @@ SPOILED: dict[str, tuple[Callable[[Path], object], str]] = {
         lambda file: rewrite(file, lambda s: s["result"].update(seed=[3])),
         r"damaged \(result.seed: input should be a valid integer",
     ),
+    **{
+        f"a transition without its {key}": (
+            lambda file, key=key: rewrite(file, lambda s: s["transitions"][0].pop(key)),
+            rf"damaged \(transitions.0.{key}: field required",
+        )
+        for key in ("program", "depth", "time", "state", "action", "next_state", "reward")
+    },
+    "a transition at a word": (
+        lambda file: rewrite(file, lambda s: s["transitions"][0].update(time="soon")),
+        r"damaged \(transitions.0.time: input should be a valid number",
+    ),
     "a letter too few": (
         lambda file: rewrite(file, lambda s: s["predicates"].__setitem__(0, "0")),
         "one letter for each controller",
