@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,6 +39,16 @@ class RunRequest:
     stage: StageDocument
     library: Library
     values: Mapping[str, str] = field(default_factory=dict)
+
+    def at_rate(self, rate: float | None) -> RunRequest:
+        """Return the request with a control rate, Hz; its own if ``None``.
+
+        Raises:
+            UsageError: The robot's document does not fit the rate.
+        """
+        from cbdsl.robot.control_rate import with_control_rate
+
+        return replace(self, robot=with_control_rate(self.robot, rate))
 
     @property
     def digest(self) -> ProgramDigest:

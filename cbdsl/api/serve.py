@@ -23,6 +23,7 @@ def serve_robot(
     context: str | None = None,
     seed: int = 0,
     cameras: str | None = None,
+    rate: float | None = None,
     faults: Sequence[str] = (),
     trace: Path | None = None,
     seconds: float | None = None,
@@ -39,6 +40,7 @@ def serve_robot(
         context: Context of the stage; drawn by share if ``None``.
         seed: Seed of the episode.
         cameras: ``rendered`` or ``ideal``; the backend's choice if ``None``.
+        rate: Control rate, Hz; that of the robot's document if ``None``.
         faults: Faults, such as ``nan@2.5``.
         trace: NPZ file for the robot's motion.
         seconds: Time after which it ends; never if ``None``.
@@ -53,8 +55,10 @@ def serve_robot(
     from cbdsl.api.robots import read_robot, read_stage
     from cbdsl.backends.ros2.faults import Faults, read_fault
     from cbdsl.backends.ros2.server import RobotServer, simulated_robot
+    from cbdsl.robot.control_rate import with_control_rate
 
     document, urdf = read_robot(robot)
+    document = with_control_rate(document, rate)
     set_up = read_stage(stage, document)
     injected = Faults([read_fault(text) for text in faults], seed)
     embodied = simulated_robot(backend, document, urdf, cameras)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.attendance import Interface, TerminalPerson
-from cbdsl.cli.options import Cameras
+from cbdsl.cli.options import Cameras, Rate
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ def serve(
     context: Context = None,
     seed: Seed = 0,
     cameras: Cameras = None,
+    rate: Rate = None,
     fault: FaultOption = [],  # noqa: B006 (typer)
     trace: Trace = None,
     seconds: Seconds = None,
@@ -75,6 +76,7 @@ def serve(
             context=context,
             seed=seed,
             cameras=cameras,
+            rate=rate,
             faults=fault,
             trace=trace,
             seconds=seconds,

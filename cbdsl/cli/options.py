@@ -37,6 +37,10 @@ Policy = Annotated[
     typer.Option("--policy", help="Policy: file or name [the program's]."),
 ]
 Program = Annotated[str, typer.Argument(help="Program: file or name.")]
+Rate = Annotated[
+    float | None,
+    typer.Option("--rate", help="Control rate, Hz [the robot document's].", show_default=False),
+]
 Recording = Annotated[
     Path,
     typer.Argument(

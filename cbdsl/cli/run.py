@@ -12,7 +12,7 @@ import typer
 
 from cbdsl.cli.attendance import Interface, Yes, attend
 from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
-from cbdsl.cli.options import BodyNumber, Cameras, Policy, Program, With
+from cbdsl.cli.options import BodyNumber, Cameras, Policy, Program, Rate, With
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
@@ -103,6 +103,7 @@ def run(
     episodes: Episodes = 1,
     backend: BackendName,
     cameras: Cameras = None,
+    rate: Rate = None,
     policy: Policy = None,
     schema: Schema = None,
     with_: With = [],  # noqa: B006 (typer)
@@ -149,7 +150,7 @@ def run(
     values = read_assignments(with_)
     request = read_request(
         program, stage, policy, values, schema=schema, calibration=calibration, body=body
-    )
+    ).at_rate(rate)
     _require_context(request.stage, context)
     if page is not None:
         require_page(page, episodes)

@@ -167,6 +167,8 @@ class DrivenBackend:
             self._real_time.begin()
         # Messages queued while the person answered are old.
         self.supervisor.rest()
+        for link in self._links:
+            link.claim()
         self._drain()
         self._await_ready()
         self.supervisor.make_ready(self._clock.monotonic())

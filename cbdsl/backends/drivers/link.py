@@ -52,6 +52,13 @@ class DriverLink(Protocol):
         """Return the samples that arrived since the last call, oldest first, without waiting."""
         ...
 
+    def claim(self) -> None:
+        """Appear as the robot's commander; before the first reference, and maybe repeatedly.
+
+        A link that is not claimed reads only, so that it disturbs no program.
+        """
+        ...
+
     def send(self, driver: str, command: Command) -> None:
         """Send references to a driver's controller."""
         ...

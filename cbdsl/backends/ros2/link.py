@@ -51,12 +51,13 @@ class _Input:
 
 @dataclass
 class _Output:
-    """Stream that a driver writes."""
+    """Stream that a driver writes; it has a writer once the robot is claimed."""
 
     driver: str
     topic: str
     message: type[Any]
-    writer: Any
+    horizon: float
+    writer: Any = None
     peers: frozenset[Any] = frozenset()
     rivals: frozenset[Any] = frozenset()
 
@@ -89,8 +90,7 @@ class Ros2Link:
                 horizon = driver.horizon or 3.0 / robot.control.rate
                 # Without a watchdog nothing listens, and the robot is never ready.
                 topic = guarded(driver.commands) if driver.form == "positions" else driver.commands
-                writer = self._node.writer(topic, message, deadline=horizon)
-                self._outputs[name] = _Output(name, topic, message, writer)
+                self._outputs[name] = _Output(name, topic, message, horizon)
 
     def poll(self) -> Sequence[Sample]:
         """Return the samples that arrived since the last call; see ``DriverLink.poll``."""
@@ -124,16 +124,26 @@ class Ros2Link:
 
     @staticmethod
     def _rivals(output: _Output, remotes: Sequence[Remote]) -> Iterator[Any]:
-        own, topic = output.writer.get_guid(), absolute(output.topic)
+        own = None if output.writer is None else output.writer.get_guid()
+        topic = absolute(output.topic)
         for remote in remotes:
             if remote.writes and remote.topic == topic and remote.key != own:
                 yield remote.key
+
+    def claim(self) -> None:
+        """Announce the writers of all commands; see ``DriverLink.claim``."""
+        for output in self._outputs.values():
+            if output.writer is None:
+                output.writer = self._node.writer(
+                    output.topic, output.message, deadline=output.horizon
+                )
 
     def send(self, driver: str, command: Command) -> None:
         """Send references to a driver's controller; see ``DriverLink.send``."""
         output = self._outputs.get(driver)
         if output is None:
             return
+        assert output.writer is not None, "a link is claimed before it sends"
         if output.message is msg.Float64MultiArray:
             output.writer.write(msg.Float64MultiArray(data=list(command.positions)))
             return

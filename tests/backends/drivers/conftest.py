@@ -60,7 +60,7 @@ class Peer:
         alter: Function that changes the joint states that it sends.
         silent: True if it sends nothing.
         skew: Advance of its clock, s.
-        sleeps: Function called in each sleep.
+        claims: Number of claims before commands.
     """
 
     time: float = 0.0
@@ -74,6 +74,7 @@ class Peer:
     endpoints: list[Endpoint] = field(default_factory=list)
     sent: float = -1.0
     moving: bool = True
+    claims: int = 0
 
     def clock(self) -> Clock:
         return Clock(lambda: self.time, lambda: _EPOCH + self.time, self.sleep)
@@ -93,6 +94,9 @@ class Peer:
         noise = 1e-6 * math.sin(1e4 * self.time)
         sample = JointSample("arm", stamp, NAMES, tuple(self.positions + noise), (0.0, 0.0))
         return [*faults, *self.alter(sample)]
+
+    def claim(self) -> None:
+        self.claims += 1
 
     def send(self, driver: str, command: Command) -> None:
         self.commands.append((self.time, command))

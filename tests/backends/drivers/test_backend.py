@@ -330,6 +330,21 @@ def test_first_reference_far_from_the_robot_is_refused(urdf: Path, stage: StageD
     assert not peer.commands
 
 
+def test_robot_is_claimed_after_consent_and_not_by_examining(
+    urdf: Path, stage: StageDocument
+) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    driven.examine(0.3)
+    driven.attend(Answers(False))
+    with pytest.raises(BackendError, match="not set up"):
+        driven.reset(stage, None, np.random.default_rng(0))
+    assert peer.claims == 0
+    driven.attend(Answers(True))
+    driven.reset(stage, None, np.random.default_rng(0))
+    assert peer.claims == 1
+
+
 def test_joint_order_of_messages_does_not_matter(urdf: Path, stage: StageDocument) -> None:
     peer = Peer(positions=np.array([0.2, -0.4]), alter=lambda s: [_only(s, [1, 0])])
     driven = backend(peer, urdf)

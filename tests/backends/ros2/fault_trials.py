@@ -259,6 +259,7 @@ class Trial:
         from cbdsl.backends.ros2.link import Ros2Link
 
         link = Ros2Link(self._robot, self._robot.drivers, None)
+        link.claim()
         names = self._robot.effectors["arm"].joints
         self._faults.add(np.array([time.time()]))
         while True:
@@ -311,6 +312,7 @@ class _Tapped:
     def __init__(self, link: DriverLink, commands: Shared) -> None:
         self._link, self._commands = link, commands
         self.poll, self.survey, self.close = link.poll, link.survey, link.close
+        self.claim = link.claim
 
     def send(self, driver: str, command: Command) -> None:
         self._commands.add(np.array([time.time(), *command.positions]))

@@ -49,6 +49,7 @@ def test_ticks_of_a_served_robot_keep_no_memory(monkeypatch: pytest.MonkeyPatch)
     served = RobotServer(robot, urdf, simulated_robot("kinematic", robot, urdf, "ideal"))
     viewed = with_views(robot, ideal=True)
     link = Ros2Link(viewed, viewed.drivers, None)
+    link.claim()
     try:
         served.reset(read_stage("table_right", robot), None, 0)
         joints = tuple(j for e in robot.drivers["body"].moves for j in robot.joints(e))

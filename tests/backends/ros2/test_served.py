@@ -84,6 +84,24 @@ def test_doctor_examines_a_served_robot_and_a_program_runs_on_it(
     assert "move came to rest" in run.stdout
 
 
+def test_doctor_leaves_a_running_program_alone_at_another_rate(
+    environment: dict[str, str],
+) -> None:
+    options = ("--cameras", "ideal", "--seed", "3", "--rate", "120")
+    with served(environment, "--backend", "kinematic", "--stage", "table_right", *options):
+        words = ("run", "searchtrack", "--backend", "ros2", "--yes", "--episodes", "8")
+        program = subprocess.Popen(
+            [*CB, *words, *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env=environment, cwd=ROOT,
+        )  # fmt: skip
+        assert program.stdout is not None
+        assert any(line.startswith("episode 1") for line in program.stdout)
+        doctor = cb(environment, "drive", "doctor", "dexter", "--cameras", "ideal")
+        _, problems = program.communicate(timeout=60)
+    assert program.returncode == 0, problems
+    assert "Topics" in doctor.stdout, doctor.stderr
+
+
 def test_run_without_a_robot_names_each_topic(environment: dict[str, str]) -> None:
     run = cb({**environment, "ROS_DOMAIN_ID": "80"}, "run", "posture", "--backend", "ros2", "--yes")
     assert run.returncode == 2

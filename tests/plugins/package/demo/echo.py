@@ -49,6 +49,9 @@ class EchoLink:
             for name, command in self._positions.items()
         ]
 
+    def claim(self) -> None:
+        """Do nothing: no other program commands it."""
+
     def send(self, driver: str, command: Command) -> None:
         """Move to references."""
         self._positions[driver] = command
