@@ -76,7 +76,9 @@ def _judged(file: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
     """Yield the outcomes with aims of a judge's file."""
     for row in file["rows"]:
         if row["aim"]:
-            setting = {key: file[key] for key in ("command", "commit", "seed")}
+            # A row of an earlier run holds the command of that run.
+            run = row.get("run", file)
+            setting = {key: run[key] for key in ("command", "commit", "seed")}
             yield {**row, **setting, "condition": f"{row['condition']}: {row['outcome']}"}
 
 

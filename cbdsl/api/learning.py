@@ -16,9 +16,12 @@ from cbdsl.learning.exploration import ExplorationStep
 from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.learning.impedance import AXES, DIRECTIONS, KINDS, ImpedanceProfile, ImpedanceTest
 from cbdsl.learning.learner import ASSIMILATE
+from cbdsl.learning.pair_recognition import recognise
 from cbdsl.learning.stack_plan import StackPlan, plan_stack
 from cbdsl.learning.thing_graph import support_graph
 from cbdsl.learning.transition_counts import TransitionCounts
+from cbdsl.numeric.affordance import AffordanceModel
+from cbdsl.program.catalog_models import pair_models
 
 __all__ = [
     "ASSIMILATE",
@@ -29,6 +32,7 @@ __all__ = [
     "Accommodate",
     "AccommodateConstants",
     "ActionOutcome",
+    "AffordanceModel",
     "Assimilate",
     "AssimilateConstants",
     "Decisions",
@@ -41,6 +45,8 @@ __all__ = [
     "StackPlan",
     "TransitionCounts",
     "TriedContext",
+    "pair_models",
     "plan_stack",
+    "recognise",
     "support_graph",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cbdsl.backends.cameras.camera_system import camera_errors
 from cbdsl.numeric.arrays import Image
 from cbdsl.program.binding import bind
 from cbdsl.robot.channel_names import channel_names
@@ -9,18 +10,20 @@ from cbdsl.robot.pair_names import pair_features
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import Runner
-from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObserver
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
-from cbdsl.sensing.camera import heading
+from cbdsl.sensing.camera import heading, within_view
 from cbdsl.sensing.channels import bin_mask
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.stereo import Ray, triangulate
 from cbdsl.types.resource import Headings, KernelSample, NetForces, NetLoad, Resource, Tip
 
 __all__ = [
     "ControllerRun",
     "EpisodeListeners",
+    "EpisodeObserver",
     "FeatureReader",
     "Headings",
     "Image",
@@ -28,6 +31,7 @@ __all__ = [
     "NetForces",
     "NetLoad",
     "ProgramRun",
+    "Ray",
     "Resource",
     "Runner",
     "Signals",
@@ -35,8 +39,11 @@ __all__ = [
     "Tip",
     "bin_mask",
     "bind",
+    "camera_errors",
     "channel_names",
     "heading",
     "pair_features",
     "resources",
+    "triangulate",
+    "within_view",
 ]

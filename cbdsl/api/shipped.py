@@ -70,9 +70,10 @@ def shipped_program(
     *,
     stage: str | None = None,
     policy: str | None = None,
+    schema: str | None = None,
     values: Mapping[str, str] | None = None,
 ) -> RunRequest:
     """Load a shipped program with shipped documents alone; see ``cbdsl.load``."""
     from cbdsl.api.load import load
 
-    return load(name, stage=stage, policy=policy, values=values, folder=shipped())
+    return load(name, stage=stage, policy=policy, schema=schema, values=values, folder=shipped())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.api.program import CheckedProgram
 
 _SOURCE = ("place", "velocity", "volume")
 

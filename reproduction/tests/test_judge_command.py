@@ -108,6 +108,44 @@ def test_judge_prints_a_line_per_count(
     )
 
 
+def test_judge_only_replaces_the_rows_that_it_measured(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    file = tmp_path / "toy.json"
+    cb(monkeypatch, "toy", "--seed", "4", "--out", str(tmp_path))
+    before = json.loads(file.read_text())
+    again = ["--only", "easy", "--seed", "9", "--episodes", "3"]
+    cb(monkeypatch, "toy", *again, "--out", str(tmp_path))
+    after = json.loads(file.read_text())
+    cells = ("condition", "outcome", "successes", "n", "interval")
+    rows = {
+        "before": {tuple(map(str, (row[key] for key in cells))) for row in before["rows"]},
+        "after": {tuple(map(str, (row[key] for key in cells))) for row in after["rows"]},
+    }
+    hard = {row for row in rows["before"] if row[0] == "hard one"}
+    assert hard and hard <= rows["after"]
+    assert {row[3] for row in rows["after"] - hard} == {"3"}
+    assert [row["condition"] for row in after["rows"]] == [
+        row["condition"] for row in before["rows"]
+    ]
+    own = {row["condition"]: row.get("run", after)["command"] for row in after["rows"]}
+    assert own["hard one"] == before["command"] and "--only easy" in own["easy"]
+    assert after["measures"]["hard one"] == before["measures"]["hard one"]
+    assert after["met"] is False
+    cb(monkeypatch, "toy", "--only", "hard one", "--seed", "2", "--out", str(tmp_path))
+    third = json.loads(file.read_text())
+    assert {row.get("run", third)["seed"] for row in third["rows"]} == {2, 9}
+
+
+def test_judge_refuses_a_foreign_result_file_before_any_episode(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "toy.json").write_text("[1, 2]")
+    assert cb(monkeypatch, "toy", "--out", str(tmp_path)) == 2
+    told = capsys.readouterr()
+    assert "holds no result of cb judge toy; move it away" in told.err and not told.out
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -31,7 +31,7 @@ CONDITIONS = [
     for judge in JUDGES.values()
     for condition in judge.conditions
     # Those of stacks name contexts of two stages; values of claims depend on the context.
-    if judge.name not in ("stacks", "claims")
+    if judge.name not in ("stacks", "claims") and condition.program
 ]
 
 

@@ -35,7 +35,10 @@ Workers = Annotated[
         "--workers", min=1, help="Number of parallel processes; the result does not depend on it."
     ),
 ]
-Out = Annotated[Path | None, typer.Option("--out", help="Additional output: folder for NAME.json.")]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", help="Folder for NAME.json, in which only measured rows are replaced."),
+]
 
 
 def judge(
@@ -81,7 +84,7 @@ def judge(
         episodes or chosen.episodes,
     )
     if out is not None:
-        _require_writable(out)
+        _require_writable(out, name)
     result = result_of(campaign, _run(campaign, workers))
     if out is not None:
         _write(out, result)
@@ -178,17 +181,19 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
         print("\t".join(cells.values()))
 
 
-def _require_writable(out: Path) -> None:
-    """Check before the episodes that the result can be written.
+def _require_writable(out: Path, name: str) -> None:
+    """Check before the episodes that the result can be written, or joined to the kept one.
 
     Raises:
-        UsageError: The folder cannot be created.
+        UsageError: The folder cannot be created, or a file is in the way.
     """
     from cbdsl import UsageError
     from cbdsl.cli.command import reason
+    from cbdsl_reproduction.judges.kept_result import read_result
 
     try:
         out.mkdir(parents=True, exist_ok=True)
+        read_result(out / f"{name}.json")
     except OSError as error:
         raise UsageError(f"--out {out}: cannot be written ({reason(error)})") from error
 
@@ -197,6 +202,9 @@ def _write(out: Path, result: dict[str, Any]) -> None:
     import json
 
     from cbdsl.api.documents import write_text
+    from cbdsl_reproduction.judges.kept_result import merged, read_result
 
-    text = json.dumps(result, indent=1, ensure_ascii=False) + "\n"
-    write_text(text, out / f"{result['judge']}.json")
+    file = out / f"{result['judge']}.json"
+    known = read_result(file)
+    whole = result if known is None else merged(result, known)
+    write_text(json.dumps(whole, indent=1, ensure_ascii=False) + "\n", file)

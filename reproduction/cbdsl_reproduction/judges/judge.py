@@ -48,7 +48,7 @@ class JudgedCondition:
 
     Attributes:
         name: Name in results.
-        program: Name of the program.
+        program: Name of the program; empty without a shipped one.
         aims: Aim of each outcome that the judge counts.
         stage: Name of the stage; the program's own if ``None``.
         context: Context of the stage; drawn by share if ``None``.
@@ -113,4 +113,5 @@ class Judge:
     @property
     def programs(self) -> tuple[str, ...]:
         """Names of the programs, in the order of the conditions."""
-        return tuple(dict.fromkeys(condition.program for condition in self.conditions))
+        names = dict.fromkeys(condition.program for condition in self.conditions)
+        return tuple(name for name in names if name)

@@ -7,28 +7,36 @@ from types import MappingProxyType
 
 from cbdsl_reproduction.judges import (
     both_hands,
+    calibration,
     claims,
+    constellations,
     everyday,
     find_by_touch,
     find_the_other,
+    five_skills,
+    force,
     gripper,
     handover,
     holding,
     hover_follow,
+    impedance,
     insertion,
+    mounted_touch,
     pick_and_place,
     placing,
     planned_stacks,
     reach,
+    scenes,
+    schemas,
     stacks,
     success_rates,
     touch_table,
+    triangulation,
 )
 from cbdsl_reproduction.judges.judge import Judge
 
 _ALL = (
     success_rates.JUDGE,
-    reach.JUDGE,
     claims.JUDGE,
     everyday.JUDGE,
     holding.JUDGE,
@@ -44,6 +52,16 @@ _ALL = (
     insertion.JUDGE,
     stacks.JUDGE,
     planned_stacks.JUDGE,
+    force.JUDGE,
+    impedance.JUDGE,
+    constellations.JUDGE,
+    scenes.JUDGE,
+    triangulation.JUDGE,
+    calibration.JUDGE,
+    schemas.JUDGE,
+    reach.JUDGE,
+    five_skills.JUDGE,
+    mounted_touch.JUDGE,
 )
 
 #: Judges in the order of ``cb judge --list``.

@@ -5,7 +5,7 @@ kinematics. The right hand grasps an object at twelve places of the right half o
 both arms ascend their manipulability until it rests. Mounts are first spread over the bounds, then
 drawn near the best ones. Rows are appended to a file, so that a search can continue.
 
-    python benchmarks/search_mounts.py build/mounts.jsonl --spread 400 --trials 1000 --seconds 150
+    python -m cbdsl_reproduction.mounts.search_mounts build/mounts.jsonl --spread 400 --trials 1000
 
 With ``--judge`` the mounts of some rows are tried again: objects are grasped at ``--grasps`` random
 places, and both hands reach for as many on either half of the table.
@@ -16,18 +16,18 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from arm_mount import TODAY, ArmMount, near, spread_over
-from mount_trial import MountTrial, anywhere, judge
-from mounted_arms import JACOBIANS
 
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.api.shipped import shipped_robot
+from cbdsl_reproduction.mounts.arm_mount import TODAY, ArmMount, near, spread_over
+from cbdsl_reproduction.mounts.mount_trial import MountTrial, anywhere, judge
+from cbdsl_reproduction.mounts.mounted_arms import JACOBIANS
 from cbdsl_reproduction.trial_record import plain_data, read_record
 
 # Number of best mounts used as parents, and spread of their children, of the bounds.
@@ -47,7 +47,7 @@ def search(
         seed: Seed of the mounts.
         seconds: Time after which no other mount is begun.
     """
-    robot = _dexter()
+    robot, _ = shipped_robot("dexter")
     done = read(file) if file.exists() else []
     begun = perf_counter()
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -62,16 +62,11 @@ def search(
     return done
 
 
-def _dexter() -> RobotDocument:
-    library = Library(shipped())
-    return library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
-
-
 def judge_again(
     done: Sequence[MountTrial], numbers: Sequence[int], grasps: int, seed: int
 ) -> Iterator[MountTrial]:
     """Yield mounts of some rows, judged at places that no search has seen."""
-    robot = _dexter()
+    robot, _ = shipped_robot("dexter")
     for number in numbers:
         row = next(trial for trial in done if trial.number == number)
         mount = TODAY if number == 0 else ArmMount(**row.mount)
@@ -137,13 +132,14 @@ def main() -> None:
     if options.judge:
         done = read(options.file)
         judged = judge_again(done, options.judge, options.grasps, options.seed)
-        print("\n".join(lines(list(judged), done[0])))
+        sys.stdout.write("\n".join([*lines(list(judged), done[0]), ""]))
         return
     done = search(
         options.file, options.jacobian, options.spread, options.trials, options.seed,
         options.seconds,
     )  # fmt: skip
-    print("\n".join(lines([done[0], *best_of(done, options.best)], done[0])))
+    shown = [done[0], *best_of(done, options.best)]
+    sys.stdout.write("\n".join([*lines(shown, done[0]), ""]))
 
 
 if __name__ == "__main__":

@@ -9,10 +9,10 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from arm_mount import ArmMount
-from mounted_arms import RADIUS, TABLE, TOGETHER, MountedArms
 
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.api.documents import RobotDocument
+from cbdsl_reproduction.mounts.arm_mount import ArmMount
+from cbdsl_reproduction.mounts.mounted_arms import RADIUS, TABLE, TOGETHER, MountedArms
 
 Place = tuple[float, float]
 

@@ -1,4 +1,4 @@
-"""Mounts of Dexter's arms are written, moved, judged and searched as benchmarks/ says."""
+"""Mounts of Dexter's arms are written, moved, judged and searched as documented."""
 
 from __future__ import annotations
 
@@ -21,10 +21,9 @@ PLACE = (0.55, -0.2)
 
 
 @pytest.fixture
-def modules(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Return the benchmark's modules by name."""
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    return importlib.import_module
+def modules() -> Any:
+    """Return the function that imports a module of the mounts by its name."""
+    return lambda name: importlib.import_module(f"cbdsl_reproduction.mounts.{name}")
 
 
 @pytest.fixture
@@ -184,8 +183,7 @@ def test_a_posture_of_one_arm_is_rewritten(modules: Any) -> None:
 def test_opposed_arms_come_to_rest_with_palms_opposite_each_other(
     modules: Any, dexter: RobotDocument
 ) -> None:
-    file = ROOT / "benchmarks" / "opposed_arms.json"
-    mount, postures = modules("mounted_touch").read_mount(file, 0)
+    mount, postures = modules("mounted_touch").read_opposed()
     # The mount's own posture is not looked for: the file has it.
     arms = modules("mounted_arms").MountedArms(dexter, mount)
     for side in ("left", "right"):
@@ -203,14 +201,3 @@ def test_a_mount_near_another_is_within_the_bounds(modules: Any) -> None:
     for mount in [*mounts.spread_over(5, rng), mounts.near(replace(high, roll=3.1), 0.3, rng)]:
         for name in mounts.NAMES:
             assert getattr(low, name) <= getattr(mount, name) <= getattr(high, name)
-
-
-def test_what_became_of_touches_is_counted(modules: Any) -> None:
-    touch = modules("mounted_touch")
-    good = touch.Episode(1, True, 0.1, True, True, True, 30.0, "")
-    lost = good._replace(seed=2, apart=0.3, rewarded=False, both=False)
-    unheld = good._replace(seed=3, apart=0.2, both=False)
-    row = touch.summarise([good, lost, unheld])
-    assert (row["taken"], row["met"], row["rewarded"], row["rewarded_and_both"]) == (3, 3, 2, 1)
-    assert row["median_apart_m"] == 0.2
-    assert [seed for seed, _ in row["amiss"]] == [2]

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 import runpy
 from dataclasses import astuple, dataclass, fields
-from pathlib import Path
 
 import numpy as np
 
-from cbdsl.numeric.arrays import Floats
+from cbdsl.api.control import Floats
+from cbdsl.api.shipped import shipped_folder
 
-ROOT = Path(__file__).parents[1]
-SCRIPT = ROOT / "robots" / "make_dexter.py"
+SCRIPT = shipped_folder() / "robots" / "make_dexter.py"
 
 
 @dataclass(frozen=True)

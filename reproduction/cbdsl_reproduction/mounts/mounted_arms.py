@@ -9,17 +9,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from arm_mount import TODAY, ArmMount
 from numpy.typing import NDArray
 
-from cbdsl.control.law import Law, LawSettings
-from cbdsl.control.level import Level
-from cbdsl.control.localizability import seen_by
-from cbdsl.control.manipulability import of_jacobian
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.camera import heading, within_view
+from cbdsl.api.control import (
+    Floats,
+    Kinematics,
+    Law,
+    LawSettings,
+    Level,
+    localizability_potential,
+    manipulability_potential,
+)
+from cbdsl.api.documents import RobotDocument
+from cbdsl.api.sensing import heading, within_view
+from cbdsl_reproduction.mounts.arm_mount import TODAY, ArmMount
 
 SIDES = "left", "right"
 #: The Jacobians that a manipulability of both arms may be of.
@@ -196,7 +199,9 @@ class MountedArms:
         if not all(within_view(*each, 0.0) for each in zip(lenses, lines, strict=True)):
             return False, math.nan
         headings = [heading(line) for line in lines]
-        phi = seen_by(cameras).evaluate(np.concatenate(headings), np.zeros(0), 4)[0]
+        phi = localizability_potential(cameras).evaluate(np.concatenate(headings), np.zeros(0), 4)[
+            0
+        ]
         bones = self._bones(frozenset(held))
         clear = all(_clears(camera.position, place, bone) for camera in cameras for bone in bones)
         return clear, phi
@@ -378,7 +383,7 @@ def mirrored(right: Floats, limits: tuple[Floats, Floats]) -> Floats:
 def _slope(jacobian: Floats, bend: Floats) -> Floats:
     """Return the gradient of log sqrt(det(J J^T)): J (k, n), its change per joint (k, n, n)."""
     rows, joints = jacobian.shape
-    phi, _, slope = of_jacobian(rows, joints).evaluate(
+    phi, _, slope = manipulability_potential(rows, joints).evaluate(
         np.ascontiguousarray(jacobian).ravel(), np.zeros(0), rows * joints
     )
     gradient: Floats = np.einsum("ki,kij->j", slope[0].reshape(rows, joints), bend) / phi

@@ -1,6 +1,6 @@
 """Map of the mounts that were tried: how far apart the hands end, by the way joint 1's axis points.
 
-python benchmarks/mount_map.py build/mounts.jsonl docs/assets/arm_mounts.svg
+python -m cbdsl_reproduction.mounts.mount_map build/mounts.jsonl docs/assets/arm_mounts.svg
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator, Sequence
 from html import escape
 from pathlib import Path
 
-from mount_trial import GRASPS, PLACES, MountTrial
-from mounted_arms import TOGETHER
-from search_mounts import best_of, read
+from cbdsl_reproduction.mounts.mount_trial import GRASPS, PLACES, MountTrial
+from cbdsl_reproduction.mounts.mounted_arms import TOGETHER
+from cbdsl_reproduction.mounts.search_mounts import best_of, read
 
 # Median distances of the tips below which a colour goes, m; legible without colour vision
 # (ColorBrewer's YlGnBu, the nearest hands darkest).

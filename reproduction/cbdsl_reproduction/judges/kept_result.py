@@ -1,0 +1,52 @@
+"""Results of judges in files, in which a run replaces only the rows that it measured."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+#: Keys of a result that describe its run; a kept row holds those of its own run.
+RUN = ("command", "commit", "versions", "backend", "cameras", "seed", "episodes")
+
+
+def read_result(file: Path) -> dict[str, Any] | None:
+    """Return the result in a file, or ``None`` if there is no file.
+
+    Raises:
+        OSError: The file cannot be read.
+        UsageError: It is no result of the judge that it is named after.
+    """
+    from cbdsl import UsageError
+
+    if not file.exists():
+        return None
+    try:
+        result = json.loads(file.read_text(encoding="utf-8"))
+    except ValueError:
+        result = None
+    if not isinstance(result, dict) or result.get("judge") != file.stem:
+        raise UsageError(f"{file}: holds no result of cb judge {file.stem}; move it away")
+    return result
+
+
+def merged(result: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a result with the rows of a kept one for conditions that it has not measured.
+
+    Args:
+        result: Result of the new run.
+        known: Kept result of the same judge.
+    """
+    measured = result["measures"].keys()
+    run = {key: known.get(key) for key in RUN}
+    kept = [{"run": run, **row} for row in known["rows"] if row["condition"] not in measured]
+    rows = [*result["rows"], *kept]
+    order = list(dict.fromkeys(row["condition"] for row in (*known["rows"], *rows)))
+    rows.sort(key=lambda row: order.index(row["condition"]))
+    return {
+        **result,
+        "met": all(row["met"] for row in rows),
+        "rows": rows,
+        "measures": {**known["measures"], **result["measures"]},
+    }

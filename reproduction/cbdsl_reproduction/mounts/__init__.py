@@ -1,0 +1,1 @@
+"""Mounts of the arms with which manipulability joins the hands: search, map and judgement."""
