@@ -24,7 +24,8 @@ Each table holds the newest judged numbers of a capability.
 Intervals are exact (Clopper-Pearson, 95 %) unless a line says otherwise.
 Rows without a commit belong to the first-order control law (commit 55090bcb); their own is unknown.
 Seeds from 7000000 are [judging seeds](seeds.md); no listed seed influenced a choice.
-A command stands in the first of successive rows that it gives; scripts are in `benchmarks/` of the row's commit.
+A command stands in the first of successive rows that it gives.
+Scripts are in `benchmarks/` of the row's commit.
 Since then `cb judge NAME` has taken over force, constellations, scenes, triangulation, calibration,
 schemas and five_skills.
 [Judge behaviour](how_to/judge_behaviour.md) explains `cb judge`.
