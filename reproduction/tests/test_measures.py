@@ -55,7 +55,7 @@ def test_fallen_pair_that_is_judged_to_stand_is_a_false_judgement() -> None:
     outcomes = constellations.outcomes(catalog, trial)
     assert outcomes["judged standing though fallen"] is True
     assert outcomes["judged standing"] is outcomes["pair by constellation"] is None
-    # Without features a pair is not told to stand, which is right before and after.
+    # Without features a pair does not count as standing, which is right before and after.
     assert outcomes["beside, told before"] is outcomes["on or beside, told after"] is True
     stood = constellations.outcomes(catalog, trial._replace(stands=True))
     assert stood["on or beside, told after"] is stood["pair by constellation"] is False

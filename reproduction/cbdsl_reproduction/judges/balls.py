@@ -67,7 +67,7 @@ limits: {transitions: 100, transition_time: 12 s}
 """
 
 
-class Ball(NamedTuple):
+class TableBall(NamedTuple):
     """Ball on the table: centre, m, shape (3,), radius, m, and the channel of its colour."""
 
     centre: Floats
@@ -99,7 +99,7 @@ class Rig:
         self._kinematics.update(positions)
         return [self._kinematics.frame(camera.link) for camera in self.robot.cameras.values()]
 
-    def are_whole(self, balls: list[Ball], **joints: float) -> bool:
+    def are_whole(self, balls: list[TableBall], **joints: float) -> bool:
         """Return True if both cameras see all of each ball, with a margin and unoccluded."""
         for camera, frame in zip(self.robot.cameras.values(), self.frames(**joints), strict=True):
             lines = [ball.centre - frame.position for ball in balls]
@@ -114,7 +114,7 @@ class Rig:
                     return False
         return True
 
-    def show(self, balls: list[Ball], rng: np.random.Generator, **joints: float) -> None:
+    def show(self, balls: list[TableBall], rng: np.random.Generator, **joints: float) -> None:
         """Begin a new world with some balls."""
         fixtures = {"table": TABLE | {"color": [0.6, 0.45, 0.3]}} | {
             f"ball_{number}": {
@@ -150,7 +150,7 @@ class Rig:
         """Return the memories of the instances of a channel."""
         return self.signals.vision.instances[channel].memories
 
-    def place(self, ball: Ball) -> tuple[int, float] | None:
+    def place(self, ball: TableBall) -> tuple[int, float] | None:
         """Return the number of the memory nearest to a ball, and its distance, m."""
         memories = self.memories(ball.channel)
         errors = [
@@ -176,7 +176,7 @@ class Rig:
                 ):
                     yield memory
 
-    def shows(self, ball: Ball) -> bool:
+    def shows(self, ball: TableBall) -> bool:
         """Return True if both cameras are turned to a ball's place now."""
         return all(
             within_view(camera, pose.rotation.T @ (ball.centre - pose.position), 1.05 * ball.radius)
@@ -204,19 +204,19 @@ def stage_of(**sections: Any) -> StageDocument:
     return StageDocument.model_validate(head | sections)
 
 
-def drawn(rng: np.random.Generator, wide: bool = False) -> list[Ball]:
+def drawn(rng: np.random.Generator, wide: bool = False) -> list[TableBall]:
     """Return three balls, two of one hue, with 2 cm or more between them."""
-    balls: list[Ball] = []
+    balls: list[TableBall] = []
     aside = 0.4 if wide else 0.22
     while len(balls) < 3:
         radius = rng.uniform(0.03, 0.07)
         centre = np.array([rng.uniform(0.4, 0.8), rng.uniform(-aside, aside), _TOP + radius])
         if all(math.dist(centre, b.centre) > radius + b.radius + 0.02 for b in balls):
-            balls.append(Ball(centre, radius, "hue_7" if len(balls) == 2 else "hue_1"))
+            balls.append(TableBall(centre, radius, "hue_7" if len(balls) == 2 else "hue_1"))
     return balls
 
 
-def drawn_in_view(rig: Rig, rng: np.random.Generator) -> tuple[list[Ball], dict[str, float]]:
+def drawn_in_view(rig: Rig, rng: np.random.Generator) -> tuple[list[TableBall], dict[str, float]]:
     """Return balls that both cameras see whole while the head sways, and its joints."""
     while True:
         balls = drawn(rng)
@@ -226,14 +226,14 @@ def drawn_in_view(rig: Rig, rng: np.random.Generator) -> tuple[list[Ball], dict[
             return balls, joints
 
 
-def drawn_for_carrying(rig: Rig, channel: str, rng: np.random.Generator) -> dict[str, Ball]:
+def drawn_for_carrying(rig: Rig, channel: str, rng: np.random.Generator) -> dict[str, TableBall]:
     """Return two balls within reach that both cameras see whole, 10 cm or more apart."""
     while True:
         balls = []
         for each in ("hue_1", channel):
             radius = rng.uniform(0.04, 0.06)
             centre = rng.uniform(0.45, 0.65), rng.uniform(-0.35, -0.05), _TOP + radius
-            balls.append(Ball(np.array(centre), radius, each))
+            balls.append(TableBall(np.array(centre), radius, each))
         one, other = balls
         gap = math.dist(one.centre, other.centre) - one.radius - other.radius
         if gap > 0.1 and rig.are_whole(balls, **CARRYING):

@@ -115,7 +115,7 @@ def _table_error(
     return 1000 * float(np.linalg.norm(crossing.position - place))
 
 
-class _Contacts(Watch):
+class _RewardedContacts(Watch):
     """Contacts of a rewarded hand at the end of its episode."""
 
     def conclude(self, result: cbdsl.EpisodeResult) -> EpisodeVerdict:
@@ -143,7 +143,7 @@ def _measure(
         measures = camera_measures(request)
         with cbdsl.simulate(request, backend=body.backend, cameras=body.cameras) as simulated:
             for seed in own:
-                watch = _Contacts(simulated, condition, body)
+                watch = _RewardedContacts(simulated, condition, body)
                 yield watch_episode(simulated, watch, seed)._replace(measures=measures)
 
 

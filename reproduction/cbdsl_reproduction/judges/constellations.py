@@ -50,7 +50,7 @@ def vector(
 
 def models(catalog: MetaCatalogDocument, names: Sequence[str]) -> dict[str, AffordanceModel]:
     """Return models of the pairs that ever stayed, over some of their features."""
-    found = {}
+    result = {}
     for pair, model in pair_models(catalog).items():
         place, chosen = 0, list[int]()
         for name, feature in catalog.pairs[pair].features.items():
@@ -58,14 +58,14 @@ def models(catalog: MetaCatalogDocument, names: Sequence[str]) -> dict[str, Affo
             place += feature.components
             chosen += own if name in names else []
         if chosen:
-            found[pair] = model.over(chosen)
-    return found
+            result[pair] = model.over(chosen)
+    return result
 
 
 def outcomes(catalog: MetaCatalogDocument, trial: ConstellationTrial) -> dict[str, bool | None]:
-    """Return the outcomes of a trial; those that it cannot have are ``None``."""
+    """Return the outcomes of a trial; impossible ones are ``None``."""
     pair, both = trial.things, models(catalog, _BOTH)
-    found: dict[str, bool | None] = {
+    result: dict[str, bool | None] = {
         "judged standing": trial.judged if trial.stands else None,
         "judged standing though fallen": trial.judged and not trial.stands,
         "beside, told before": None,
@@ -75,16 +75,16 @@ def outcomes(catalog: MetaCatalogDocument, trial: ConstellationTrial) -> dict[st
     }
     if pair in both:
         own = {pair: both[pair]}
-        found["beside, told before"] = not _is_told(catalog, own, trial.before)
-        found["on or beside, told after"] = _is_told(catalog, own, trial.after) == trial.stands
+        result["beside, told before"] = not _is_told(catalog, own, trial.before)
+        result["on or beside, told after"] = _is_told(catalog, own, trial.after) == trial.stands
     for names, outcome in (
         (_SHAPE, "pair by constellation"), (_BOTH, "pair by constellation and offset"),
     ):  # fmt: skip
         known = models(catalog, names)
         if trial.stands and pair in known:
             features = vector(catalog, pair, trial.after, names)
-            found[outcome] = features is not None and recognise(known, features).pair == pair
-    return found
+            result[outcome] = features is not None and recognise(known, features).pair == pair
+    return result
 
 
 def _is_told(

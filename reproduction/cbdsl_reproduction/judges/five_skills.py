@@ -26,7 +26,7 @@ _POLICIES = Path("knowledge") / "policies"
 
 
 @dataclass(frozen=True)
-class Skill:
+class LearnedSkill:
     """Policy to learn.
 
     Attributes:
@@ -57,11 +57,13 @@ class Skill:
 
 #: Skills by the name of their policies, bottom up. Actions may take as long as in the source, or
 #: less where waiting teaches nothing, least while nothing moves.
-SKILLS: Mapping[str, Skill] = {
-    "searchtrack": Skill("searchtrack", "searchtrack_training", 50),
-    "searchtrack_table": Skill("searchtrack", "table_training", 50),
-    "tactileprobe": Skill("tactileprobe", "held_right", 25, {"density": "gaussian", "prior": "25"}),
-    "reachtouch": Skill(
+SKILLS: Mapping[str, LearnedSkill] = {
+    "searchtrack": LearnedSkill("searchtrack", "searchtrack_training", 50),
+    "searchtrack_table": LearnedSkill("searchtrack", "table_training", 50),
+    "tactileprobe": LearnedSkill(
+        "tactileprobe", "held_right", 25, {"density": "gaussian", "prior": "25"}
+    ),
+    "reachtouch": LearnedSkill(
         "reachtouch",
         "reachtouch_training",
         25,
@@ -69,7 +71,7 @@ SKILLS: Mapping[str, Skill] = {
         transition_time=8.0,
         idle_time=1.0,
     ),
-    "visualinspect": Skill(
+    "visualinspect": LearnedSkill(
         "visualinspect",
         "visualinspect_training",
         50,
@@ -77,7 +79,7 @@ SKILLS: Mapping[str, Skill] = {
         held_out="spotted_right",
     ),
     # Without a limit, a search for objects out of reach takes hours of simulated time.
-    "bimanualtouch": Skill(
+    "bimanualtouch": LearnedSkill(
         "bimanualtouch",
         "bimanualtouch_training",
         25,
@@ -125,7 +127,7 @@ def learned(name: str, seed: int, body: BodyChoice) -> Path:
     return folder / _POLICIES / f"{name}.yaml"
 
 
-def _file(folder: Path, skill: Skill) -> Path:
+def _file(folder: Path, skill: LearnedSkill) -> Path:
     return folder / "programs" / f"{skill.program}.yaml"
 
 

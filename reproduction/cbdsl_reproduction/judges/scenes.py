@@ -192,7 +192,7 @@ def _measure(
 
         for seed in seeds:
             for place, right in enumerate(show(rig, np.random.default_rng(seed))):
-                # A scene has a ghost once, whatever the number of its balls.
+                # A scene with a ghost counts once, beside any of its balls.
                 ghost = None if place else rig.ghosts > 0
                 outcomes = {"right": right, "ghost": ghost}
                 yield EpisodeVerdict(seed, outcomes, math.nan, "", context=f"ball {place}")

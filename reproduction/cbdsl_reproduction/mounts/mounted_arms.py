@@ -68,7 +68,7 @@ class Reach(NamedTuple):
         return self.error < _ARRIVED and self.tilt < _TILTED and self.clear
 
 
-class Meeting(NamedTuple):
+class HandMeeting(NamedTuple):
     """Final state of both arms after the ascent of manipulability.
 
     Attributes:
@@ -160,7 +160,7 @@ class MountedArms:
                 break
         return self._reached(side, goal)
 
-    def bring_together(self, jacobian: str) -> Meeting:
+    def bring_together(self, jacobian: str) -> HandMeeting:
         """Climb up the manipulability of both arms from where they are.
 
         Args:
@@ -215,9 +215,14 @@ class MountedArms:
         lower, upper = self.limits
         rng = np.random.default_rng(0)
         starts = rng.uniform(0.7 * lower + 0.3 * upper, 0.3 * lower + 0.7 * upper, (6, 7))
-        found = [self._settle(start, self.mount.rest) for start in starts]
-        self.unfit = min(error for _, error in found)
-        return min(found, key=lambda each: max(each[1], 0.02) * (1 + self._off_middle(each[0])))[0]
+        settled = [self._settle(start, self.mount.rest) for start in starts]
+        self.unfit = min(error for _, error in settled)
+
+        def unfitness(rest: tuple[Floats, float]) -> float:
+            posture, error = rest
+            return max(error, 0.02) * (1 + self._off_middle(posture))
+
+        return min(settled, key=unfitness)[0]
 
     def _find_ready(self) -> Floats:
         """Return the attracting posture of reaches: above the right half, elbow as at rest."""
@@ -325,7 +330,7 @@ class MountedArms:
                 bones.append((wrist, palm, _HAND))
         return bones
 
-    def _meeting(self, clear: bool) -> Meeting:
+    def _meeting(self, clear: bool) -> HandMeeting:
         self.kinematics.update(self.posture)
         left, right = (self.kinematics.point(*self.tips[side]).position for side in SIDES)
         thing, other = self._grasped("right"), self._grasped("left")
@@ -336,7 +341,7 @@ class MountedArms:
             for other_one in np.linspace(*fore[1], 12)
         )
         apart, aim = (float(np.linalg.norm(way)) for way in (left - right, thing - other))
-        return Meeting(apart, aim, tuple(thing.tolist()), clear, free, *self.sees(thing, SIDES))
+        return HandMeeting(apart, aim, tuple(thing.tolist()), clear, free, *self.sees(thing, SIDES))
 
     def gradient(self, jacobian: str) -> Floats:
         """Return the gradient of the measure's logarithm by both arms' joints, shape (14,)."""

@@ -32,7 +32,7 @@ _HANDS = {"left_hand", "right_hand"}
 Postures = Mapping[str, Mapping[str, Sequence[float]]]
 
 
-class Episode(NamedTuple):
+class TouchEpisode(NamedTuple):
     """Episode with one object.
 
     Attributes:
@@ -116,7 +116,7 @@ def run_episodes(
     seeds: Iterable[int],
     turns: Sequence[float] = (0.0, 0.0),
     postures: Postures | None = None,
-) -> Iterator[Episode]:
+) -> Iterator[TouchEpisode]:
     """Run the program on some seeds; see ``write_robot``."""
     with TemporaryDirectory() as folder:
         write_robot(mount, Path(folder), turns, postures)
@@ -128,7 +128,7 @@ def run_episodes(
                 yield _run(simulated, own, seed)
 
 
-def _run(simulated: cbdsl.SimulatedRobot, own: Kinematics, seed: int) -> Episode:
+def _run(simulated: cbdsl.SimulatedRobot, own: Kinematics, seed: int) -> TouchEpisode:
     apart: list[float] = []
     taken: list[int] = []
     met: list[bool] = []
@@ -146,7 +146,7 @@ def _run(simulated: cbdsl.SimulatedRobot, own: Kinematics, seed: int) -> Episode
 
     result = simulated.robot.run(seed, on_transition=hear, on_tick=note)
     both = _hands_on(simulated) == _HANDS
-    return Episode(
+    return TouchEpisode(
         seed, bool(taken), round(min(apart, default=np.nan), 3), any(met), result.rewarded, both,
         result.sim_seconds, result.ending,
     )  # fmt: skip
