@@ -17,7 +17,7 @@ from cbdsl.checking.session import Session
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.schema_policy import SchemaPolicy
+from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.types.decision_tree import Leaf, Split, Tree
 from cbdsl.yaml_text.library import Library
 
@@ -66,9 +66,9 @@ def main() -> None:
     policy, rng, seconds = SchemaPolicy(large_schema()), random.Random(2), []
     for _ in range(options.choices):
         features = {name: rng.random() for name in FEATURES}
-        policy.begin(features.copy)
+        policy.begin()
         began = time.perf_counter()
-        policy.choose("X0-", changed=True)
+        policy.choose("X0-", changed=True, features=features)
         seconds.append(time.perf_counter() - began)
     seconds.sort()
     row = {

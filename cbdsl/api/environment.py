@@ -19,8 +19,8 @@ from cbdsl.api.open_robot import open_robot
 from cbdsl.api.run_request import RunRequest
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.policies.policy import DeferredPolicy
 from cbdsl.runtime.tick import Tick
-from cbdsl.types.policy import DeferredPolicy
 
 #: Predicates, at the index that stands for them in an observation.
 LETTERS = "X-01"

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from cbdsl.program.transition import Transition
     from cbdsl.runtime.episode import Runner
     from cbdsl.runtime.episode_result import EpisodeResult
+    from cbdsl.runtime.policies.policy import Policy
     from cbdsl.runtime.tick import Tick
-    from cbdsl.types.policy import Policy
 
 
 class OpenRobot:

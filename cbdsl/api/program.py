@@ -8,19 +8,22 @@ from __future__ import annotations
 from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive, Relative
-from cbdsl.program.own_policy import own_policy
-from cbdsl.program.schema import Ranking, Schema
-from cbdsl.program.schema_policy import Features, SchemaPolicy
+from cbdsl.program.schema import NO_FEATURES, Features, Ranking, Schema
 from cbdsl.program.state_values import state_values
+from cbdsl.runtime.policies.own_policy import own_policy
+from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.runtime.policies.schema_policy import SchemaPolicy
+from cbdsl.runtime.policies.written_policy import WrittenPolicy
 from cbdsl.types.decision_tree import Split, Tree, decide, splits
-from cbdsl.types.policy import Policy, WrittenPolicy
 from cbdsl.types.state import ANY, Predicate, matches
 
 __all__ = [
     "ANY",
+    "NO_FEATURES",
     "SUBJECT_TO",
     "Action",
     "CheckedProgram",
+    "Choice",
     "Composition",
     "Controller",
     "Features",

@@ -15,7 +15,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner
-from cbdsl.types.policy import Policy
+from cbdsl.runtime.policies.policy import Policy
 
 #: Backend on which the experiments of the source are measured.
 REFERENCE = "bullet"

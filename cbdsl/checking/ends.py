@@ -12,7 +12,7 @@ from cbdsl.checking.knowledge.impossible import is_always_defined
 from cbdsl.checking.knowledge.states import is_sound
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.types.policy import WrittenPolicy
+from cbdsl.program.policy_table import PolicyTable
 from cbdsl.types.state import ANY, Predicate, matches, overlap
 
 # Handwritten actions have fewer states; a malicious document has any number.
@@ -96,11 +96,11 @@ def _may_be(pattern: str, letters: Sequence[str]) -> bool:
 def _reached(program: CheckedProgram, possible: Mapping[str, Sequence[str]]) -> frozenset[str]:
     """Return the names of the actions that the policy may choose from the beginning on."""
     ends = (*program.success, *program.failure)
-    policy, reached = WrittenPolicy(program.policy), set[str]()
+    table, reached = PolicyTable(program.policy), set[str]()
     states = ["X" * len(program.members)]
     while states:
         state = states.pop()
-        name = policy.choose(state, changed=True)
+        name = table.find(state)
         if name is None or name in reached:
             continue
         reached.add(name)

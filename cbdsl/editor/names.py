@@ -23,7 +23,7 @@ _RESOURCES = ("feedback", "effector", "reference")
 _COMPOSED = ("actions", "background", "policy", "requires", "rewards", "once")
 
 
-class Choice(NamedTuple):
+class Completion(NamedTuple):
     """Name that may be written.
 
     Attributes:
@@ -35,7 +35,7 @@ class Choice(NamedTuple):
     detail: str = ""
 
 
-def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Choice]:
+def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Completion]:
     """Return the names that a value may have.
 
     Args:
@@ -46,18 +46,18 @@ def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Choice]:
     key, lines = (steps[-1] if steps else ""), lines_of(buffers.text(path))
     if key == "potential":
         return [
-            Choice(each.name, f"{each.symbol}, {each.equation}") for each in POTENTIALS.values()
+            Completion(each.name, f"{each.symbol}, {each.equation}") for each in POTENTIALS.values()
         ]
     if key == "kind" and len(steps) == 1:
-        return [Choice(name, "kind of document") for name in KINDS.usable_names()]
+        return [Completion(name, "kind of document") for name in KINDS.usable_names()]
     if key in _DOCUMENTS and not (key == "policy" and len(steps) == 1):
         return _documents(buffers, path, key)
     if key in _RESOURCES:
-        parameters = [Choice(f"${name}", "parameter") for name in section(lines, "parameters")]
+        parameters = [Completion(f"${name}", "parameter") for name in section(lines, "parameters")]
         return parameters + [_resource(each) for each in robot_resources(buffers, path).values()]
     if is_composed(steps):
-        used = [Choice(name, "program") for name in section(lines, "use")]
-        return [Choice(name, "controller") for name in section(lines, "controllers")] + used
+        used = [Completion(name, "program") for name in section(lines, "use")]
+        return [Completion(name, "controller") for name in section(lines, "controllers")] + used
     return []
 
 
@@ -93,9 +93,9 @@ def robot_resources(buffers: Buffers, path: Path) -> Mapping[str, Resource]:
         return {}
 
 
-def _documents(buffers: Buffers, path: Path, kind: str) -> list[Choice]:
+def _documents(buffers: Buffers, path: Path, kind: str) -> list[Completion]:
     names: Iterable[str] = buffers.library.names(KINDS.get(kind).model, path)
-    return [Choice(name, kind) for name in names]
+    return [Completion(name, kind) for name in names]
 
 
 def document_named(buffers: Buffers, path: Path, key: str, name: str) -> Path | None:
@@ -106,8 +106,8 @@ def document_named(buffers: Buffers, path: Path, key: str, name: str) -> Path | 
     return buffers.library.find(model, name, path)
 
 
-def _resource(resource: Resource) -> Choice:
-    return Choice(resource.name, f"{resource.type}, {resource.type.unit}")
+def _resource(resource: Resource) -> Completion:
+    return Completion(resource.name, f"{resource.type}, {resource.type.unit}")
 
 
 def is_composed(steps: Sequence[str]) -> bool:

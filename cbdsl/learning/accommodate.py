@@ -18,7 +18,9 @@ from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.prior import learned_density
 from cbdsl.learning.q_learning import QLearning
 from cbdsl.learning.transition_counts import TransitionCounts
+from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.policies.policy import Choice, Policy
 from cbdsl.types.state import ANY
 
 # Decimals of learned values; further ones are not significant.
@@ -118,7 +120,7 @@ class Accommodate:
         return [*model_documents(summary, self.densities()), policy]
 
 
-class Explorer:
+class Explorer(Policy):
     """Epsilon-greedy policy for visited and unvisited states.
 
     Args:
@@ -139,8 +141,9 @@ class Explorer:
         self._values, self._epsilon, self._rng = values, epsilon, rng
         self._running = running
 
-    def choose(self, state: str, *, changed: bool) -> str:
+    def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
         """Return the next action, also after an action that changed nothing."""
-        return self._running(state) or choose(
+        action = self._running(state) or choose(
             self._values.best(state), self._values.actions, self._epsilon, self._rng
         )
+        return Choice(action)

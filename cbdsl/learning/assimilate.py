@@ -39,11 +39,11 @@ from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.attempts import attempts
 from cbdsl.program.checked import CheckedProgram, PriorLook
-from cbdsl.program.schema import Ranking, Schema
-from cbdsl.program.schema_policy import Features, Rank, SchemaPolicy
+from cbdsl.program.schema import NO_FEATURES, Features, Rank, Ranking, Schema
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.types.decision_tree import Leaf, Tree, decide
-from cbdsl.types.policy import Policy
 
 # Resolution of perceived positions, velocities and volumes, by unit. Finer differences are noise,
 # from which a tree would derive questions.
@@ -245,7 +245,7 @@ class Assimilate:
         )
 
 
-class _Always:
+class _Always(Policy):
     """Constant policy of a learner without a schema.
 
     Args:
@@ -255,9 +255,9 @@ class _Always:
     def __init__(self, action: str) -> None:
         self._action = action
 
-    def choose(self, state: str, *, changed: bool) -> str:
+    def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
         """Return the constant action (see ``Policy.choose``)."""
-        return self._action
+        return Choice(self._action)
 
 
 def _distinct(features: Features, schema: Schema) -> Features:

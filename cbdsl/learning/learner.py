@@ -11,7 +11,7 @@ from cbdsl.documents.policy import Provenance
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.types.policy import Policy
+from cbdsl.runtime.policies.policy import Policy
 from cbdsl.types.registry import PluginError, Registry
 
 if TYPE_CHECKING:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 from cbdsl.types.decision_tree import Tree, decide
@@ -11,6 +12,14 @@ from cbdsl.types.resource import Resource
 
 Ranking = tuple[str, ...]
 """Names of allocations, the most promising one first."""
+
+Features = Mapping[str, float]
+"""Numbers by name, in SI; NaN where a signal is undefined."""
+
+Rank = Callable[[Features], Ranking]
+"""Ranking of the allocations by features, the most promising one first."""
+
+NO_FEATURES: Features = MappingProxyType({})
 
 # Share of a tried range by which a feature may exceed it, and still count as tried.
 _MARGIN = 0.1

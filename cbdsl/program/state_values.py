@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cbdsl.types.policy import WrittenPolicy
+from cbdsl.program.policy_table import PolicyTable
 
 Counts = Mapping[str, Mapping[str, Mapping[str, int]]]
 """Number of transitions by state, action and next state."""
@@ -24,11 +24,11 @@ def state_values(policy: Mapping[str, str], transitions: Counts) -> dict[str, fl
         policy: Action by state pattern.
         transitions: Counts of transitions of all actions.
     """
-    chooses = WrittenPolicy(policy)
+    table = PolicyTable(policy)
     following = {
         state: counts[action]
         for state, counts in transitions.items()
-        if (action := chooses.choose(state, changed=True)) is not None and action in counts
+        if (action := table.find(state)) is not None and action in counts
     }
     reached = {s for by in transitions.values() for after in by.values() for s in after}
     values = dict.fromkeys(reached - transitions.keys(), 1.0)

@@ -25,12 +25,12 @@ from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stayed_far
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.policies.policy import Policy
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.sensor_faults import SensorError
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Resource
 
 # Observer that ignores all calls.

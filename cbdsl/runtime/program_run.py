@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.own_policy import own_policy
-from cbdsl.program.schema_policy import ContextPolicy
+from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition, title_of
 from cbdsl.runtime.action_levels import ActionLevels, Active
 from cbdsl.runtime.context import ContextReader
@@ -18,8 +17,9 @@ from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.controller_runs import ControllerRuns
 from cbdsl.runtime.feature_looks import FeatureLooks, LookingProgram
 from cbdsl.runtime.lost_objects import LostObjects
+from cbdsl.runtime.policies.own_policy import own_policy
+from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.policy import DeferredPolicy, Policy, ReasonedPolicy
 from cbdsl.types.state import matches
 
 
@@ -54,7 +54,9 @@ class ProgramRun:
         schema = program.schema
         self._context = None if schema is None else ContextReader(schema, signals)
         self._written = own_policy(program)
-        self._actions = {action.name: action for action in program.actions}
+        # An action of a schema is chosen by its abstract action and allocation, or by its own name.
+        self._actions = {(action.name, ""): action for action in program.actions}
+        self._actions |= {(each.abstract, each.allocation): each for each in program.actions}
         first = len(plan.slots)
         make = ControllerRuns(signals, plan, period)
         self._levels = ActionLevels(program, make)
@@ -92,8 +94,6 @@ class ProgramRun:
         """
         self._listener = listener
         self._policy = policy or self._written
-        # A protocol check takes much longer than a choice.
-        self._contextual = self._policy if isinstance(self._policy, ContextPolicy) else None
         # A learner learns to be rewarded, so a reward ends its episodes.
         self._reward_ends = self.program.reward_ends or policy is not None
         for run in self.runs:
@@ -119,7 +119,7 @@ class ProgramRun:
         self._looks.forget()
         self._of_action = ""
         self._composed: Sequence[Active] | None = None
-        self._features: Mapping[str, float] = {}
+        self._features: Features = NO_FEATURES
         self._ticks = self._idle_ticks = self._all_ticks = 0
 
     def activate(self) -> None:
@@ -128,11 +128,10 @@ class ProgramRun:
             return
         self.deactivate()
         self.predicate = "0"
-        if self._contextual is not None and self._context is not None:
-            self._contextual.begin(self._context.read)
+        self._policy.begin()
         for run in self.background:
             run.activate()
-        if self._contextual is None or not self._looks.begin():
+        if not (self._policy.allocates and self._looks.begin()):
             self._choose(changed=True)
 
     def _look_on(self, look: LookingProgram) -> None:
@@ -392,11 +391,12 @@ class ProgramRun:
         if isinstance(self._policy, DeferredPolicy):
             self.is_open, self._was_changed = True, changed
             return
-        name = self._policy.choose(self.state, changed=changed)
-        if name is None and self._contextual is not None and self._contextual.withdraws:
+        features = self._read_context()
+        choice = self._policy.choose(self.state, changed=changed, features=features)
+        if choice.withdraws:
             self._begin_withdrawal()
         else:
-            self._begin_action(name, changed)
+            self._begin_action(choice, features, changed)
 
     def decide(self, name: str | None) -> None:
         """Make the pending choice.
@@ -407,16 +407,19 @@ class ProgramRun:
         if not self.is_open:
             raise ValueError("no choice is open")
         self.is_open = False
-        self._begin_action(name, self._was_changed)
+        self._begin_action(Choice(name), self._read_context(), self._was_changed)
 
-    def _begin_action(self, name: str | None, changed: bool) -> None:
-        if name is None:
-            self._end(self._outcome(changed), self._no_action(changed))
+    def _read_context(self) -> Features:
+        """Return the features of the program's schema; none without a schema."""
+        return NO_FEATURES if self._context is None else self._context.read()
+
+    def _begin_action(self, choice: Choice, features: Features, changed: bool) -> None:
+        if choice.action is None:
+            self._end(self._outcome(changed), self._no_action(choice, changed))
             return
-        before, self._action = self._action, self._actions[name]
-        if self._context is not None:
-            read = self._context.read()
-            self._features = {k: value for k, value in read.items() if not math.isnan(value)}
+        before, self._action = self._action, self._actions[choice.action, choice.allocation]
+        name = self._action.name
+        self._features = {k: value for k, value in features.items() if not math.isnan(value)}
         self._noted = b""
         self._ticks = self._idle_ticks = 0
         if before is not None:
@@ -449,9 +452,9 @@ class ProgramRun:
             if run not in kept:
                 run.deactivate()
 
-    def _no_action(self, changed: bool) -> str:
-        if isinstance(self._policy, ReasonedPolicy) and self._policy.reason:
-            return f"{self._title}: {self._policy.reason}"
+    def _no_action(self, choice: Choice, changed: bool) -> str:
+        if choice.reason:
+            return f"{self._title}: {choice.reason}"
         if changed:
             return f"{self._title} has no action for state {self.state}"
         seconds = self._ticks * self._period

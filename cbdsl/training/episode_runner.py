@@ -15,8 +15,8 @@ from cbdsl.program.controller import Controller
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeObserver, EpisodeObservers
+from cbdsl.runtime.policies.policy import Policy
 from cbdsl.runtime.tick import Tick
-from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Tip
 
 

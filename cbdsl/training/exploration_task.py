@@ -15,9 +15,9 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.exploration import Exploration
 from cbdsl.learning.exploration_constants import ExplorationConstants
+from cbdsl.learning.exploration_observer import ExplorationObserver
 from cbdsl.learning.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.exploration_observer import ExplorationObserver
 from cbdsl.storage.atomic_file import remove_leftovers
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.action_work import FinishedAction

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from cbdsl.learning.action_outcome import NOOP, ActionOutcome, FeatureForm
 from cbdsl.learning.exploration import Exploration
-from cbdsl.runtime.exploration_observer import ExplorationObserver
+from cbdsl.learning.exploration_observer import ExplorationObserver
 from cbdsl.storage.journal import Journal, damaged
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.action_work import ActionWork, Course, FinishedAction

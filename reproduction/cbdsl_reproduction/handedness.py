@@ -11,7 +11,16 @@ from cbdsl import Transition
 from cbdsl.api.allocation import allocated, allocations
 from cbdsl.api.documents import StageDocument, digest
 from cbdsl.api.learning import AccommodateConstants, AssimilateConstants, Experience
-from cbdsl.api.program import CheckedProgram, Policy, Predicate, Ranking, SchemaPolicy
+from cbdsl.api.program import (
+    NO_FEATURES,
+    CheckedProgram,
+    Choice,
+    Features,
+    Policy,
+    Predicate,
+    Ranking,
+    SchemaPolicy,
+)
 from cbdsl.api.shipped import shipped_program
 from cbdsl.api.trials import EPISODES, Journal, trial_journal, versions
 from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, HandednessSeries
@@ -191,16 +200,16 @@ def _arms(letters: str) -> Ranking:
 def _flat_optimum(program: CheckedProgram) -> Policy:
     """Return the policy that searches, reaches and touches with the arm of Figure 5.10."""
 
-    class Best:
-        def choose(self, state: str, *, changed: bool) -> str:
+    class Best(Policy):
+        def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
             predicates = dict(zip(program.members, state[:-LETTERS], strict=True))
             letters, search = state[-LETTERS:], program.members[0]
             if predicates[search] == Predicate.TRANSIENT or "?" in letters:
-                return search
+                return Choice(search)
             arm = _arms(letters)[0]
             has_arrived = predicates[f"reach({arm})"] == Predicate.QUIESCENT
             touches = changed and predicates[f"touch({arm})"] != Predicate.INACTIVE
-            return f"touch({arm})" if has_arrived or touches else f"reach({arm})"
+            return Choice(f"touch({arm})" if has_arrived or touches else f"reach({arm})")
 
     return FlatPolicy(Best())
 

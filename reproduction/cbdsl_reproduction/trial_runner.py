@@ -321,7 +321,8 @@ def trial_runner(settings: RunSettings) -> Iterator[TrialRunner]:
 def _chooses(policy: Policy, experience: Experience) -> bool:
     """Return whether an episode with the same seed is identical under a policy."""
     return all(
-        policy.choose(each.state, changed=True) == each.action for each in experience.transitions
+        policy.choose(each.state, changed=True).action == each.action
+        for each in experience.transitions
     )
 
 

@@ -10,6 +10,7 @@ from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.policies.policy import Choice, Policy
 from cbdsl.yaml_text.library import Library
 from cbdsl_reproduction.learners.flat import Flat, FlatPolicy
 from cbdsl_reproduction.learners.handedness_learner import replay
@@ -73,22 +74,18 @@ def test_its_policy_chooses_by_what_is_read_when_it_chooses(
 ) -> None:
     asked = []
 
-    class Asked:
-        def choose(self, state: str, *, changed: bool) -> str:
+    class Asked(Policy):
+        def choose(self, state: str, *, changed: bool, features: object = None) -> Choice:
             asked.append((state, changed))
-            return FIRST
+            return Choice(FIRST)
 
     policy = FlatPolicy(Asked())
-    assert policy.choose("XX-", changed=True) == FIRST  # where nothing can be read
-    seen = dict(LEFT)
-    policy.begin(lambda: seen)
-    policy.choose("XX-", changed=False)
-    seen["place.y"] = -0.4
-    policy.choose("XX-", changed=True)
+    assert policy.choose("XX-", changed=True) == Choice(FIRST)  # where nothing can be read
+    policy.choose("XX-", changed=False, features=LEFT)
+    policy.choose("XX-", changed=True, features=LEFT | {"place.y": -0.4})
     assert asked == [("XX-???", True), ("XX-sls", False), ("XX-srs", True)]
-    assert not policy.withdraws and not policy.reason
     learner.begin()
     planned = learner.plan(np.random.default_rng(0))
     assert planned.program is program and not learner.is_constrained
     names = {action.name for action in program.actions}
-    assert planned.policy.choose("XX-", changed=True) in names
+    assert planned.policy.choose("XX-", changed=True).action in names

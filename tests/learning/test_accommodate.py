@@ -58,7 +58,7 @@ def test_it_learns_to_search_where_nothing_is_seen_and_to_track_where_something_
         state = "XX"
         explorer = learner.policy(rng)
         while state != "X1":
-            action = explorer.choose(state, changed=True)
+            action = explorer.choose(state, changed=True).action
             seen = state in ("X0", "1X") or (state == "XX" and rng.random() < 0.5)
             after = "1X" if action == "search" else "X-" if not seen else "X0"
             after = "X1" if (state, action) == ("X0", "track") else after
@@ -85,7 +85,7 @@ def test_it_explores_in_as_many_episodes_as_it_is_reported_to(
     for _ in range(finished):
         learner.remember(experience(rewarded, (0.1, 0.2)))
     explorer = learner.policy(np.random.default_rng(0))
-    chosen = {explorer.choose("XX", changed=True) for _ in range(50)}
+    chosen = {explorer.choose("XX", changed=True).action for _ in range(50)}
     assert chosen == (set(ACTIONS) if explores else {"track"})
 
 
@@ -97,7 +97,7 @@ def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> 
             learner.see(made(*step))
     # Its run time is not discounted, and no other action is chosen during it.
     assert learner.values.value("XX", "find") == pytest.approx(0.8)
-    assert {explorer.choose("0X", changed=True) for _ in range(50)} == {"find"}
+    assert {explorer.choose("0X", changed=True).action for _ in range(50)} == {"find"}
     assert learner.greedy() == {"XX": "find", "0X": "find", "1X": "track", "**": "find"}
     assert dict(learner.counts.items())["0X"] == {"find": {"1X": 2}}
 
@@ -123,7 +123,7 @@ def test_a_policy_covers_the_states_in_which_something_was_tried_and_then_all_ot
     replay(learner, experience((made("XX", "track", "X0"), made("X0", "track", "X1")), (0, 0)))
     assert learner.greedy() == {"XX": "search", "X0": "track", "**": "search"}
     assert Accommodate(ACTIONS, AccommodateConstants()).greedy() == {}
-    assert learner.policy(np.random.default_rng(0)).choose("--", changed=False) in ACTIONS
+    assert learner.policy(np.random.default_rng(0)).choose("--", changed=False).action in ACTIONS
 
 
 def test_densities_are_of_the_configurations_that_were_rewarded_by_effector(made: Made) -> None:

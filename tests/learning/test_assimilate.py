@@ -96,8 +96,8 @@ def chosen_first(learner: Assimilate, schema: CheckedProgram, times: int) -> lis
     rng, chosen = np.random.default_rng(7), []
     for _ in range(times):
         policy = learner.policy(rng)
-        policy.begin(lambda: features(schema, 0.5, 0.4))  # type: ignore[attr-defined]
-        chosen.append((policy.choose("X0-", changed=True) or "").rpartition(" with ")[2])
+        context = features(schema, 0.5, 0.4)
+        chosen.append(policy.choose("X0-", changed=True, features=context).allocation)
     return chosen
 
 
@@ -329,7 +329,7 @@ def test_contexts_are_kept_as_finely_as_they_are_seen(schema: CheckedProgram) ->
 
 def test_without_a_schema_it_does_the_first_action() -> None:
     learner = Assimilate(["some", "other"], AssimilateConstants())
-    assert learner.policy(np.random.default_rng(0)).choose("X", changed=True) == "some"
+    assert learner.policy(np.random.default_rng(0)).choose("X", changed=True).action == "some"
     assert learner.greedy() == {} and learner.densities() == {}
     assert not learner.contexts
 
@@ -454,8 +454,7 @@ def test_while_it_learns_it_gives_nothing_up(schema: CheckedProgram) -> None:
     here = features(schema, 0.5, 0.4)
     learner.recall([TriedContext(here, {"left_arm": False}) for _ in range(20)])
     policy = learner.policy(np.random.default_rng(1))
-    policy.begin(lambda: here)  # type: ignore[attr-defined]
-    assert policy.choose("X0-", changed=True) is not None
+    assert policy.choose("X0-", changed=True, features=here).allocation
 
 
 def test_features_include_the_distance_from_the_group_of_reaching_arms(

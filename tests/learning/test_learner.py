@@ -49,7 +49,7 @@ def _knowledge(learner: Learner) -> object:
     rng = np.random.default_rng(3)
     policy = learner.policy(rng)
     states = [a + b for a in "X-01" for b in "X-01"]
-    chosen = [policy.choose(state, changed=True) for state in states for _ in range(5)]
+    chosen = [policy.choose(state, changed=True).action for state in states for _ in range(5)]
     return learner.greedy(), learner.densities(), chosen
 
 
@@ -86,7 +86,7 @@ def test_equal_experience_is_equal_knowledge(
         replay(other, experience)
     assert _knowledge(one) == _knowledge(other)
     assert set(one.greedy().values()) <= set(ACTIONS)
-    chosen = one.policy(np.random.default_rng(0)).choose("XX", changed=False)
+    chosen = one.policy(np.random.default_rng(0)).choose("XX", changed=False).action
     assert chosen in ACTIONS
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.program.behavior_tree import LEAVES, behavior_tree
-from cbdsl.types.policy import WrittenPolicy
+from cbdsl.runtime.policies.written_policy import WrittenPolicy
 from cbdsl.types.state import matches
 from tests.conftest import Checked
 
@@ -41,7 +41,7 @@ def test_every_state_has_the_policys_action_and_no_other(checked: Checked, name:
     policy = WrittenPolicy(program.policy)
     for letters in product("X-01", repeat=len(program.members)):
         state = "".join(letters)
-        action = policy.choose(state, changed=True)
+        action = policy.choose(state, changed=True).action
         assert chosen(choice, state) == ([] if action is None else [action]), state
 
 

@@ -13,7 +13,7 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding, rows
-from cbdsl.types.policy import WrittenPolicy
+from cbdsl.runtime.policies.written_policy import WrittenPolicy
 from cbdsl.types.resource import Origin
 from cbdsl.yaml_text.library import Library, shipped
 
@@ -85,7 +85,7 @@ def test_coverage_is_what_the_policy_does_in_every_state(patterns: list[str]) ->
     program = program_of_policy({pattern: pattern for pattern in patterns})
     policy = WrittenPolicy(program.policy)
     chosen = [
-        policy.choose("".join(letters), changed=True)
+        policy.choose("".join(letters), changed=True).action
         for letters in itertools.product("X-01", repeat=3)
     ]
     shares = coverage(program)

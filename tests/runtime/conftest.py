@@ -19,9 +19,9 @@ from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.policies.policy import Policy
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.observation import Observation
-from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library
 from tests.runtime.synthetic import Ball, SyntheticBackend, World
 

@@ -17,10 +17,10 @@ from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.schema_policy import SchemaPolicy
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.yaml_text.library import Library
 
 SCHEMA = """\

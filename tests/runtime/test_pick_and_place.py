@@ -15,6 +15,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.policies.policy import Choice, Policy
 from cbdsl.runtime.tick import Tick
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
@@ -64,12 +65,12 @@ def test_nothing_is_transported_or_placed_by_an_empty_hand(
     runner = Runner(dexter, kinematics, program, backend)  # type: ignore[arg-type]
     states: set[str] = set()
 
-    class Both:
+    class Both(Policy):
         """A policy that never grasps."""
 
-        def choose(self, state: str, *, changed: bool) -> str | None:
+        def choose(self, state: str, *, changed: bool, features: object = None) -> Choice:
             states.add(state)
-            return "transport ◁ place" if changed else None
+            return Choice("transport ◁ place" if changed else None)
 
     runner._policy = Both()
     result = runner.run(stage_named("things_and_a_pad"), 83_004, "ball")

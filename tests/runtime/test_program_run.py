@@ -11,8 +11,9 @@ import pytest
 
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.runtime.policies.written_policy import WrittenPolicy
 from cbdsl.runtime.tick import Tick
-from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked
 from tests.runtime.conftest import GRIP, TABLE_BALL, Play, Played, on_table
@@ -68,7 +69,9 @@ def test_transitions_form_a_chain_by_the_policy(
     policy = WrittenPolicy(program.policy)
     assert top[0].state == "X" * len(program.members)
     assert [each.next_state for each in top[:-1]] == [each.state for each in top[1:]]
-    assert [each.action for each in top] == [policy.choose(t.state, changed=True) for t in top]
+    assert [each.action for each in top] == [
+        policy.choose(t.state, changed=True).action for t in top
+    ]
     assert all(each.state != each.next_state for each in top)
     assert episode.result.predicates == (top[0].state, *(each.next_state for each in top))
     assert episode.result.actions == tuple(each.action for each in top)
@@ -217,10 +220,10 @@ def test_a_policy_of_its_own_may_go_on_where_nothing_changed(written: Written, p
     )
     asked: list[tuple[str, bool]] = []
 
-    class Learner:
-        def choose(self, state: str, *, changed: bool) -> str | None:
+    class Learner(Policy):
+        def choose(self, state: str, *, changed: bool, features: object = None) -> Choice:
             asked.append((state, changed))
-            return "track" if len(asked) < 5 else None
+            return Choice("track" if len(asked) < 5 else None)
 
     episode = play(program, nothing, policy=Learner())
     assert asked == [("XX", True), ("-X", True), ("-X", False), ("-X", False), ("-X", False)]

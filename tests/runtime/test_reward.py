@@ -13,10 +13,10 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
+from cbdsl.runtime.policies.policy import Choice, Policy
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.policy import Policy
 from tests.conftest import Checked
 
 BOTH = "search ◁ track"
@@ -29,8 +29,8 @@ Step = Callable[[str, float], Transition | None]
 class Always(Policy):
     """Policy that chooses one action in every state."""
 
-    def choose(self, state: str, *, changed: bool) -> str:
-        return BOTH
+    def choose(self, state: str, *, changed: bool, features: object = None) -> Choice:
+        return Choice(BOTH)
 
 
 @pytest.fixture

@@ -17,10 +17,11 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.schema import Ranking
-from cbdsl.program.schema_policy import Features, SchemaPolicy
+from cbdsl.program.schema import Features, Ranking
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.runtime.tick import Tick
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
@@ -73,21 +74,17 @@ def test_both_arms_are_at_home_before_one_tries_alone(
     assert np.abs(begun[0] - home).max() < 0.1
 
 
-class GivesWay:
+class GivesWay(Policy):
     """Looks for the thing, then withdraws from the middle of it, and does nothing more."""
 
-    reason, withdraws = "", False
+    allocates = True
 
     def __init__(self) -> None:
         self._choices = iter(("searchtrack", "withdraw"))
 
-    def begin(self, read: object) -> None:
-        """Begin an episode; see ``ContextPolicy.begin``."""
-
-    def choose(self, state: str, *, changed: bool) -> str | None:
-        choice = next(self._choices, None)
-        self.withdraws = choice == "withdraw"
-        return None if self.withdraws else choice
+    def choose(self, state: str, *, changed: bool, features: object = None) -> Choice:
+        name = next(self._choices, None)
+        return Choice(None, withdraws=True) if name == "withdraw" else Choice(name)
 
 
 def test_a_program_that_is_withdrawn_from_is_left(

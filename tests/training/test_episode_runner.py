@@ -10,8 +10,9 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.runtime.policies.written_policy import WrittenPolicy
 from cbdsl.training.episode_runner import BackendEpisodeRunner, moved
-from cbdsl.types.policy import WrittenPolicy
 from tests.conftest import Checked
 from tests.runtime.conftest import made_stage, on_table
 from tests.runtime.synthetic import SyntheticBackend
@@ -58,9 +59,9 @@ def test_what_a_used_program_does_is_its_own(
 def test_an_episode_without_reward_ends_by_its_transitions(
     runner: BackendEpisodeRunner, checked: Checked
 ) -> None:
-    class Searching:
-        def choose(self, state: str, *, changed: bool) -> str:
-            return "search"
+    class Searching(Policy):
+        def choose(self, state: str, *, changed: bool, features: object = None) -> Choice:
+            return Choice("search")
 
     program = checked("searchtrack")._replace(transitions=5)
     found = runner.run(program, Searching(), 4, lambda transition: None)

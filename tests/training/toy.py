@@ -20,11 +20,11 @@ from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.policies.policy import Policy
 from cbdsl.training.provenance import TrialSetting, provenance_of
 from cbdsl.training.task_observer import TaskObserver
 from cbdsl.training.trial import Trial
 from cbdsl.training.trial_work import open_journal, require_ready, run_trial
-from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[2]
@@ -53,7 +53,7 @@ class ToyEpisodeRunner:
         in_view, state, transitions = shown, "XX", []
         rewarded: dict[str, tuple[float, ...]] = {}
         while not rewarded and len(transitions) < program.transitions:
-            action = policy.choose(state, changed=True)
+            action = policy.choose(state, changed=True).action
             assert action is not None
             if "search" in action:
                 in_view = in_view or bool(rng.random() < 0.3)

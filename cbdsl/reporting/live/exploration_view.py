@@ -9,6 +9,7 @@ from typing import Any
 from cbdsl.learning.action_outcome import NOOP
 from cbdsl.learning.affordance import Affordance
 from cbdsl.learning.exploration import Exploration
+from cbdsl.learning.exploration_observer import ExplorationObserver
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
@@ -16,7 +17,6 @@ from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
 from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.message import message
 from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.runtime.exploration_observer import ExplorationObserver
 from cbdsl.runtime.tick import Tick
 
 # Number of actions in the drawn course.

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from cbdsl import Transition
 from cbdsl.api.learning import AccommodateConstants, Experience
-from cbdsl.api.program import CheckedProgram, Policy
+from cbdsl.api.program import NO_FEATURES, CheckedProgram, Choice, Features, Policy
 from cbdsl_reproduction.learners.context_letters import context_letters
 from cbdsl_reproduction.learners.decisive import Decisive
 from cbdsl_reproduction.learners.handedness_learner import EpisodePlan
@@ -65,26 +64,18 @@ class Flat:
         self._before = None
 
 
-class FlatPolicy:
+class FlatPolicy(Policy):
     """Policy over states with context letters.
 
     Args:
         policy: Policy that chooses by the extended states.
-
-    Attributes:
-        reason, withdraws: Attributes of ``ContextPolicy``.
     """
 
-    reason, withdraws = "", False
+    allocates = True
 
     def __init__(self, policy: Policy) -> None:
         self._policy = policy
-        self.begin(dict)
 
-    def begin(self, read: Callable[[], Mapping[str, float]]) -> None:
-        """Set the reader of the context (see ``ContextPolicy.begin``)."""
-        self._read = read
-
-    def choose(self, state: str, *, changed: bool) -> str | None:
-        """Return the next action (see ``ContextPolicy.choose``)."""
-        return self._policy.choose(state + context_letters(self._read()), changed=changed)
+    def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
+        """Return the next action (see ``Policy.choose``)."""
+        return self._policy.choose(state + context_letters(features), changed=changed)

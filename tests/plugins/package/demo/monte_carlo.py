@@ -9,7 +9,9 @@ from cbdsl.documents.document import Document, Section, quantity
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.knowledge import policy_document
 from cbdsl.learning.learner import TrialSummary
+from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.policies.policy import Choice, Policy
 
 Means = dict[str, dict[str, float]]
 
@@ -77,7 +79,7 @@ class MonteCarlo:
         return found
 
 
-class EpsilonGreedy:
+class EpsilonGreedy(Policy):
     """Policy that explores."""
 
     def __init__(
@@ -89,8 +91,8 @@ class EpsilonGreedy:
     ) -> None:
         self._best, self._actions, self._exploration, self._rng = best, actions, exploration, rng
 
-    def choose(self, state: str, *, changed: bool) -> str:
+    def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
         """Return the best known action of a state, or a random one."""
         if state not in self._best or self._rng.random() < self._exploration:
-            return self._actions[int(self._rng.integers(len(self._actions)))]
-        return self._best[state]
+            return Choice(self._actions[int(self._rng.integers(len(self._actions)))])
+        return Choice(self._best[state])

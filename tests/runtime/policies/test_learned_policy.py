@@ -10,11 +10,12 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.learned_policy import LearnedPolicy
-from cbdsl.program.own_policy import own_policy
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.types.policy import WrittenPolicy
+from cbdsl.runtime.policies.learned_policy import LearnedPolicy
+from cbdsl.runtime.policies.own_policy import own_policy
+from cbdsl.runtime.policies.policy import Choice
+from cbdsl.runtime.policies.written_policy import WrittenPolicy
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 
@@ -35,22 +36,23 @@ def learned(checked: Checked) -> CheckedProgram:
 
 
 def choices(policy: LearnedPolicy, *states: str) -> list[str | None]:
-    return [policy.choose(state, changed=True) for state in states]
+    return [policy.choose(state, changed=True).action for state in states]
 
 
 def test_it_chooses_as_its_table_does(learned: CheckedProgram) -> None:
     policy, table = LearnedPolicy(learned), WrittenPolicy(TABLE)
     states = ("XXX", *ROUND * 5)
-    assert choices(policy, *states) == [table.choose(state, changed=True) for state in states]
-    assert policy.choose("X0-", changed=False) is None
-    assert policy.reason == "", "as any table that changed nothing"
+    assert choices(policy, *states) == [
+        table.choose(state, changed=True).action for state in states
+    ]
+    assert policy.choose("X0-", changed=False) == Choice(None), "as any table that changed nothing"
 
 
 def test_it_ends_where_the_same_comes_to_rest_time_and_again(learned: CheckedProgram) -> None:
     policy = LearnedPolicy(learned)
-    *before, last = choices(policy, "XXX", *(ROUND * 8)[:-2])
-    assert None not in before and last is None
-    assert policy.reason == "it goes in circles: X0- -> X1- 8 times without a reward"
+    *before, last = (policy.choose(s, changed=True) for s in ("XXX", *(ROUND * 8)[:-2]))
+    assert None not in [each.action for each in before]
+    assert last == Choice(None, "", "it goes in circles: X0- -> X1- 8 times without a reward")
 
 
 def test_contact_that_comes_and_goes_is_no_circle(learned: CheckedProgram) -> None:
@@ -62,8 +64,8 @@ def test_contact_that_comes_and_goes_is_no_circle(learned: CheckedProgram) -> No
 def test_what_has_failed_is_not_started_again_at_once(learned: CheckedProgram) -> None:
     policy = LearnedPolicy(learned)
     assert choices(policy, "XXX", "0XX") == ["searchtrack"] * 2
-    assert policy.choose("-XX", changed=True) is None
-    assert policy.reason.startswith("searchtrack has failed")
+    choice = policy.choose("-XX", changed=True)
+    assert choice.action is None and choice.reason.startswith("searchtrack has failed")
 
 
 def test_it_begins_anew_where_nothing_is_active(learned: CheckedProgram) -> None:

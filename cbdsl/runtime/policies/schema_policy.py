@@ -3,43 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Protocol, runtime_checkable
 
 from cbdsl.program.attempts import AttemptProgress
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.schema import Ranking, Schema
+from cbdsl.program.schema import NO_FEATURES, Features, Rank, Ranking, Schema
+from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.runtime.policies.written_policy import WrittenPolicy
 from cbdsl.types.decision_tree import decide
-from cbdsl.types.policy import Policy, ReasonedPolicy, WrittenPolicy
 from cbdsl.types.state import Predicate
 
-Features = Mapping[str, float]
-"""Numbers by name, in SI; NaN where a signal is undefined."""
 
-Rank = Callable[[Features], Ranking]
-"""Ranking of the allocations by features, the most promising one first."""
-
-
-@runtime_checkable
-class ContextPolicy(ReasonedPolicy, Protocol):
-    """Policy that depends on more than the state.
-
-    Attributes:
-        withdraws: True if the last choice was none only until the effectors have returned.
-    """
-
-    withdraws: bool
-
-    def begin(self, read: Callable[[], Features]) -> None:
-        """Begin an episode, in which ``read`` returns the current features."""
-        ...
-
-    def choose(self, state: str, *, changed: bool) -> str | None:
-        """Choose the next action; see ``Policy.choose``."""
-        ...
-
-
-class SchemaPolicy:
+class SchemaPolicy(Policy):
     """Policy that chooses abstract actions by the declarative policy, and allocates them.
 
     An allocation is kept as long as it makes progress. After a failure the next one is tried, and
@@ -55,11 +29,9 @@ class SchemaPolicy:
             regardless.
         declarative: Policy for the abstract actions, instead of the program's policy.
         persists: True to try all allocations again after each of them has failed.
-
-    Attributes:
-        reason: Reason for the last choice of no action; see ``ReasonedPolicy``.
-        withdraws: True while the effectors return; see ``ContextPolicy``.
     """
+
+    allocates = True
 
     def __init__(
         self,
@@ -77,73 +49,62 @@ class SchemaPolicy:
         self._progress = AttemptProgress(self._schema.worth)
         self._persists = persists
         self._declarative = declarative or WrittenPolicy(program.policy)
-        self._actions: dict[str, dict[str, str]] = {}
-        for action in program.actions:
-            self._actions.setdefault(action.abstract, {})[action.allocation] = action.name
+        self._allocated = {each.abstract for each in program.actions if each.allocation}
         self._brings_programs = any(
             action.program is not None and action.allocation for action in program.actions
         )
-        self.begin(dict)
+        self.begin()
 
-    def begin(self, read: Callable[[], Features]) -> None:
-        """Begin an episode; see ``ContextPolicy.begin``."""
-        self._read = read
+    def begin(self) -> None:
+        """Begin an episode; see ``Policy.begin``."""
         self._failed: set[str] = set()
-        self._allocation = self._before = self.reason = ""
-        self._is_informed = self.withdraws = self._begins_anew = False
+        self._allocation = self._before = ""
+        self._is_informed = self._begins_anew = False
+        self._declarative.begin()
 
-    def choose(self, state: str, *, changed: bool) -> str | None:
-        """Return the next action under its allocation, or ``None``; see ``reason``."""
-        self.reason, self.withdraws = "", False
+    def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
+        """Return the next action under its allocation; see ``Policy.choose``."""
         before, self._before = self._before, state
         if self._allocation and self._progress.fails(before, state):
             self._begins_anew = self._brings_programs
+            failed, self._allocation, changed = self._allocation, "", True
             if self._is_informed:
-                self._failed.add(self._allocation)
-                self.withdraws = self._is_left()
-            self._allocation, changed = "", True
-        if self.withdraws:
-            return None
+                self._failed.add(failed)
+                if self._is_left():
+                    return Choice(None, withdraws=True)
         if self._begins_anew:
             state, self._begins_anew = Predicate.INACTIVE * len(state), False
-        abstract = self._declarative.choose(state, changed=changed)
-        if abstract is None:
-            return None
-        actions = self._actions[abstract]
-        if "" in actions:
+        choice = self._declarative.choose(state, changed=changed)
+        if choice.action is None:
+            return choice
+        if choice.action not in self._allocated:
             self._allocation = ""
-            return actions[""]
+            return choice
         if not self._allocation:
-            self._allocation = self._allocate()
+            self._allocation, reason = self._allocate(features)
             self._progress.begin()
-        return actions[self._allocation] if self._allocation else None
+            if reason:
+                return Choice(None, reason=reason)
+        return choice._replace(allocation=self._allocation)
 
     def _is_left(self) -> bool:
         """Return whether another attempt may be made."""
         return self._persists or len(self._failed) < len(self._schema.allocations)
 
-    def _allocate(self) -> str:
-        """Return the best allocation that has not failed; if none is left, set the reason."""
-        features = self._read()
+    def _allocate(self, features: Features) -> tuple[str, str]:
+        """Return the best allocation that has not failed, or else the reason why there is none."""
         self._is_informed = are_defined(features)
-        if self._gives_up and self._is_unlikely(features):
-            return ""
+        likely = self._schema.reward_given(features) if self._gives_up else None
+        if likely is not None and likely < self._schema.least_reward:
+            return "", f"reward is unlikely here ({100 * likely:.0f} %)"
         ranking = self._rank(features)
         left = [each for each in ranking if each not in self._failed]
-        if not left and self._persists:
-            self._failed.clear()
-            return ranking[0]
-        if not left:
-            self.reason = "every allocation has been tried" + self._unknown(features)
-            return ""
-        return left[0]
-
-    def _is_unlikely(self, features: Features) -> bool:
-        likely = self._schema.reward_given(features)
-        if likely is None or likely >= self._schema.least_reward:
-            return False
-        self.reason = f"reward is unlikely here ({100 * likely:.0f} %)"
-        return True
+        if left:
+            return left[0], ""
+        if not self._persists:
+            return "", "every allocation has been tried" + self._unknown(features)
+        self._failed.clear()
+        return ranking[0], ""
 
     def _unknown(self, features: Features) -> str:
         """Return a note if the probability of reward was unknown, or nothing."""

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections import Counter
 
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.types.policy import WrittenPolicy
+from cbdsl.program.policy_table import PolicyTable
+from cbdsl.program.schema import NO_FEATURES, Features
+from cbdsl.runtime.policies.policy import Choice, Policy
 from cbdsl.types.state import at_rest_anew
 
 # If an object slips away repeatedly, up to four approaches have preceded a grasp.
 _PATIENCE = 8
 
 
-class LearnedPolicy:
+class LearnedPolicy(Policy):
     """Policy that follows a learned table and ends if the table runs in circles.
 
     During learning, exploration leads out of every circle. Without exploration and without
@@ -22,13 +24,10 @@ class LearnedPolicy:
 
     Args:
         program: Program that runs under its learned policy.
-
-    Attributes:
-        reason: Reason for the last choice of no action, as a clause; empty if the table has none.
     """
 
     def __init__(self, program: CheckedProgram) -> None:
-        self._table = WrittenPolicy(program.policy)
+        self._table = PolicyTable(program.policy)
         self._places = {
             action.name: program.members.index(action.part)
             for action in program.actions
@@ -38,23 +37,22 @@ class LearnedPolicy:
         self._counts_rests = program.reward_ends and not any(
             each.is_drawn for action in program.actions for each in action.controllers
         )
-        self._begin("")
+        self._restart("")
 
-    def _begin(self, state: str) -> None:
-        self.reason = ""
+    def _restart(self, state: str) -> None:
         self._state, self._action = state, ""
         self._rests: Counter[tuple[str, str]] = Counter()
 
-    def choose(self, state: str, *, changed: bool) -> str | None:
+    def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
         """Choose an action as ``Policy.choose``; a state without active members restarts."""
         if set(state) == {"X"}:
-            self._begin(state)
-        name = self._table.choose(state, changed=changed)
+            self._restart(state)
+        name = self._table.find(state) if changed else None
         if name is None:
-            return None
-        self.reason = self._failed(state, name) or self._circles(state)
+            return Choice(None)
+        reason = self._failed(state, name) or self._circles(state)
         self._state, self._action = state, name
-        return None if self.reason else name
+        return Choice(None if reason else name, reason=reason)
 
     def _failed(self, state: str, name: str) -> str:
         again = name == self._action and name in self._places

@@ -6,7 +6,8 @@ from itertools import product
 
 import pytest
 
-from cbdsl.types.policy import WrittenPolicy
+from cbdsl.runtime.policies.policy import Choice
+from cbdsl.runtime.policies.written_policy import WrittenPolicy
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -15,7 +16,8 @@ def test_the_most_specific_pattern_wins_in_any_order(turned: bool) -> None:
     items = list(table.items())
     policy = WrittenPolicy(dict(reversed(items) if turned else items))
     chosen = {
-        state: policy.choose(state, changed=True) for state in map("".join, product("X-01", "X-01"))
+        state: policy.choose(state, changed=True).action
+        for state in map("".join, product("X-01", "X-01"))
     }
     assert chosen.pop("X1") == "both"
     assert {chosen.pop(state) for state in ("XX", "X-", "X0")} == {"first"}
@@ -24,6 +26,6 @@ def test_the_most_specific_pattern_wins_in_any_order(turned: bool) -> None:
 
 def test_it_ends_where_no_pattern_fits_and_where_nothing_changed() -> None:
     policy = WrittenPolicy({"0": "move"})
-    assert policy.choose("1", changed=True) is None
-    assert policy.choose("0", changed=True) == "move"
-    assert policy.choose("0", changed=False) is None
+    assert policy.choose("1", changed=True) == Choice(None)
+    assert policy.choose("0", changed=True) == Choice("move")
+    assert policy.choose("0", changed=False) == Choice(None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,8 @@ from cbdsl.checking.session import Session
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.schema_policy import SchemaPolicy
+from cbdsl.runtime.policies.policy import Choice
+from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.types.decision_tree import Leaf, Split
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
@@ -36,21 +38,19 @@ def schema() -> CheckedProgram:
     return program._replace(schema=knowledge)
 
 
-def begun(schema: CheckedProgram, features: dict[str, float], **options: bool) -> SchemaPolicy:
+Choose = Callable[[str, bool], Choice]
+
+
+def begun(schema: CheckedProgram, features: dict[str, float], **options: bool) -> Choose:
+    """Return the choice of a schema's policy by a state, and by whether that is new."""
     policy = SchemaPolicy(schema, **options)
-    policy.begin(lambda: features)
-    return policy
+    return lambda state, changed: policy.choose(state, changed=changed, features=features)
 
 
-def retried(policy: SchemaPolicy, state: str) -> str | None:
-    """Return the action after a failure, once the failed allocation has withdrawn."""
-    assert policy.choose(state, changed=False) is None and policy.withdraws
-    return policy.choose(state, changed=True)
-
-
-def allocation(action: str | None) -> str:
-    """Return the allocation of an action; the learned policy decides its leading part."""
-    return (action or "").rpartition(" with ")[2]
+def retried(choose: Choose, state: str) -> Choice:
+    """Return the choice after a failure, once the failed allocation has withdrawn."""
+    assert choose(state, False) == Choice(None, withdraws=True)
+    return choose(state, True)
 
 
 def test_a_state_has_one_letter_for_each_abstract_action(schema: CheckedProgram) -> None:
@@ -67,48 +67,50 @@ def test_a_state_has_one_letter_for_each_abstract_action(schema: CheckedProgram)
 
 def test_the_tree_chooses_and_progress_keeps_the_choice(schema: CheckedProgram) -> None:
     features = dict(NEAR_LEFT)
-    policy = begun(schema, features)
-    assert allocation(policy.choose("1XX", changed=True)) == "left_arm"
+    choose = begun(schema, features)
+    assert choose("1XX", True).allocation == "left_arm"
     features["place.y"] = -0.3
-    assert allocation(policy.choose("X0-", changed=True)) == "left_arm"
+    assert choose("X0-", True).allocation == "left_arm"
 
 
 def test_after_a_failure_the_other_is_tried_and_then_none(schema: CheckedProgram) -> None:
-    policy = begun(schema, NEAR_LEFT)
-    policy.choose("X0-", changed=True)
-    assert allocation(retried(policy, "X0-")) == "right_arm"
-    assert allocation(retried(policy, "X0-")) == "reachtouch_bimanual"
-    assert policy.choose("X0-", changed=False) is None and not policy.withdraws
-    assert policy.reason == "every allocation has been tried"
-    policy.begin(lambda: NEAR_LEFT)
-    assert allocation(policy.choose("X0-", changed=True)) == "left_arm"
+    policy = SchemaPolicy(schema)
+
+    def choose(state: str, changed: bool) -> Choice:
+        return policy.choose(state, changed=changed, features=NEAR_LEFT)
+
+    choose("X0-", True)
+    assert retried(choose, "X0-").allocation == "right_arm"
+    assert retried(choose, "X0-").allocation == "reachtouch_bimanual"
+    assert choose("X0-", False) == Choice(None, reason="every allocation has been tried")
+    policy.begin()
+    assert choose("X0-", True).allocation == "left_arm"
 
 
 def test_what_fails_unseen_is_not_held_against_it(schema: CheckedProgram) -> None:
     features = dict(UNSEEN)
-    policy = begun(schema, features)
-    assert allocation(policy.choose("X0-", changed=True)) == "right_arm"
+    choose = begun(schema, features)
+    assert choose("X0-", True).allocation == "right_arm"
     features.update(place_left := NEAR_LEFT)
-    assert place_left and allocation(policy.choose("X0-", changed=False)) == "left_arm"
-    assert allocation(retried(policy, "X0-")) == "right_arm"
+    assert place_left and choose("X0-", False).allocation == "left_arm"
+    assert retried(choose, "X0-").allocation == "right_arm"
 
 
 def test_it_moves_nothing_where_reward_is_unlikely(schema: CheckedProgram) -> None:
-    policy = begun(schema, FAR_LEFT)
-    assert policy.choose("X--", changed=True) == "searchtrack"
-    assert policy.choose("1XX", changed=True) is None
-    assert policy.reason == "reward is unlikely here (5 %)"
+    choose = begun(schema, FAR_LEFT)
+    assert choose("X--", True) == Choice("searchtrack")
+    assert choose("1XX", True) == Choice(None, reason="reward is unlikely here (5 %)")
     learning = begun(schema, FAR_LEFT, gives_up=False)
-    assert allocation(learning.choose("1XX", changed=True)) == "left_arm"
+    assert learning("1XX", True).allocation == "left_arm"
 
 
 def test_what_needs_no_allocation_ends_the_attempt(schema: CheckedProgram) -> None:
     features = dict(NEAR_LEFT)
-    policy = begun(schema, features)
-    policy.choose("X0-", changed=True)
-    assert policy.choose("X--", changed=True) == "searchtrack"
+    choose = begun(schema, features)
+    choose("X0-", True)
+    assert choose("X--", True) == Choice("searchtrack")
     features["place.y"] = -0.3
-    assert allocation(policy.choose("1XX", changed=True)) == "right_arm"
+    assert choose("1XX", True).allocation == "right_arm"
 
 
 def test_what_brings_programs_begins_anew_after_a_failure() -> None:
@@ -120,13 +122,16 @@ def test_what_brings_programs_begins_anew_after_a_failure() -> None:
     assert program.schema is not None
     known = dict.fromkeys(program.schema.components, 0.5)
     policy = SchemaPolicy(program, lambda _: ("right_arm", "left_arm_handover"), gives_up=False)
-    policy.begin(lambda: known)
-    assert policy.choose("XXX", changed=True) == "reachtouch with right_arm"
-    assert allocation(policy.choose("0XX", changed=True)) == "right_arm"
-    assert allocation(policy.choose("1XX", changed=True)) == "right_arm"
-    assert allocation(policy.choose("X0-", changed=True)) == "right_arm"
+
+    def choose(state: str, changed: bool) -> Choice:
+        return policy.choose(state, changed=changed, features=known)
+
+    assert choose("XXX", True) == Choice("reachtouch", "right_arm")
+    assert choose("0XX", True).allocation == "right_arm"
+    assert choose("1XX", True).allocation == "right_arm"
+    assert choose("X0-", True).allocation == "right_arm"
     # The goal is out of reach.
-    assert retried(policy, "X0-") == "reachtouch with left_arm_handover"
+    assert retried(choose, "X0-") == Choice("reachtouch", "left_arm_handover")
 
 
 def test_places_of_several_things_are_looked_for_and_what_is_taken_last() -> None:
@@ -144,10 +149,11 @@ def test_places_of_several_things_are_looked_for_and_what_is_taken_last() -> Non
 def test_an_untried_context_is_tried_and_named(schema: CheckedProgram) -> None:
     assert schema.schema is not None
     known = schema.schema._replace(tried={"place.x": (0.3, 1.2)})
-    policy = begun(schema._replace(schema=known), FAR_LEFT)
-    assert allocation(policy.choose("X0-", changed=True)) == "left_arm"
+    choose = begun(schema._replace(schema=known), FAR_LEFT)
+    assert choose("X0-", True).allocation == "left_arm"
     for _ in range(len(known.allocations) - 1):
-        retried(policy, "X0-")
-    assert policy.choose("X0-", changed=False) is None
-    assert policy.reason.startswith("every allocation has been tried; reward was unknown here (")
-    assert "place.x" in policy.reason
+        retried(choose, "X0-")
+    choice = choose("X0-", False)
+    assert choice.action is None and not choice.withdraws
+    assert choice.reason.startswith("every allocation has been tried; reward was unknown here (")
+    assert "place.x" in choice.reason

@@ -1,0 +1,65 @@
+"""Policies: the action that follows a state."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+from cbdsl.program.schema import NO_FEATURES, Features
+
+
+class Choice(NamedTuple):
+    """Decision of a policy.
+
+    Attributes:
+        action: Name of the next action; ``None`` to end the episode.
+        allocation: Allocation of a schema's abstract action; empty without one.
+        reason: Reason why there is no action, as a clause; empty if the policy has none.
+        withdraws: True if there is no action only until the effectors have returned to their
+            background posture.
+    """
+
+    action: str | None
+    allocation: str = ""
+    reason: str = ""
+    withdraws: bool = False
+
+
+class Policy(Protocol):
+    """Choice of actions by state, written or learned.
+
+    Attributes:
+        allocates: True if it needs the features of a schema. Programs that define undefined ones
+            then run before its first choice.
+    """
+
+    allocates: bool = False
+
+    def begin(self) -> None:
+        """Begin an activation of the program."""
+        return
+
+    def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
+        """Return the next action.
+
+        Args:
+            state: Predicates, one character per member.
+            changed: True if the last action changed the state.
+            features: Features of the program's schema by name, in SI, NaN while undefined; empty
+                without a schema.
+        """
+        ...
+
+
+class DeferredPolicy(Policy):
+    """Policy whose choices are made outside of it, between ticks, by the caller of the program.
+
+    While a choice is open, the active controllers stay active; see ``ProgramRun.decide``.
+    """
+
+    def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
+        """Refuse to choose an action; see ``Policy.choose``.
+
+        Raises:
+            TypeError: Always; the choice is not made here.
+        """
+        raise TypeError("a deferred choice is made by ProgramRun.decide")
