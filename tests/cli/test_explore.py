@@ -206,7 +206,7 @@ def test_a_damaged_journal_names_its_line(
         "it lacks 'ahead'": ('"ahead"', '"behind"'),
         "it is not an action": ('"sim_seconds": ', '"sim_seconds": "x", "t": '),
         "unknown action 'fly'": ('"action": "', '"action": "fly", "_": "'),
-        "it says not what joined": ('"action"', '"joined": 5, "action"'),
+        "names no actions": ('"action"', '"joined": 5, "action"'),
     }
     for named, change in changes.items():
         first, second, third = whole.splitlines(keepends=True)

@@ -140,6 +140,9 @@ def test_a_mistake_is_one_clear_message(
         assert out == ""
 
 
+_LOADED_LATE = tuple(f"cbdsl.{room}" for room in ("backends", "kinematics", "runtime", "sensing"))
+
+
 @pytest.mark.parametrize("package", ["numpy", "pybullet", "cv2", "pinocchio"])
 @pytest.mark.parametrize("more", [[], ["--record", "kept"]], ids=["run", "record"])
 def test_without_the_simulator_it_says_what_to_install(
@@ -150,7 +153,7 @@ def test_without_the_simulator_it_says_what_to_install(
     more: list[str],
 ) -> None:
     for name in [*sys.modules]:
-        if name == package or name.startswith(("cbdsl.backends", "cbdsl.sensing", "cbdsl.runtime")):
+        if name == package or name.startswith(_LOADED_LATE):
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
     assert cb(monkeypatch, "searchtrack", "--backend", "bullet", *more) == 2
