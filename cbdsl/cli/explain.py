@@ -17,7 +17,7 @@ Markdown = Annotated[bool, typer.Option("--markdown", help="Print a page of docu
 
 def explain(code: Code = None, every: All = False, markdown: Markdown = False) -> None:
     """Print the meaning of a diagnostic, its reason, and a wrong and a correct example."""
-    from cbdsl.cli.explanation import explanation, page
+    from cbdsl.diagnostics.entry_text import explanation, page
 
     entries = _entries(code, every)
     print(page(entries) if markdown else "\n\n".join(explanation(entry) for entry in entries))

@@ -155,11 +155,11 @@ def explore(
 def _run(
     task: ExplorationTask, request: RunRequest, live: LiveOptions | None, *, as_json: bool
 ) -> None:
-    from cbdsl.cli.catalog_text import catalog_text
     from cbdsl.cli.exploration_progress import ExplorationProgress
     from cbdsl.cli.live import live_page
     from cbdsl.cli.simulation import simulation
     from cbdsl.reporting.live.exploration_view import ExplorationView
+    from cbdsl.reporting.text.catalog_text import catalog_text
 
     with (
         simulation(request, task.backend, cameras=task.cameras) as (body, kinematics),

@@ -52,9 +52,9 @@ def show_catalog(
     --against prints the lines that differ from another catalog. With --expect, the robot observes
     scenes of a stage, predicts the reward of each action, and tries one action in each.
     """
-    from cbdsl.cli.catalog_text import catalog_text
     from cbdsl.cli.terminal import print_json
     from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.reporting.text.catalog_text import catalog_text
 
     if expect is not None and against is not None:
         raise UsageError("--expect predicts and --against compares: choose one")
@@ -86,7 +86,7 @@ def _read(name: str) -> CatalogDocument:
 def _difference(other: CatalogDocument, catalog: CatalogDocument) -> str:
     from difflib import unified_diff
 
-    from cbdsl.cli.catalog_text import catalog_text
+    from cbdsl.reporting.text.catalog_text import catalog_text
 
     before, after = (catalog_text(each).splitlines() for each in (other, catalog))
     lines = list(unified_diff(before, after, lineterm="", n=len(before) + len(after)))[3:]

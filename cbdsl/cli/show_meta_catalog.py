@@ -41,10 +41,10 @@ def show_meta_catalog(
 
     With --stack, print the most probable stack of the given height, bottom object first.
     """
-    from cbdsl.cli.meta_catalog_text import meta_catalog_text
     from cbdsl.cli.terminal import print_json
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.reporting.drawing.meta_catalog_graph import meta_catalog_graph
+    from cbdsl.reporting.text.meta_catalog_text import meta_catalog_text
 
     if of is not None and stack is None:
         raise UsageError("--of means nothing without --stack")

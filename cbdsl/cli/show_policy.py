@@ -45,10 +45,10 @@ def show_policy(
     A learned policy also has action values, numbers of trials, and the transitions with a relative
     frequency of more than --above. The formats dot, mermaid and svg draw a diagram of these.
     """
-    from cbdsl.cli.policy_text import policy_text
     from cbdsl.cli.terminal import print_json
     from cbdsl.reporting.drawing.policy_graph import policy_graph
     from cbdsl.reporting.drawing.policy_transitions import policy_transitions
+    from cbdsl.reporting.text.policy_text import policy_text
 
     form = read_format(format_, as_json)
     policy, programs = _read(name)

@@ -40,9 +40,9 @@ def show_program(
     """
     from cbdsl.checking.program import check_program
     from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.program_text import program_text
     from cbdsl.cli.terminal import print_json
     from cbdsl.reporting.drawing.program_graph import program_graph
+    from cbdsl.reporting.text.program_text import program_text
 
     form = read_format(format_, as_json)
     program = check_program(name, read_assignments(with_))
@@ -56,8 +56,8 @@ def show_program(
 
 def program_data(program: CheckedProgram) -> dict[str, object]:
     """Return a program as data of JSON, with the programs that it uses."""
-    from cbdsl.cli.program_text import claims
     from cbdsl.program.dry_run import controllers, coverage, resources
+    from cbdsl.reporting.text.program_text import claims
 
     shares = coverage(program)
     return {
@@ -94,7 +94,7 @@ def program_data(program: CheckedProgram) -> dict[str, object]:
 
 
 def _controller(controller: Controller) -> dict[str, object]:
-    from cbdsl.cli.program_text import casts_text, reference_text
+    from cbdsl.reporting.text.program_text import casts_text, reference_text
 
     return {
         "controller": controller.name,

@@ -35,10 +35,10 @@ def show_schema(
     --against prints the lines that differ from another schema: - for its lines, + for those of the
     first.
     """
-    from cbdsl.cli.schema_text import schema_text
     from cbdsl.cli.terminal import print_json
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.reporting.drawing.schema_graph import schema_graph
+    from cbdsl.reporting.text.schema_text import schema_text
 
     form = read_format(format_, as_json)
     if against is not None and form is not Format.TEXT:
@@ -66,7 +66,7 @@ def _difference(other: SchemaDocument, schema: SchemaDocument) -> str:
     """Return the differing lines of two schemas' texts, with all lines around them."""
     from difflib import unified_diff
 
-    from cbdsl.cli.schema_text import schema_text
+    from cbdsl.reporting.text.schema_text import schema_text
 
     before, after = (schema_text(each).splitlines() for each in (other, schema))
     lines = list(unified_diff(before, after, lineterm="", n=len(before) + len(after)))[3:]

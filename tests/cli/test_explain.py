@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.cli.explanation import page
 from cbdsl.diagnostics.catalogue import catalogue
+from cbdsl.diagnostics.entry_text import page
 from tests.cli.test_main import ROOT, cb
 
 

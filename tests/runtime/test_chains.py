@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cbdsl.cli.program_text import casts_text
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Frame, Kinematics
@@ -17,6 +16,7 @@ from cbdsl.kinematics.rotation import log
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller
+from cbdsl.reporting.text.program_text import casts_text
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.controller_rows import bind_rows
 from cbdsl.runtime.controller_run import ControllerRun

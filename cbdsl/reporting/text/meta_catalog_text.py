@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from cbdsl.cli.catalog_text import count_cells, feature_lines
+from cbdsl.reporting.text.catalog_text import count_cells, feature_lines
 
 if TYPE_CHECKING:
     from cbdsl.documents.meta_catalog import MetaCatalogDocument
