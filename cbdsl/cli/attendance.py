@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.api.rehearsal import rehearse
+from cbdsl.diagnostics.errors import UsageError
+
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
@@ -44,8 +47,6 @@ class TerminalPerson:
         Raises:
             UsageError: No terminal is there to ask at.
         """
-        from cbdsl.diagnostics.errors import UsageError
-
         if self._yes and released:
             return True
         if not sys.stdin.isatty():
@@ -67,9 +68,7 @@ def attend(backend: Backend, request: RunRequest, *, yes: bool, interface: str |
     Raises:
         UsageError: The backend is simulated, and --yes or --interface is given.
     """
-    from cbdsl.api.rehearsal import rehearse
     from cbdsl.backends.backend import AttendedBackend
-    from cbdsl.diagnostics.errors import UsageError
 
     if isinstance(backend, AttendedBackend):
         backend.attend(TerminalPerson(yes=yes), interface)

@@ -9,8 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cbdsl.api.calibrate_request import CalibrateRequest
+from cbdsl.cli.assignments import read_assignments
+from cbdsl.cli.native_output import shown_on_failure
 from cbdsl.cli.options import BodyNumber, Cameras, Seed, With
-from cbdsl.cli.simulation import BackendName
+from cbdsl.cli.progress import Progress
+from cbdsl.cli.simulation import BackendName, needing_simulation, simulation
+from cbdsl.cli.termination import termination_interrupts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,6 +23,7 @@ if TYPE_CHECKING:
     from cbdsl.api.calibrate_request import CameraCalibration
     from cbdsl.calibration.estimate import Estimate
     from cbdsl.documents.calibration import CalibrationDocument
+
 
 Robot = Annotated[str, typer.Argument(help="Robot: file or name.")]
 Out = Annotated[
@@ -63,12 +69,6 @@ def calibrate(
 
     Exit 0 if the calibration was written, 1 if a document has errors, 2 if it cannot be made.
     """
-    from cbdsl.api.calibrate_request import CalibrateRequest
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.native_output import shown_on_failure
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.termination import termination_interrupts
-
     request = CalibrateRequest(
         robot=robot,
         program=program,
@@ -90,9 +90,6 @@ def calibrate(
 
 
 def _estimates(calibration: CameraCalibration, cameras: str | None) -> Mapping[str, Estimate]:
-    from cbdsl.cli.progress import Progress
-    from cbdsl.cli.simulation import simulation
-
     with (
         simulation(calibration.run, calibration.origin.backend, cameras=cameras) as (
             embodied,

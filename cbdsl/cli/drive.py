@@ -7,13 +7,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.api.robots import read_robot
+from cbdsl.api.serve import serve_robot
 from cbdsl.cli.attendance import Interface, TerminalPerson
 from cbdsl.cli.options import Cameras, Rate
-from cbdsl.cli.simulation import BackendName
+from cbdsl.cli.simulation import BackendName, needing_simulation
+from cbdsl.cli.terminal import print_json, print_table
+from cbdsl.cli.termination import stop_requests
 
 if TYPE_CHECKING:
     from cbdsl.backends.drivers.backend import DrivenBackend
     from cbdsl.backends.drivers.link import Endpoint
+
 
 drive = typer.Typer(help="Serve, examine and guard the drivers of a robot.", no_args_is_help=True)
 
@@ -63,10 +68,7 @@ def serve(
     Commands are followed as by a joint trajectory controller, which holds still at the end of a
     trajectory.
     """
-    from cbdsl.api.serve import serve_robot
     from cbdsl.cli.compilation import told_of_compilation
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.termination import stop_requests
 
     with needing_simulation(), told_of_compilation(), stop_requests() as stopped:
         serve_robot(
@@ -100,10 +102,6 @@ def doctor(
     No command is sent. Exit 0 if a program can begin, 1 with such reasons, 2 if a driver cannot be
     opened.
     """
-    from cbdsl.api.robots import read_robot
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.terminal import print_json, print_table
-
     document, urdf = read_robot(robot)
     with needing_simulation():
         from cbdsl.backends.drivers.backend import DrivenBackend
@@ -164,10 +162,6 @@ def watchdog(robot: Robot, *, interface: Interface = None) -> None:
     the robot's computer, so that it outlives the program. Exit 3 after a hold, which ends only by a
     new start.
     """
-    from cbdsl.api.robots import read_robot
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.termination import stop_requests
-
     document, urdf = read_robot(robot)
     with needing_simulation(), stop_requests() as stopped:
         from cbdsl.backends.ros2.guard import Guard

@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from cbdsl.cli.pages import require_room, write_page
+from cbdsl.diagnostics.errors import UsageError
 
 
 def require_page(page: Path, episodes: int) -> None:
@@ -20,8 +21,6 @@ def require_page(page: Path, episodes: int) -> None:
     Raises:
         UsageError: It cannot, or there are several episodes.
     """
-    from cbdsl.diagnostics.errors import UsageError
-
     if page.suffix != ".html":
         raise UsageError(f"--page {page}: a page is <name>.html")
     if episodes > 1:

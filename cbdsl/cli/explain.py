@@ -7,6 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.plugins import warn_of_faults
+from cbdsl.diagnostics.entry_text import explanation, page
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.nearest import nearest_name
+from cbdsl.documents.kinds import KINDS, entries, entry_of
+
 if TYPE_CHECKING:
     from cbdsl.diagnostics.entry import Entry
 
@@ -17,17 +23,11 @@ Markdown = Annotated[bool, typer.Option("--markdown", help="Print a page of docu
 
 def explain(code: Code = None, every: All = False, markdown: Markdown = False) -> None:
     """Print the meaning of a diagnostic, its reason, and a wrong and a correct example."""
-    from cbdsl.diagnostics.entry_text import explanation, page
-
     entries = _entries(code, every)
     print(page(entries) if markdown else "\n\n".join(explanation(entry) for entry in entries))
 
 
 def _entries(code: str | None, every: bool) -> list[Entry]:
-    from cbdsl.cli.plugins import warn_of_faults
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.documents.kinds import KINDS, entries, entry_of
-
     if every != (code is None):
         raise UsageError("explain wants a code such as CB504, or --all")
     if code is None:
@@ -43,8 +43,6 @@ def _entries(code: str | None, every: bool) -> list[Entry]:
 
 def _suggestion(code: str, known: Iterable[str]) -> str:
     """Return the question for the nearest code, without regard to the common prefix."""
-    from cbdsl.diagnostics.nearest import nearest_name
-
     numbers = {each.removeprefix("CB"): each for each in known}
     nearest = nearest_name(code.upper().removeprefix("CB"), numbers)
     return f"; did you mean '{numbers[nearest]}'?" if nearest else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -58,8 +59,6 @@ class ExplorationProgress(TaskObserver[FinishedAction]):
             print(f"  nothing that can be acted on was seen after the last {_GONE} actions")
 
     def _print_json(self, action: FinishedAction) -> None:
-        import json
-
         row = {"number": self._done, **action.step._asdict(), **asdict(action.outcome)}
         row["reward"] = action.step.reward
         del row["wall_seconds"]

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
+from cbdsl.api.explore_request import ExploreRequest
+from cbdsl.cli.assignments import read_assignments
+from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait, live_options, live_page
+from cbdsl.cli.native_output import shown_on_failure
 from cbdsl.cli.options import Cameras, Resume, Seed, Set
-from cbdsl.cli.simulation import BackendName
+from cbdsl.cli.simulation import BackendName, needing_simulation, simulation
+from cbdsl.cli.termination import termination_interrupts
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.reporting.text.catalog_text import catalog_text
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
@@ -113,14 +120,6 @@ def explore(
     Exit 0 if all actions were taken, 1 if a document has errors, 2 if an action cannot run, and 130
     after Ctrl-C or SIGTERM.
     """
-    from cbdsl.api.explore_request import ExploreRequest
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.live import live_options
-    from cbdsl.cli.native_output import shown_on_failure
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.diagnostics.errors import UsageError
-
     if out.suffix != ".yaml":
         raise UsageError(f"--out {out}: a catalog is <name>.yaml")
     shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
@@ -156,10 +155,7 @@ def _run(
     task: ExplorationTask, request: RunRequest, live: LiveOptions | None, *, as_json: bool
 ) -> None:
     from cbdsl.cli.exploration_progress import ExplorationProgress
-    from cbdsl.cli.live import live_page
-    from cbdsl.cli.simulation import simulation
     from cbdsl.reporting.live.exploration_view import ExplorationView
-    from cbdsl.reporting.text.catalog_text import catalog_text
 
     with (
         simulation(request, task.backend, cameras=task.cameras) as (body, kinematics),
@@ -176,8 +172,6 @@ def _run(
 
 def _command(context: typer.Context) -> str:
     """Return the command that repeats the exploration, in a canonical spelling."""
-    import shlex
-
     given = context.params | {"out": context.params["out"].name}
     words = ["cb", "explore", *given["programs"]]
     for parameter in context.command.params:

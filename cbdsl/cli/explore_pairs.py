@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, get_args
 
+from cbdsl.cli.assignments import read_assignments
+from cbdsl.cli.explored_pairs import read_pairs, read_things
+from cbdsl.cli.native_output import shown_on_failure
+from cbdsl.cli.simulation import needing_simulation, simulation
+from cbdsl.cli.termination import termination_interrupts
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.meta_catalog import Relation
+
 if TYPE_CHECKING:
     import typer
 
     from cbdsl.api.run_request import RunRequest
     from cbdsl.training.pair_task import PairTask
+
 
 # Options that apply only to the actions of a single object.
 _OF_ONE = (
@@ -24,14 +33,6 @@ def explore_pairs(context: typer.Context, command: str) -> None:
         DiagnosticsError: A document has errors.
         UsageError: An option cannot be used.
     """
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.explored_pairs import read_pairs, read_things
-    from cbdsl.cli.native_output import shown_on_failure
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.documents.meta_catalog import Relation
-
     given = context.params
     _refuse_options_of_one(context)
     if given["relation"] not in get_args(Relation):
@@ -69,8 +70,6 @@ def explore_pairs(context: typer.Context, command: str) -> None:
 
 
 def _refuse_options_of_one(context: typer.Context) -> None:
-    from cbdsl.diagnostics.errors import UsageError
-
     for parameter in context.command.params:
         name = str(parameter.name)
         if name in _OF_ONE and context.params[name] != parameter.default:
@@ -79,7 +78,6 @@ def _refuse_options_of_one(context: typer.Context) -> None:
 
 def _run(task: PairTask, request: RunRequest, cameras: str | None, *, as_json: bool) -> None:
     from cbdsl.cli.exploration_progress import ExplorationProgress
-    from cbdsl.cli.simulation import simulation
 
     with simulation(request, task.backend, cameras=cameras) as (body, kinematics):
         progress = ExplorationProgress(task.count, as_json=as_json, looks_ahead=False)

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from itertools import permutations
 from typing import TYPE_CHECKING
 
+from cbdsl.api.explored_actions import read_action
+from cbdsl.api.run_request import read_request
+from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.document import NAME_PATTERN
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.robot.pair_names import pair_features
+from cbdsl.robot.resources import resources
+from cbdsl.robot.urdf_reader import read_urdf_if_sound
+from cbdsl.training.explorable_pair import ExplorablePair
+from cbdsl.yaml_text.library import Library
+
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
-    from cbdsl.training.explorable_pair import ExplorablePair
     from cbdsl.types.resource import Resource
 
 # Parameters of a program that brings one object to another.
@@ -21,11 +33,6 @@ def read_things(texts: Sequence[str]) -> dict[str, str]:
     Raises:
         UsageError: A text has another form, or a name or a channel occurs twice.
     """
-    import re
-
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.documents.document import NAME_PATTERN
-
     things: dict[str, str] = {}
     for text in texts:
         name, _, channel = text.partition("=")
@@ -56,9 +63,6 @@ def read_pairs(
         DiagnosticsError: A document has errors.
         UsageError: The program does not bring one object to another, or the stage has no pair.
     """
-    from cbdsl.api.explored_actions import read_action
-    from cbdsl.diagnostics.errors import UsageError
-
     text = read_action(program)
     requests: dict[str, RunRequest] = {}
     pairs: dict[str, ExplorablePair] = {}
@@ -82,16 +86,10 @@ def read_pairs(
 
 
 def _request(program: str, stage: str | None, values: Mapping[str, str]) -> RunRequest:
-    from cbdsl.api.run_request import read_request
-
     return read_request(program, stage, None, values)
 
 
 def _require_ends(program: str) -> None:
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.documents.program import ProgramDocument
-    from cbdsl.yaml_text.library import Library
-
     library = Library()
     document = library.read(library.locate(ProgramDocument, program), ProgramDocument).document
     missing = [key for key in _ENDS if key not in document.parameters]
@@ -101,19 +99,12 @@ def _require_ends(program: str) -> None:
 
 
 def _pair(upper: str, lower: str, context: str, request: RunRequest) -> ExplorablePair:
-    from cbdsl.checking.knowledge.digest import program_digest
-    from cbdsl.training.explorable_pair import ExplorablePair
-
     digest = program_digest(request.program_file, request.library)
     return ExplorablePair(upper, lower, context, request.program, digest, _features(request))
 
 
 def _features(request: RunRequest) -> dict[str, Resource]:
     """Return the signals of both objects, in the first camera and in space."""
-    from cbdsl.robot.pair_names import pair_features
-    from cbdsl.robot.resources import resources
-    from cbdsl.robot.urdf_reader import read_urdf_if_sound
-
     given, camera = request.program.parameters, next(iter(request.robot.cameras), "")
     named = resources(request.robot, read_urdf_if_sound(request.urdf))
     return pair_features(given["feature"], given["goal"], camera, named)

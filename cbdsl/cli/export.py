@@ -9,8 +9,12 @@ from typing import Annotated
 
 import typer
 
+from cbdsl.api.run_request import read_program
 from cbdsl.cli.assignments import read_assignments
 from cbdsl.cli.options import Policy, Program, Recording, With
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
+from cbdsl.program.behavior_tree import behavior_tree
 
 export = typer.Typer(
     help="Write programs and recordings in formats of other tools.",
@@ -51,9 +55,6 @@ def export_tree(program: Program, policy: Policy = None, with_: With = []) -> No
     Each use of a program is a separate tree, with the values of its parameters. The model at the
     end names the leaves. Exit 2 if the next action depends on more than the state.
     """
-    from cbdsl.api.run_request import read_program
-    from cbdsl.program.behavior_tree import behavior_tree
-
     print(behavior_tree(read_program(program, policy, read_assignments(with_))), end="")
 
 
@@ -65,8 +66,6 @@ def export_mcap(what: Recording, out: Out = None, schemas: Schemas = "foxglove")
     by simulated time. With --schemas ros2, messages are those of ROS 2 (sensor_msgs, geometry_msgs,
     tf2_msgs and others), with wrenches and camera intrinsics. Requires the extra mcap.
     """
-    from cbdsl.diagnostics.errors import UsageError
-
     if schemas not in SCHEMAS:
         raise UsageError.unknown("kind of schemas", schemas, SCHEMAS)
     with needed("MCAP", "mcap"):
@@ -125,8 +124,6 @@ def needed(product: str, extra: str) -> Iterator[None]:
     Raises:
         UsageError: A module is not installed.
     """
-    from cbdsl.diagnostics.errors import UsageError
-
     try:
         yield
     except ModuleNotFoundError as error:
@@ -142,9 +139,6 @@ def named_problems(target: Path) -> Iterator[None]:
     Raises:
         UsageError: The file cannot be written.
     """
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.diagnostics.reason import reason
-
     try:
         yield
     except OSError as error:

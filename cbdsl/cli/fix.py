@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from cbdsl.checking.safety_net import check_safely
+from cbdsl.checking.session import Session
 from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
-from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.cli.terminal import print_problem
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.editor.fixes import fixed
+from cbdsl.storage.atomic_file import write_text
+from cbdsl.yaml_text.library import Library
 
 # The correction of one name may reveal another misspelled name.
 _ROUNDS = 5
@@ -25,9 +30,6 @@ def fix_paths(paths: Iterable[str], values: Mapping[str, str]) -> None:
     Raises:
         UsageError: A path is the standard input, or a folder holds no documents.
     """
-    from cbdsl.cli.terminal import print_problem
-    from cbdsl.diagnostics.errors import UsageError
-
     words = list(paths)
     if STANDARD_INPUT in words:
         raise UsageError("--fix writes files; the standard input is none")
@@ -43,11 +45,6 @@ def fix_paths(paths: Iterable[str], values: Mapping[str, str]) -> None:
 
 def _fix_once(words: Iterable[str], values: Mapping[str, str]) -> list[Path]:
     """Correct each file once, and return the changed files."""
-    from cbdsl.checking.safety_net import check_safely
-    from cbdsl.checking.session import Session
-    from cbdsl.storage.atomic_file import write_text
-    from cbdsl.yaml_text.library import Library
-
     library, changed = Library(), []
     session = Session(library, values)
     for file in choose_files(words, Path(STANDARD_INPUT), library).files:

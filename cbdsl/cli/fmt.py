@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from difflib import unified_diff
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
 from cbdsl.cli.options import Paths
+from cbdsl.cli.standard_streams import read_standard_input
+from cbdsl.cli.terminal import print_diagnostics, print_problem
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.documents.ownership import is_declared
+from cbdsl.storage.atomic_file import write_text
+from cbdsl.yaml_text.composer import MOST_BYTES
+from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.reader import decode, formatted_text, read_text
 
 Check = Annotated[
     bool, typer.Option("--check", help="Write nothing; exit with 1 if a document would change.")
@@ -25,11 +35,6 @@ def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
     Exit 0 on success, 1 if --check found a change or a document is not valid YAML, 2 for wrong
     arguments.
     """
-    from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
-    from cbdsl.cli.terminal import print_diagnostics
-    from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
-    from cbdsl.yaml_text.library import Library
-
     if paths == [STANDARD_INPUT] and not (check or diff):
         raise typer.Exit(_print_formatted())
     if STANDARD_INPUT in paths:
@@ -46,10 +51,6 @@ def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
 
 def _print_formatted() -> int:
     """Format the standard input onto the standard output, and return the exit code."""
-    from cbdsl.cli.standard_streams import read_standard_input
-    from cbdsl.yaml_text.composer import MOST_BYTES
-    from cbdsl.yaml_text.reader import decode
-
     file = Path("stdin.yaml")
     text = decode(read_standard_input(MOST_BYTES + 1), str(file))
     print(_formatted(text, file, is_named=True), end="")
@@ -58,9 +59,6 @@ def _print_formatted() -> int:
 
 def _format(file: Path, *, check: bool, diff: bool, is_named: bool) -> bool:
     """Format a file, and return whether it was, or would be, changed."""
-    from cbdsl.storage.atomic_file import write_text
-    from cbdsl.yaml_text.reader import read_text
-
     before = read_text(file)
     after = _formatted(before, file, is_named)
     if after == before:
@@ -81,10 +79,6 @@ def _formatted(text: str, file: Path, is_named: bool) -> str:
         file: Path of the file.
         is_named: True if the user named the file; then a warning is printed for other YAML.
     """
-    from cbdsl.cli.terminal import print_problem
-    from cbdsl.documents.ownership import is_declared
-    from cbdsl.yaml_text.reader import formatted_text
-
     if is_declared(text):
         return formatted_text(text, str(file))
     if is_named:
@@ -93,7 +87,5 @@ def _formatted(text: str, file: Path, is_named: bool) -> str:
 
 
 def _print_difference(file: Path, before: str, after: str) -> None:
-    from difflib import unified_diff
-
     old, new = (text.splitlines(keepends=True) for text in (before, after))
     print("".join(unified_diff(old, new, str(file), str(file))), end="")

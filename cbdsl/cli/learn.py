@@ -11,12 +11,24 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
+from cbdsl.api.learn_request import LearnRequest
+from cbdsl.api.run_request import read_request
+from cbdsl.checking.reward import check_rewarded
+from cbdsl.cli.assignments import read_assignments
+from cbdsl.cli.learning_tasks import one_by_one, side_by_side
+from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait, live_options
+from cbdsl.cli.native_output import shown_on_failure
 from cbdsl.cli.options import Cameras, Program, Resume, Seed, Set, With
-from cbdsl.cli.simulation import BackendName
+from cbdsl.cli.simulation import BackendName, needing_simulation
+from cbdsl.cli.terminal import print_diagnostics
+from cbdsl.cli.termination import termination_interrupts
 from cbdsl.cli.workers import require_workers, warn_of_open_scheduler
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.json_schema import docstrings
 from cbdsl.learning.constants import AccommodateConstants
+from cbdsl.learning.experience import EPISODES
+from cbdsl.storage.journal_follower import JournalFollower
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
@@ -178,15 +190,6 @@ def learn(
     Exit 0 if all episodes were run, 1 if a document has errors, 2 if the program cannot run, and
     130 after Ctrl-C or SIGTERM.
     """
-    from cbdsl.api.learn_request import LearnRequest
-    from cbdsl.api.run_request import read_request
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.learning_tasks import one_by_one, side_by_side
-    from cbdsl.cli.live import live_options
-    from cbdsl.cli.native_output import shown_on_failure
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.termination import termination_interrupts
-
     _require_one_place(workers, scheduler)
     shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
     if shown is not None:
@@ -229,25 +232,18 @@ def learn(
 
 def _tell_of_no_reward(request: RunRequest) -> None:
     """Warn before the episodes, not after, that nothing can be learned from them."""
-    from cbdsl.checking.reward import check_rewarded
-    from cbdsl.cli.terminal import print_diagnostics
-
     diagnostics = check_rewarded(request.program, request.program_file, request.library)
     if diagnostics:
         print_diagnostics(diagnostics)
 
 
 def _require_one_place(workers: int, scheduler: str | None) -> None:
-    from cbdsl.diagnostics.errors import UsageError
-
     if workers > 1 and scheduler is not None:
         raise UsageError("--workers are processes of this machine, --scheduler has its own: choose")
 
 
 def _require_here(workers: int, scheduler: str | None) -> None:
     """Check that episodes run where they can be shown."""
-    from cbdsl.diagnostics.errors import UsageError
-
     if workers > 1 or scheduler is not None:
         option = "--scheduler" if scheduler is not None else f"--workers {workers}"
         raise UsageError(f"--live shows episodes of this process, {option} runs them in others")
@@ -283,9 +279,6 @@ def _set(constants: Section) -> Iterator[str]:
 
 def _require_ready(tasks: Sequence[LearningTask], resume: bool) -> None:
     """Check before the episodes, not after, that everything can be written."""
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.diagnostics.reason import reason
-
     for task in tasks:
         try:
             task.require_ready(resume=resume)
@@ -299,9 +292,6 @@ def _require_ready(tasks: Sequence[LearningTask], resume: bool) -> None:
 
 def _tell_what_is_there(tasks: Sequence[LearningTask]) -> None:
     """Report journals that are missing or hold more episodes than asked for."""
-    from cbdsl.learning.experience import EPISODES
-    from cbdsl.storage.journal_follower import JournalFollower
-
     begun = [each for each in tasks if each.journal.exists()]
     if not begun:
         print(f"nothing to go on with: {tasks[0].journal} is not there; begins anew")

@@ -9,12 +9,12 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+from cbdsl.cli.terminal import console
 from cbdsl.learning.experience import Experience
 from cbdsl.training.task_observer import TaskObserver
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
-
 
 #: Least time between lines that stay, s.
 _PAUSE = 1.0
@@ -120,8 +120,6 @@ class LearningProgress(TaskObserver[Experience]):
 def _bar(total: int, width: int) -> tuple[Progress, TaskID]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Left
-
-    from cbdsl.cli.terminal import console
 
     status = TextColumn("{task.fields[status]}")
     columns = (MofNCompleteColumn(), BarColumn(bar_width=width), Left(), status)

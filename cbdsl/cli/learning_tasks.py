@@ -8,12 +8,20 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cbdsl.cli.learning_progress import LearningProgress
+from cbdsl.cli.live import live_page
+from cbdsl.cli.simulation import needing_simulation, simulation
+from cbdsl.cli.terminal import print_problem
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
+from cbdsl.learning.experience import EPISODES
+from cbdsl.storage.journal import JournalError
+from cbdsl.storage.journal_follower import JournalFollower
+
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
-    from cbdsl.cli.learning_progress import LearningProgress
     from cbdsl.cli.live import LiveOptions
     from cbdsl.learning.experience import Experience
-    from cbdsl.storage.journal_follower import JournalFollower
     from cbdsl.training.learning_task import LearningTask
 
 # Workers that take longer to begin are likely to compile, s.
@@ -33,9 +41,6 @@ def one_by_one(
     Raises:
         UsageError: A trial failed; the message names the reason and the kept files.
     """
-    from cbdsl.cli.live import live_page
-    from cbdsl.cli.simulation import simulation
-
     with (
         simulation(request, tasks[0].backend, cameras=tasks[0].cameras) as (body, kinematics),
         live_page(live, request, body) as page,
@@ -58,9 +63,6 @@ def side_by_side(tasks: Sequence[LearningTask], workers: int, scheduler: str | N
     Raises:
         UsageError: Trials failed; the message names the reasons and the kept files.
     """
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.diagnostics.errors import UsageError
-
     with needing_simulation():
         from cbdsl.backends.backend import find_backend
 
@@ -88,9 +90,6 @@ class Supervision:
     """
 
     def __init__(self, tasks: Sequence[LearningTask], progress: LearningProgress) -> None:
-        from cbdsl.learning.experience import EPISODES
-        from cbdsl.storage.journal_follower import JournalFollower
-
         self._progress = progress
         self._workers = -1
         self._failures: dict[str, list[int]] = {}
@@ -141,8 +140,6 @@ class Supervision:
         Raises:
             UsageError: A trial failed.
         """
-        from cbdsl.diagnostics.errors import UsageError
-
         failures = [
             f"trial {', '.join(map(str, numbers))}: {reason}"
             for reason, numbers in self._failures.items()
@@ -152,8 +149,6 @@ class Supervision:
 
 
 def _progress(tasks: Sequence[LearningTask], at_once: int) -> LearningProgress:
-    from cbdsl.cli.learning_progress import LearningProgress
-
     first, count = tasks[0], len(tasks)
     title = f"{first.program.name} on {first.stage.name}, seed {first.seed}"
     if count > 1:
@@ -164,10 +159,6 @@ def _progress(tasks: Sequence[LearningTask], at_once: int) -> LearningProgress:
 @contextmanager
 def _explained(*tasks: LearningTask) -> Iterator[None]:
     """Convert errors and interrupts of trials to one message that names the kept files."""
-    from cbdsl.cli.terminal import print_problem
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.storage.journal import JournalError
-
     try:
         yield
     except JournalError:
@@ -180,8 +171,6 @@ def _explained(*tasks: LearningTask) -> Iterator[None]:
 
 
 def _reason(task: LearningTask, error: Exception) -> str:
-    from cbdsl.diagnostics.reason import reason
-
     if isinstance(error, OSError):
         return f"{error.filename or task.path}: {reason(error)}"
     return str(error)

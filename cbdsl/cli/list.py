@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.plugins import warn_of_faults
 from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
+from cbdsl.cli.terminal import print_json, print_table
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.documents.kinds import KINDS, models
+from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:
     from cbdsl.documents.document import Document
-    from cbdsl.yaml_text.library import Library
 
 Kind = Annotated[
     str | None,
@@ -27,11 +31,6 @@ _LONGEST = 76
 
 def list(kind: Kind = None, format_: PlainFormat = "text", as_json: Json = False) -> None:
     """List the documents that commands find by name from this folder, with their paths."""
-    from cbdsl.cli.plugins import warn_of_faults
-    from cbdsl.cli.terminal import print_json, print_table
-    from cbdsl.documents.kinds import KINDS, models
-    from cbdsl.yaml_text.library import Library
-
     form, known = read_format(format_, as_json, PLAIN), models()
     warn_of_faults(KINDS)
     chosen = known if kind is None else {name: known[name] for name in [_kind(kind, known)]}
@@ -47,8 +46,6 @@ def list(kind: Kind = None, format_: PlainFormat = "text", as_json: Json = False
 
 def _kind(word: str, known: dict[str, type[Document]]) -> str:
     """Return the kind of a name in the singular or the plural."""
-    from cbdsl.diagnostics.errors import UsageError
-
     plurals = {f"{name[:-1]}ies" if name.endswith("y") else f"{name}s": name for name in known}
     if word in known or word in plurals:
         return plurals.get(word, word)
@@ -71,8 +68,6 @@ def _rows(kind: str, model: type[Document], library: Library) -> Iterator[dict[s
 
 def _robot_and_description(file: Path, model: type[Document], library: Library) -> tuple[str, str]:
     """Return the robot and the beginning of the description of a document, if readable."""
-    from cbdsl.diagnostics.errors import DiagnosticsError
-
     try:
         document = library.read_sound_parts(file, model).document
     except DiagnosticsError:

@@ -8,9 +8,17 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from threading import Event
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from cbdsl.backends.quiet import quiet_stderr
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, composed_program
+from cbdsl.reporting.live.feed import Feed
+from cbdsl.reporting.live.server import LiveServer
+from cbdsl.reporting.live.transport import Transport
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
@@ -66,8 +74,6 @@ def live_options(
     Raises:
         UsageError: An option of the page is given without ``--live``.
     """
-    from cbdsl.diagnostics.errors import UsageError
-
     given = {
         "--live-port": port is not None,
         "--fast": fast,
@@ -107,17 +113,9 @@ def live_page(
         yield None
         return
     from cbdsl.backends.staging.world_state import GroundTruthProvider
-    from cbdsl.reporting.live.composed_program import (
-        Changes,
-        ComposedProgram,
-        composed_program,
-    )
-    from cbdsl.reporting.live.feed import Feed
     from cbdsl.reporting.live.live_page import live_page as page
     from cbdsl.reporting.live.live_view import LiveView
     from cbdsl.reporting.live.requests import Requests
-    from cbdsl.reporting.live.server import LiveServer
-    from cbdsl.reporting.live.transport import Transport
     from cbdsl.runtime.composer import Composer
 
     # The backend's ground truth is only on the page, for display.
@@ -149,8 +147,6 @@ def live_page(
 
 def _stay(prints: bool) -> None:
     """Keep the page until Ctrl-C, which ends nothing but the page."""
-    from threading import Event
-
     try:
         _tell("the page stays until Ctrl-C", prints)
         while not Event().wait(3600):
@@ -165,8 +161,6 @@ def _tell(text: str, prints: bool) -> None:
 
 def _open(url: str) -> None:
     """Show the page, if a person sits at a screen."""
-    from cbdsl.backends.quiet import quiet_stderr
-
     if sys.stdout.isatty() and _has_screen():
         with quiet_stderr():  # without a browser, the launcher prints many messages
             typer.launch(url)

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+from cbdsl.cli.server_log import log_lines
+from cbdsl.diagnostics.errors import UsageError
+
 
 def lsp() -> None:
     """Serve an editor over the standard streams: diagnostics while typing, completion, hover.
 
     Editors start this server and end it; see docs/how_to/set_up_an_editor.md.
     """
-    import os
-    import sys
-    from importlib.metadata import version
-    from pathlib import Path
-
-    from cbdsl.cli.server_log import log_lines
-    from cbdsl.diagnostics.errors import UsageError
-
     try:
         from cbdsl.editor.server import build
     except ModuleNotFoundError as error:

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import Annotated, NoReturn
 
 import typer
 
-if TYPE_CHECKING:
-    from cbdsl.documents.robot import RobotDocument
-    from cbdsl.scaffold.document_template import DocumentTemplate
+from cbdsl.api.propose_robot import propose_robot
+from cbdsl.checking.lookup.documents import for_robot
+from cbdsl.cli.terminal import print_problem
+from cbdsl.cli.validation import check_paths
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.scaffold.document_template import DocumentTemplate
+from cbdsl.yaml_text.library import Library
 
 new = typer.Typer(
     help="Write a robot, program or stage to start from.",
@@ -56,9 +63,6 @@ Package = Annotated[
 @new.command("program")
 def new_program(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
     """Write a program that moves an effector to a posture."""
-    from cbdsl.documents.program import ProgramDocument
-    from cbdsl.scaffold.document_template import DocumentTemplate
-
     body = _robot(robot)
     effector, posture = _posture(body)
     values = {"robot": body.name, "effector": effector, "posture": posture, "stage": _stage(body)}
@@ -82,8 +86,6 @@ def new_robot(
     limits as comments. For other formats than URDF, a URDF is written beside the robot (extra
     formats).
     """
-    from cbdsl.api.propose_robot import propose_robot
-
     proposal = propose_robot(
         name,
         urdf,
@@ -101,8 +103,6 @@ def new_robot(
 def new_stage(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
     """Write a stage with a ball on a table within the robot's reach, or an empty one."""
     from cbdsl.cli.bench import bench
-    from cbdsl.documents.stage import StageDocument
-    from cbdsl.scaffold.document_template import DocumentTemplate
 
     body, file = _located(robot)
     values = {"robot": body.name, **bench(body, file).values()}
@@ -115,9 +115,6 @@ def _robot(name: str) -> RobotDocument:
 
 def _located(name: str) -> tuple[RobotDocument, Path]:
     """Return a robot's document, and its file."""
-    from cbdsl.documents.robot import RobotDocument
-    from cbdsl.yaml_text.library import Library
-
     library = Library()
     file = library.locate(RobotDocument, name)
     return library.read(file, RobotDocument).document, file
@@ -125,8 +122,6 @@ def _located(name: str) -> tuple[RobotDocument, Path]:
 
 def _posture(robot: RobotDocument) -> tuple[str, str]:
     """Return an effector and one of its postures, preferably not its start posture."""
-    from cbdsl.diagnostics.errors import UsageError
-
     candidates = [
         (posture == effector.start, name, posture)
         for name, effector in robot.effectors.items()
@@ -140,10 +135,6 @@ def _posture(robot: RobotDocument) -> tuple[str, str]:
 
 def _stage(robot: RobotDocument) -> str:
     """Return the line of a program that names a stage of its robot, or a comment."""
-    from cbdsl.checking.lookup.documents import for_robot
-    from cbdsl.documents.stage import StageDocument
-    from cbdsl.yaml_text.library import Library
-
     names = for_robot(StageDocument, robot.name, None, Library())
     if names:
         return f"stage: {names[0]}"
@@ -162,9 +153,6 @@ def _write(
 
 def _conclude(file: Path, written: Sequence[Path], remarks: Sequence[str] = ()) -> NoReturn:
     """Print the written files and remarks, and check the document."""
-    from cbdsl.cli.terminal import print_problem
-    from cbdsl.cli.validation import check_paths
-
     for path in written:
         print(f"wrote {path}", flush=True)
     for remark in remarks:

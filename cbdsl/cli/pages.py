@@ -9,6 +9,11 @@ from pathlib import Path
 
 import typer
 
+from cbdsl.backends.quiet import quiet_stderr
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
+from cbdsl.storage.atomic_file import make_room, write_text
+
 
 def require_room(target: Path) -> None:
     """Create the folder of a page, and check before the run that the page can be written.
@@ -16,8 +21,6 @@ def require_room(target: Path) -> None:
     Raises:
         UsageError: The page cannot be written.
     """
-    from cbdsl.storage.atomic_file import make_room
-
     with _writing(target):
         make_room(target)
 
@@ -28,8 +31,6 @@ def write_page(text: str, target: Path, *, prints: bool = True) -> None:
     Raises:
         UsageError: The page cannot be written; an existing file is unchanged.
     """
-    from cbdsl.storage.atomic_file import write_text
-
     with _writing(target):
         write_text(text, target)
     if prints:
@@ -38,9 +39,6 @@ def write_page(text: str, target: Path, *, prints: bool = True) -> None:
 
 @contextmanager
 def _writing(target: Path) -> Iterator[None]:
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.diagnostics.reason import reason
-
     try:
         yield
     except OSError as error:
@@ -49,8 +47,6 @@ def _writing(target: Path) -> Iterator[None]:
 
 def open_page(target: Path) -> None:
     """Show a page in the browser, if a person is there to see it."""
-    from cbdsl.backends.quiet import quiet_stderr
-
     if sys.stdout.isatty():
         with quiet_stderr():  # without a browser, the launcher prints many messages
             typer.launch(str(target))

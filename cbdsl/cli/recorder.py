@@ -7,6 +7,10 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
+from cbdsl.runtime.recording_folder import RecordingFolder
+
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
@@ -39,7 +43,6 @@ class Recorder:
         overwrite: bool,
         prints: bool,
     ) -> None:
-        from cbdsl.runtime.recording_folder import RecordingFolder
 
         self._folder = RecordingFolder(folder, overwrite=overwrite)
         self._request, self._backend, self._prints = request, backend, prints
@@ -83,9 +86,6 @@ class Recorder:
 
     @contextmanager
     def _named_problems(self) -> Iterator[None]:
-        from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.diagnostics.reason import reason
-
         try:
             yield
         except OSError as error:

@@ -9,6 +9,7 @@ import typer
 
 from cbdsl.cli.options import Open, Recording
 from cbdsl.cli.pages import open_page, require_room, write_page
+from cbdsl.diagnostics.errors import UsageError
 
 Out = Annotated[
     Path | None, typer.Option("--out", help="File of the page [beside the recording, .html].")
@@ -20,8 +21,6 @@ def replay(what: Recording, out: Out = None, open_: Open = True) -> None:
 
     Exit 0 if the page was written, 2 if it cannot be made.
     """
-    from cbdsl.diagnostics.errors import UsageError
-
     try:
         from cbdsl.reporting.recorded import find_recordings
     except ModuleNotFoundError as error:

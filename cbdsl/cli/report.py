@@ -9,6 +9,10 @@ import typer
 
 from cbdsl.cli.options import Above, Open
 from cbdsl.cli.pages import open_page, require_room, write_page
+from cbdsl.cli.show_meta_catalog import read_meta_catalog
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.yaml_text.library import is_of
 
 What = Annotated[
     Path,
@@ -32,11 +36,6 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
 
     Exit 0 if the page was written, 1 if a document has errors, 2 if the page cannot be made.
     """
-    from cbdsl.cli.show_meta_catalog import read_meta_catalog
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.documents.meta_catalog import MetaCatalogDocument
-    from cbdsl.yaml_text.library import is_of
-
     try:
         from cbdsl.reporting.learned import find_learned, read_learned
         from cbdsl.reporting.learned_page import learned_page

@@ -10,15 +10,23 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.api.run_request import read_request
+from cbdsl.cli.assignments import read_assignments
 from cbdsl.cli.attendance import Interface, Yes, attend
-from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
+from cbdsl.cli.episode_page import recorded_for, require_page
+from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait, live_options, live_page
+from cbdsl.cli.native_output import shown_on_failure
+from cbdsl.cli.notes import notes
 from cbdsl.cli.options import BodyNumber, Cameras, Policy, Program, Rate, With
-from cbdsl.cli.simulation import BackendName
+from cbdsl.cli.recorder import Recorder
+from cbdsl.cli.simulation import BackendName, simulation
+from cbdsl.cli.termination import termination_interrupts
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.nearest import suggestion
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
-    from cbdsl.cli.recorder import Recorder
     from cbdsl.documents.stage import StageDocument
     from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.reporting.live.live_view import LiveView
@@ -26,6 +34,7 @@ if TYPE_CHECKING:
     from cbdsl.runtime.episode_observer import EpisodeObserver
     from cbdsl.runtime.episode_result import EpisodeResult
     from cbdsl.runtime.recording import Recording
+
 
 Stage = Annotated[
     str | None,
@@ -132,17 +141,6 @@ def run(
     neither. Exit 1 if a document has errors, 2 if the program cannot run, and 130 after Ctrl-C or
     SIGTERM, with the finished recordings.
     """
-    from cbdsl.api.run_request import read_request
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.episode_page import recorded_for, require_page
-    from cbdsl.cli.live import live_options, live_page
-    from cbdsl.cli.native_output import shown_on_failure
-    from cbdsl.cli.notes import notes
-    from cbdsl.cli.recorder import Recorder
-    from cbdsl.cli.simulation import simulation
-    from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.diagnostics.errors import UsageError
-
     if overwrite and record is None:
         raise UsageError("--overwrite is about recordings: give their folder with --record")
     _require_exclusive(explain and as_json, policy is not None and schema is not None)
@@ -179,8 +177,6 @@ def run(
 
 
 def _require_exclusive(two_audiences: bool, two_policies: bool) -> None:
-    from cbdsl.diagnostics.errors import UsageError
-
     if two_audiences:
         raise UsageError("--explain tells people and --json tells scripts: choose one")
     if two_policies:
@@ -229,9 +225,6 @@ def _introduction(request: RunRequest, name: str, backend: Backend) -> str:
 
 
 def _require_context(stage: StageDocument, context: str | None) -> None:
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.diagnostics.nearest import suggestion
-
     if context is None or context in stage.contexts:
         return
     near, known = suggestion(context, stage.contexts), ", ".join(stage.contexts)
@@ -249,7 +242,6 @@ def _episode(
 ) -> EpisodeResult:
     """Run an episode and print its outcome; keep its recording even after an error."""
     from cbdsl.backends.backend import BackendError
-    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.runtime.episode import DeadlineError
     from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObservers
 

@@ -7,6 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.plugins import warn_of_faults
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.reason import reason
+from cbdsl.documents.json_schema import json_schema, json_text, schema_file
+from cbdsl.documents.kinds import KINDS, models
+from cbdsl.storage.atomic_file import write_text
+
 if TYPE_CHECKING:
     from cbdsl.documents.document import Document
 
@@ -25,8 +32,6 @@ def schema(kind: Kind = None, write: Write = None) -> None:
 
     Without a kind, print a JSON object with the schemas of all kinds.
     """
-    from cbdsl.documents.json_schema import json_schema, json_text
-
     kinds = _kinds(kind)
     if write is not None:
         _write(kinds, write)
@@ -39,9 +44,6 @@ def schema(kind: Kind = None, write: Write = None) -> None:
 
 def _kinds(kind: str | None) -> dict[str, type[Document]]:
     """Return the model of a named kind, or of all kinds, by name."""
-    from cbdsl.cli.plugins import warn_of_faults
-    from cbdsl.documents.kinds import KINDS, models
-
     if kind is not None:
         return {kind: KINDS.get(kind).model}
     warn_of_faults(KINDS)
@@ -49,11 +51,6 @@ def _kinds(kind: str | None) -> dict[str, type[Document]]:
 
 
 def _write(kinds: dict[str, type[Document]], folder: Path) -> None:
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.diagnostics.reason import reason
-    from cbdsl.documents.json_schema import json_schema, json_text, schema_file
-    from cbdsl.storage.atomic_file import write_text
-
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, model in kinds.items():

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.plugins import warn_of_faults
 from cbdsl.cli.show_allocations import show_allocations
 from cbdsl.cli.show_catalog import show_catalog
 from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
@@ -23,6 +24,14 @@ from cbdsl.cli.show_policy import show_policy
 from cbdsl.cli.show_program import show_program
 from cbdsl.cli.show_schema import show_schema
 from cbdsl.cli.show_substitutes import show_substitutes
+from cbdsl.cli.terminal import print_json, print_table
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.resources import resources
+from cbdsl.robot.urdf_reader import read_urdf_if_sound
+from cbdsl.types.casts import CASTS
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource_type import TYPES
+from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
@@ -40,10 +49,6 @@ Robot = Annotated[str, typer.Option("--robot", help="Robot: file or name.")]
 @show.command("types")
 def show_types(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """Show the types of resources (Table 3.1) and the casts between them."""
-    from cbdsl.cli.terminal import print_json, print_table
-    from cbdsl.types.casts import CASTS
-    from cbdsl.types.resource_type import TYPES
-
     form = read_format(format_, as_json, PLAIN)
     types = [
         {"type": t.name, "space": t.space, "components": t.dimension or "n", "unit": t.unit}
@@ -69,10 +74,6 @@ def show_types(format_: PlainFormat = "text", as_json: Json = False) -> None:
 @show.command("potentials")
 def show_potentials(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """Show the artificial potentials and their conditions of a navigation function."""
-    from cbdsl.cli.plugins import warn_of_faults
-    from cbdsl.cli.terminal import print_json, print_table
-    from cbdsl.types.potential import POTENTIALS
-
     form = read_format(format_, as_json, PLAIN)
     warn_of_faults(POTENTIALS.registry)
     if form is Format.JSON:
@@ -90,12 +91,6 @@ def show_resources(
     robot: Robot = "dexter", format_: PlainFormat = "text", as_json: Json = False
 ) -> None:
     """List the resources that programs can name on a robot."""
-    from cbdsl.cli.terminal import print_json, print_table
-    from cbdsl.documents.robot import RobotDocument
-    from cbdsl.robot.resources import resources
-    from cbdsl.robot.urdf_reader import read_urdf_if_sound
-    from cbdsl.yaml_text.library import Library
-
     form, library = read_format(format_, as_json, PLAIN), Library()
     file = library.locate(RobotDocument, robot)
     document = library.read(file, RobotDocument).document
@@ -158,8 +153,6 @@ def _step(potential: PotentialType) -> str:
 
 def _accepted(potential: PotentialType) -> str:
     """Return the types on which a potential is defined, in the order of Table 3.1."""
-    from cbdsl.types.resource_type import TYPES
-
     several = f" x {potential.factors}" if (potential.factors or 1) > 1 else ""
     return ", ".join(f"{name}{several}" for name in TYPES if name in potential.accepts)
 

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from cbdsl.checking.allocations import allocations
+from cbdsl.checking.program import check_program
+from cbdsl.checking.session import Session
+from cbdsl.cli.assignments import read_assignments
 from cbdsl.cli.options import ShownProgram
 from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
 from cbdsl.cli.show_program import With
+from cbdsl.cli.terminal import print_json, print_table
+from cbdsl.documents.program import ProgramDocument
 
 if TYPE_CHECKING:
     from cbdsl.checking.substitution import Allocation
@@ -22,13 +28,6 @@ def show_allocations(
 
     All combinations for the section resources are checked as separate programs.
     """
-    from cbdsl.checking.allocations import allocations
-    from cbdsl.checking.program import check_program
-    from cbdsl.checking.session import Session
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.terminal import print_json, print_table
-    from cbdsl.documents.program import ProgramDocument
-
     form = read_format(format_, as_json, PLAIN)
     session, values = Session(), read_assignments(with_)
     check_program(name, values, session.library)

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from difflib import unified_diff
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.api.clean import require_clean
+from cbdsl.api.explore_request import require_persistent
+from cbdsl.api.explored_actions import recorded_actions
+from cbdsl.api.run_request import read_request
 from cbdsl.cli.options import Cameras, Seed
 from cbdsl.cli.show_format import PICTURED, Format, Json, read_format
-from cbdsl.cli.simulation import BackendName
+from cbdsl.cli.simulation import BackendName, needing_simulation, simulation
+from cbdsl.cli.terminal import print_json
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
+from cbdsl.reporting.text.catalog_text import catalog_text
+from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:
-    from cbdsl.documents.catalog import CatalogDocument
     from cbdsl.training.held_out import Prediction
 
 Catalog = Annotated[str, typer.Argument(metavar="FILE|NAME", help="Catalog: file or name.")]
@@ -52,10 +62,6 @@ def show_catalog(
     --against prints the lines that differ from another catalog. With --expect, the robot observes
     scenes of a stage, predicts the reward of each action, and tries one action in each.
     """
-    from cbdsl.cli.terminal import print_json
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.reporting.text.catalog_text import catalog_text
-
     if expect is not None and against is not None:
         raise UsageError("--expect predicts and --against compares: choose one")
     form = read_format("svg" if svg else format_, as_json, PICTURED)
@@ -73,10 +79,6 @@ def show_catalog(
 
 
 def _read(name: str) -> CatalogDocument:
-    from cbdsl.api.clean import require_clean
-    from cbdsl.documents.catalog import CatalogDocument
-    from cbdsl.yaml_text.library import Library
-
     library = Library()
     file = library.locate(CatalogDocument, name)
     require_clean(file, library)
@@ -84,18 +86,12 @@ def _read(name: str) -> CatalogDocument:
 
 
 def _difference(other: CatalogDocument, catalog: CatalogDocument) -> str:
-    from difflib import unified_diff
-
-    from cbdsl.reporting.text.catalog_text import catalog_text
-
     before, after = (catalog_text(each).splitlines() for each in (other, catalog))
     lines = list(unified_diff(before, after, lineterm="", n=len(before) + len(after)))[3:]
     return "\n".join(lines or ["no difference"]) + "\n"
 
 
 def _icon(catalog: CatalogDocument) -> str:
-    from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
-
     layers = [Layer(key, e.tried, e.rewarded) for key, e in catalog.affordances.items()]
     return catalog_icon(catalog.name, catalog.feature, layers)
 
@@ -109,11 +105,6 @@ def _predict(
     cameras: str | None,
     as_json: bool,
 ) -> None:
-    from cbdsl.api.explore_request import require_persistent
-    from cbdsl.api.explored_actions import recorded_actions
-    from cbdsl.api.run_request import read_request
-    from cbdsl.cli.simulation import needing_simulation, simulation
-
     with needing_simulation():
         from cbdsl.training.action_runner import ActionRunner
         from cbdsl.training.held_out import try_scenes
@@ -151,7 +142,6 @@ def chance(prediction: Prediction) -> str:
 
 
 def _conclude(predictions: list[Prediction], *, as_json: bool) -> None:
-    from cbdsl.cli.terminal import print_json
     from cbdsl.training.held_out import brier, reliability
 
     own, base, rows = brier(predictions), brier(predictions, base=True), reliability(predictions)

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.reporting.drawing.dot import dot
+from cbdsl.reporting.drawing.mermaid import mermaid
+from cbdsl.reporting.drawing.svg import svg
 
 if TYPE_CHECKING:
     from cbdsl.reporting.drawing.graph import Graph
@@ -52,9 +55,5 @@ def read_format(word: str, as_json: bool, offered: Collection[Format] = tuple(Fo
 
 def drawing(graph: Graph, form: Format) -> str:
     """Return a graph in one of the formats for graphs."""
-    from cbdsl.reporting.drawing.dot import dot
-    from cbdsl.reporting.drawing.mermaid import mermaid
-    from cbdsl.reporting.drawing.svg import svg
-
     draw = {Format.DOT: dot, Format.MERMAID: mermaid, Format.SVG: svg}[form]
     return draw(graph)

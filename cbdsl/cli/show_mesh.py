@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
+from cbdsl.cli.simulation import needing_simulation
+from cbdsl.cli.terminal import print_json
+from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:
     from cbdsl.numeric.box_cover import Cover
@@ -32,10 +35,6 @@ def show_mesh(
 
     Exit 0 if boxes were found, 2 if the mesh is missing, not closed, or not of an object's size.
     """
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.terminal import print_json
-    from cbdsl.diagnostics.errors import UsageError
-
     form = read_format(format_, as_json, PLAIN)
     with needing_simulation():
         from cbdsl.numeric.box_cover import cover

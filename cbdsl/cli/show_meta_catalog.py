@@ -6,10 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.api.clean import require_clean
 from cbdsl.cli.show_format import PICTURED, Format, Json, read_format
+from cbdsl.cli.terminal import print_json
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.reporting.stack_command import stack_command
+from cbdsl.reporting.text.meta_catalog_text import meta_catalog_text
+from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:
-    from cbdsl.documents.meta_catalog import MetaCatalogDocument
     from cbdsl.learning.stack_plan import StackPlan
 
 MetaCatalog = Annotated[
@@ -41,10 +47,7 @@ def show_meta_catalog(
 
     With --stack, print the most probable stack of the given height, bottom object first.
     """
-    from cbdsl.cli.terminal import print_json
-    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.reporting.drawing.meta_catalog_graph import meta_catalog_graph
-    from cbdsl.reporting.text.meta_catalog_text import meta_catalog_text
 
     if of is not None and stack is None:
         raise UsageError("--of means nothing without --stack")
@@ -66,7 +69,6 @@ def plan(catalog: MetaCatalogDocument, height: int, of: str | None) -> StackPlan
     Raises:
         UsageError: An object is unknown, or no such stack is known.
     """
-    from cbdsl.diagnostics.errors import UsageError
     from cbdsl.learning.stack_plan import plan_stack
     from cbdsl.learning.thing_graph import support_graph
 
@@ -81,9 +83,6 @@ def plan(catalog: MetaCatalogDocument, height: int, of: str | None) -> StackPlan
 
 
 def _print_plan(catalog: MetaCatalogDocument, known: StackPlan, *, as_json: bool) -> None:
-    from cbdsl.cli.terminal import print_json
-    from cbdsl.reporting.stack_command import stack_command
-
     channels = [catalog.things[name].feature for name in known.order]
     if as_json:
         print_json({**known._asdict(), "features": channels})
@@ -101,10 +100,6 @@ def read_meta_catalog(name: str) -> MetaCatalogDocument:
         DiagnosticsError: The document has errors.
         UsageError: There is no such document.
     """
-    from cbdsl.api.clean import require_clean
-    from cbdsl.documents.meta_catalog import MetaCatalogDocument
-    from cbdsl.yaml_text.library import Library
-
     library = Library()
     file = library.locate(MetaCatalogDocument, name)
     require_clean(file, library)

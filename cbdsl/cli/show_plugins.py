@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from cbdsl.cli.plugins import warn_of_faults
 from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
+from cbdsl.cli.simulation import needing_simulation
+from cbdsl.cli.terminal import print_json, print_table
+from cbdsl.documents.json_schema import meaning, properties
+from cbdsl.documents.kinds import KINDS
+from cbdsl.robot.driver_kind import DRIVERS
+from cbdsl.robot.source_kind import SOURCES
+from cbdsl.types.modifier import MODIFIERS
 
 if TYPE_CHECKING:
     from cbdsl.types.registry import Registry
@@ -13,11 +21,6 @@ if TYPE_CHECKING:
 
 def show_learners(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """Show the algorithms of cb learn and their constants."""
-    from cbdsl.cli.plugins import warn_of_faults
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.terminal import print_json, print_table
-    from cbdsl.documents.json_schema import meaning, properties
-
     form = read_format(format_, as_json, PLAIN)
     with needing_simulation():
         from cbdsl.learning.learner import LEARNERS, first_line
@@ -46,40 +49,30 @@ def show_learners(format_: PlainFormat = "text", as_json: Json = False) -> None:
 
 def show_kinds(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """Show the kinds of documents and the folders of their names."""
-    from cbdsl.documents.kinds import KINDS
-
     form = read_format(format_, as_json, PLAIN)
     _show("Kinds of documents", KINDS, form, lambda name: {"folder": KINDS.get(name).folder})
 
 
 def show_sources(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """Show the kinds of sensors from other packages, for robot documents."""
-    from cbdsl.robot.source_kind import SOURCES
-
     form = read_format(format_, as_json, PLAIN)
     _show("Kinds of sensors", SOURCES, form, lambda n: {"summary": SOURCES.get(n).summary})
 
 
 def show_drivers(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """Show the kinds of drivers, for robot documents."""
-    from cbdsl.robot.driver_kind import DRIVERS
-
     form = read_format(format_, as_json, PLAIN)
     _show("Kinds of drivers", DRIVERS, form, lambda n: {"summary": DRIVERS.get(n).summary})
 
 
 def show_modifiers(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """Show the modifiers of controllers' references from other packages, for programs."""
-    from cbdsl.types.modifier import MODIFIERS
-
     form = read_format(format_, as_json, PLAIN)
     _show("Modifiers", MODIFIERS, form, lambda n: {"summary": MODIFIERS.get(n).summary})
 
 
 def show_backends(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """Show the backends, and the missing packages of each."""
-    from cbdsl.cli.simulation import needing_simulation
-
     form = read_format(format_, as_json, PLAIN)
     with needing_simulation():
         from cbdsl.backends.backend import BACKENDS
@@ -90,9 +83,6 @@ def _show(
     title: str, registry: Registry[Any], form: Format, more: Callable[[str], dict[str, str]]
 ) -> None:
     """Print the usable entries of a registry, with their packages and further columns."""
-    from cbdsl.cli.plugins import warn_of_faults
-    from cbdsl.cli.terminal import print_json, print_table
-
     warn_of_faults(registry)
     rows = [
         {registry.noun: name, "package": registry.package(name), **more(name)}

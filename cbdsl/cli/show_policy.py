@@ -7,11 +7,24 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.checking.program import check_program
 from cbdsl.cli.options import Above
 from cbdsl.cli.show_format import Format, Json, drawing, read_format
+from cbdsl.cli.terminal import print_json
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.reporting.drawing.policy_graph import policy_graph
+from cbdsl.reporting.drawing.policy_transitions import (
+    decisions,
+    policy_transitions,
+    require_legible,
+)
+from cbdsl.reporting.text.policy_text import policy_text
+from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.reader import read_document
 
 if TYPE_CHECKING:
-    from cbdsl.documents.policy import PolicyDocument
     from cbdsl.reporting.drawing.policy_transitions import Decision, PolicyTransitions
 
 Policy = Annotated[
@@ -45,11 +58,6 @@ def show_policy(
     A learned policy also has action values, numbers of trials, and the transitions with a relative
     frequency of more than --above. The formats dot, mermaid and svg draw a diagram of these.
     """
-    from cbdsl.cli.terminal import print_json
-    from cbdsl.reporting.drawing.policy_graph import policy_graph
-    from cbdsl.reporting.drawing.policy_transitions import policy_transitions
-    from cbdsl.reporting.text.policy_text import policy_text
-
     form = read_format(format_, as_json)
     policy, programs = _read(name)
     transitions = policy_transitions(policy, above, all_, programs)
@@ -67,13 +75,6 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
     Raises:
         UsageError, DiagnosticsError: The policy does not exist or has errors.
     """
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.documents.policy import PolicyDocument
-    from cbdsl.documents.program import ProgramDocument
-    from cbdsl.reporting.drawing.policy_transitions import require_legible
-    from cbdsl.yaml_text.library import Library
-    from cbdsl.yaml_text.reader import read_document
-
     library = Library()
     try:
         path = library.locate(PolicyDocument, name)
@@ -94,9 +95,6 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
 
 def _written(document: object, path: Path) -> PolicyDocument:
     """Return the policy that is written in a program, as a separate document."""
-    from cbdsl.checking.program import check_program
-    from cbdsl.documents.policy import PolicyDocument
-
     program = check_program(str(path), {})
     return PolicyDocument(
         cbdsl=1,
@@ -110,8 +108,6 @@ def _written(document: object, path: Path) -> PolicyDocument:
 
 def policy_data(policy: PolicyDocument, transitions: PolicyTransitions) -> dict[str, object]:
     """Return a policy as data of JSON: all known states, and the arcs of its diagram."""
-    from cbdsl.reporting.drawing.policy_transitions import decisions
-
     return {
         "name": policy.name,
         "program": policy.program,

@@ -6,13 +6,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.checking.program import check_program
+from cbdsl.cli.assignments import read_assignments
 from cbdsl.cli.options import ShownProgram
 from cbdsl.cli.show_format import Format, Json, drawing, read_format
+from cbdsl.cli.terminal import print_json
+from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
+from cbdsl.reporting.drawing.program_graph import program_graph
+from cbdsl.reporting.text.program_text import casts_text, claims, program_text, reference_text
 
 if TYPE_CHECKING:
     from cbdsl.program.checked import Action, CheckedProgram
     from cbdsl.program.controller import Controller
-
 
 With = Annotated[
     list[str],
@@ -38,12 +43,6 @@ def show_program(
     The text has the controllers with their casts, the levels and free directions of each action,
     possible rewards, and the policy. The formats dot, mermaid and svg draw a graph.
     """
-    from cbdsl.checking.program import check_program
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.terminal import print_json
-    from cbdsl.reporting.drawing.program_graph import program_graph
-    from cbdsl.reporting.text.program_text import program_text
-
     form = read_format(format_, as_json)
     program = check_program(name, read_assignments(with_))
     if form is Format.JSON:
@@ -56,9 +55,6 @@ def show_program(
 
 def program_data(program: CheckedProgram) -> dict[str, object]:
     """Return a program as data of JSON, with the programs that it uses."""
-    from cbdsl.program.dry_run import controllers, coverage, resources
-    from cbdsl.reporting.text.program_text import claims
-
     shares = coverage(program)
     return {
         "name": program.name,
@@ -94,8 +90,6 @@ def program_data(program: CheckedProgram) -> dict[str, object]:
 
 
 def _controller(controller: Controller) -> dict[str, object]:
-    from cbdsl.reporting.text.program_text import casts_text, reference_text
-
     return {
         "controller": controller.name,
         "potential": controller.potential,
@@ -112,8 +106,6 @@ def _controller(controller: Controller) -> dict[str, object]:
 
 
 def _action(program: CheckedProgram, action: Action) -> dict[str, object]:
-    from cbdsl.program.dry_run import levels, rewarding
-
     stack = levels(program, action)
     runs = " > ".join(level.controller.name for level in stack if not level.background)
     return {

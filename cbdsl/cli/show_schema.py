@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from difflib import unified_diff
+from typing import Annotated
 
 import typer
 
 from cbdsl.cli.show_format import Format, Json, drawing, read_format
-
-if TYPE_CHECKING:
-    from cbdsl.documents.schema import SchemaDocument
+from cbdsl.cli.terminal import print_json
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.schema import SchemaDocument
+from cbdsl.reporting.drawing.schema_graph import schema_graph
+from cbdsl.reporting.text.schema_text import schema_text
+from cbdsl.yaml_text.library import Library
 
 Schema = Annotated[str, typer.Argument(metavar="FILE|NAME", help="Schema: file or name.")]
 Against = Annotated[
@@ -35,11 +39,6 @@ def show_schema(
     --against prints the lines that differ from another schema: - for its lines, + for those of the
     first.
     """
-    from cbdsl.cli.terminal import print_json
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.reporting.drawing.schema_graph import schema_graph
-    from cbdsl.reporting.text.schema_text import schema_text
-
     form = read_format(format_, as_json)
     if against is not None and form is not Format.TEXT:
         raise UsageError("--against compares the texts of two schemas, whatever --format")
@@ -55,19 +54,12 @@ def show_schema(
 
 
 def _read(name: str) -> SchemaDocument:
-    from cbdsl.documents.schema import SchemaDocument
-    from cbdsl.yaml_text.library import Library
-
     library = Library()
     return library.read(library.locate(SchemaDocument, name), SchemaDocument).document
 
 
 def _difference(other: SchemaDocument, schema: SchemaDocument) -> str:
     """Return the differing lines of two schemas' texts, with all lines around them."""
-    from difflib import unified_diff
-
-    from cbdsl.reporting.text.schema_text import schema_text
-
     before, after = (schema_text(each).splitlines() for each in (other, schema))
     lines = list(unified_diff(before, after, lineterm="", n=len(before) + len(after)))[3:]
     return "\n".join(lines or ["no difference"]) + "\n"

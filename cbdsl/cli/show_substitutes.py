@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from cbdsl.checking.program import check_program
+from cbdsl.checking.session import Session
+from cbdsl.checking.stand_ins import stand_ins_of
+from cbdsl.cli.assignments import read_assignments
 from cbdsl.cli.options import ShownProgram
 from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
 from cbdsl.cli.show_program import With
+from cbdsl.cli.terminal import print_json, print_table
+from cbdsl.documents.program import ProgramDocument
 
 
 def show_substitutes(
@@ -17,13 +23,6 @@ def show_substitutes(
 
     The types of signals and effectors and the reward are compared, and names are ignored.
     """
-    from cbdsl.checking.program import check_program
-    from cbdsl.checking.session import Session
-    from cbdsl.checking.stand_ins import stand_ins_of
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.terminal import print_json, print_table
-    from cbdsl.documents.program import ProgramDocument
-
     form = read_format(format_, as_json, PLAIN)
     session, values = Session(), read_assignments(with_)
     check_program(name, values, session.library)

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.backends.engines import default_engine
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.robot.urdf import UrdfError
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
@@ -34,8 +36,6 @@ def needing_simulation() -> Iterator[None]:
     Raises:
         UsageError: An imported package, or a system library of it, is not installed.
     """
-    from cbdsl.diagnostics.errors import UsageError
-
     try:
         yield
     except ModuleNotFoundError as error:
@@ -60,9 +60,6 @@ def simulation(
         UsageError: The backend or its cameras are unknown, a package is not installed, or the
             backend cannot read the robot's model.
     """
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.robot.urdf import UrdfError
-
     with needing_simulation():
         from cbdsl.backends.backend import embody, find_backend
         from cbdsl.backends.backend_calls import closing_backend

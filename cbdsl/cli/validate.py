@@ -6,8 +6,9 @@ from typing import Annotated
 
 import typer
 
+from cbdsl.cli.assignments import read_assignments
 from cbdsl.cli.options import Paths
-from cbdsl.cli.validation import STANDARD_INPUT_NAME
+from cbdsl.cli.validation import STANDARD_INPUT_NAME, check_paths
 
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.
 With = Annotated[
@@ -43,9 +44,6 @@ def validate(
 
     Exit 0 without errors, 1 with errors, 2 for wrong arguments or an internal error.
     """
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.validation import check_paths
-
     values = read_assignments(with_)
     if fix:
         from cbdsl.cli.fix import fix_paths

@@ -6,6 +6,12 @@ import time
 from itertools import islice
 from typing import TYPE_CHECKING
 
+from cbdsl.api.run_request import read_request
+from cbdsl.cli.native_output import shown_on_failure
+from cbdsl.cli.simulation import needing_simulation, simulation
+from cbdsl.cli.termination import termination_interrupts
+from cbdsl.diagnostics.errors import UsageError
+
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
 
@@ -25,12 +31,6 @@ def warm() -> None:
 
     All environments of the user share the machine code. Exit 0 if it is stored, 2 if it cannot be.
     """
-    from cbdsl.api.run_request import read_request
-    from cbdsl.cli.native_output import shown_on_failure
-    from cbdsl.cli.simulation import needing_simulation
-    from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.diagnostics.errors import UsageError
-
     with needing_simulation():
         from cbdsl.backends.engines import installed_engines
         from cbdsl.numeric.compiled import compilations
@@ -59,7 +59,6 @@ def _compile_potentials() -> None:
 
 def _run(request: RunRequest, engine: str, ticks: int) -> None:
     """Run the first ticks of an episode."""
-    from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 
     cameras = None if engine == "kinematic" else "ideal"

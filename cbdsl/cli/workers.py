@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 import os
+from ipaddress import ip_address
+from urllib.parse import urlsplit
+
+from cbdsl.cli.terminal import print_problem
+from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.errors import UsageError
 
 # Each simulates without a pause, and takes a few hundred megabytes; beyond the processors they only
 # wait for each other.
@@ -17,9 +23,6 @@ def require_workers(workers: int) -> None:
     Raises:
         UsageError: The number of workers exceeds the limit.
     """
-    from cbdsl.diagnostics.counting import count
-    from cbdsl.diagnostics.errors import UsageError
-
     processors = len(os.sched_getaffinity(0))
     most = max(_ALWAYS, _PER_PROCESSOR * processors)
     if workers > most:
@@ -34,10 +37,6 @@ def warn_of_open_scheduler(address: str) -> None:
 
     A host that can connect to it can run any code on its workers, and by replies on this machine.
     """
-    from urllib.parse import urlsplit
-
-    from cbdsl.cli.terminal import print_problem
-
     scheme, _, rest = address.rpartition("://")
     try:
         host = urlsplit(f"//{rest}").hostname or ""
@@ -52,8 +51,6 @@ def warn_of_open_scheduler(address: str) -> None:
 
 def _is_here(host: str) -> bool:
     """Return whether a host is this machine: localhost, or a loopback address."""
-    from ipaddress import ip_address
-
     try:
         return ip_address(host).is_loopback
     except ValueError:
