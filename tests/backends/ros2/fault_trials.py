@@ -1,7 +1,8 @@
 """Fault trials: a program drives a served robot, and one of the two gets a fault.
 
-``python -m tests.backends.ros2.fault_trials --count 100`` runs them into ``build/faults.jsonl``,
-and ``--summary`` prints a table with 95 % intervals. Each trial has three processes: this one, the
+``python -m tests.backends.ros2.fault_trials --count 100`` runs them into ``build/faults.jsonl``;
+trials of this file are not repeated, and ``--seconds`` bounds the time. ``--summary`` prints a table
+with exact 95 % intervals. Each trial has three processes: this one, the
 served robot, and the program. They are forked after all imports and compilation, so that a trial
 takes seconds.
 """
@@ -371,8 +372,8 @@ def is_passed(outcome: Outcome) -> bool:
 
 
 def summary(lines: list[str]) -> str:
-    """Return a table of outcomes: passed trials with Wilson intervals, and the slowest stop."""
-    from scipy.stats import binomtest
+    """Return a table of outcomes: passed trials with exact intervals, and the slowest stop."""
+    from cbdsl.numeric.proportion import exact_interval
 
     outcomes = [json.loads(line) for line in lines]
     rows = ["| fault | passed | 95 % interval | median still, ms | longest, ms | violations |"]
@@ -382,12 +383,12 @@ def summary(lines: list[str]) -> str:
         if not own:
             continue
         passed = sum(outcome["passed"] for outcome in own)
-        span = binomtest(passed, len(own)).proportion_ci(method="wilson")
+        low, high = exact_interval(passed, len(own))
         still = [1e3 * each["still"] for each in own if "held" in each["cause"] or each["moving"]]
         counts = kind not in HARMLESS
         times = f"{np.median(still):.0f} | {max(still):.0f}" if counts else "- | -"
         broken = sum(outcome["violations"] for outcome in own)
-        interval = f"{100 * span.low:.1f} to {100 * span.high:.1f} %"
+        interval = f"{100 * low:.1f} to {100 * high:.1f} %"
         rows.append(f"| {kind} | {passed} of {len(own)} | {interval} | {times} | {broken} |")
     return "\n".join(rows)
 
@@ -398,6 +399,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--kinds", nargs="*", default=KINDS)
+    parser.add_argument("--seconds", type=float, default=float("inf"))
     parser.add_argument("--out", type=Path, default=Path("build/faults.jsonl"))
     parser.add_argument("--summary", nargs="*", type=Path)
     options = parser.parse_args()
@@ -406,9 +408,16 @@ def main() -> None:
         sys.stdout.write(summary(lines) + "\n")
         return
     options.out.parent.mkdir(parents=True, exist_ok=True)
+    until = time.monotonic() + options.seconds
+    lines = options.out.read_text().splitlines() if options.out.is_file() else []
+    done = {(row["kind"], row["seed"]) for row in map(json.loads, lines)}
     warm()
     for seed in range(options.first, options.first + options.count):
         for kind in options.kinds:
+            if (kind, seed) in done:
+                continue
+            if time.monotonic() > until:
+                return
             outcome = Trial(kind, seed).run()
             line = json.dumps({**outcome._asdict(), "passed": is_passed(outcome)})
             with options.out.open("a") as file:
