@@ -67,11 +67,12 @@ class Multigrid:
         """
         finest, shape = self._finest, source.shape
         u = np.zeros(source.size) if start is None else start.ravel() * finest.mask
-        residual = finest.residual(u, source.ravel())
-        direction = np.zeros_like(u)
-        before, slope = residual, 1.0
+        residual = finest.residual(u, source.ravel()).copy()
+        # Arrays are reused, because fresh memory costs more than the arithmetic.
+        direction, before, part = np.zeros_like(u), residual.copy(), np.empty_like(u)
+        slope, test = 1.0, _Accuracy(accuracy, floor)
         for cycle in range(_CYCLES):
-            if _accurate(u, residual, accuracy, floor):
+            if test.holds(u, residual, part):
                 return u.reshape(shape), cycle
             z = self._cycle(residual.astype(np.float32), 0).astype(np.float64)
             # Rounding makes the cycle differ slightly each time; the flexible variant tolerates it.
@@ -80,8 +81,9 @@ class Multigrid:
             slope = _dot(z, residual)
             image = finest.residual(direction)
             step = -slope / _dot(direction, image)
-            u += step * direction
-            before, residual = residual, residual + step * image
+            u += np.multiply(direction, step, out=part)
+            before[:] = residual
+            residual += np.multiply(image, step, out=part)
         raise ConvergenceError(f"no convergence in {_CYCLES} cycles")
 
     def _cycle(self, b: Values, depth: int) -> Values:
@@ -107,10 +109,14 @@ class _Level:
         self.mask = free.ravel().astype(kind)
         self._strides = [int(np.prod(free.shape[a + 1 :], dtype=int)) for a in range(free.ndim)]
         self._diagonal = kind(2 * free.ndim)
+        self._residual = np.zeros(free.size, kind)
 
     def residual(self, u: Values, b: Values | None = None) -> Values:
-        """Return b + sum of neighbours - 2 n u on free vertices, 0 elsewhere."""
-        residual = np.zeros_like(u)
+        """Return b + sum of neighbours - 2 n u on free vertices, 0 elsewhere.
+
+        The next call overwrites the array.
+        """
+        residual = self._residual
         border = self._strides[0]
         # Beyond the border, neighbours belong to other rows, but there the mask is 0.
         for start in range(border, u.size - border, _STRETCH):
@@ -150,11 +156,36 @@ def _dot(a: Values, b: Values) -> float:
     return float(np.einsum("i,i->", a, b))
 
 
-def _accurate(u: Floats, residual: Floats, accuracy: float, floor: float) -> bool:
-    largest = float(u.max())
-    if largest <= 0.0:
-        return False
-    return bool((np.abs(residual) <= accuracy * np.maximum(u, floor * largest)).all())
+class _Accuracy:
+    """Test of a solution at all vertices; the vertex that failed last is tested first.
+
+    Args:
+        accuracy, floor: As for ``Multigrid.solve``.
+    """
+
+    def __init__(self, accuracy: float, floor: float) -> None:
+        self._accuracy, self._floor = accuracy, floor
+        self._failed = 0
+
+    def holds(self, u: Floats, residual: Floats, part: Floats) -> bool:
+        """Return whether u is accurate.
+
+        Args:
+            u: Solution, shape (n,).
+            residual: Residual of the solution, shape (n,).
+            part: Array that is overwritten, shape (n,).
+        """
+        largest = float(u.max())
+        if largest <= 0.0:
+            return False
+        least, at = self._floor * largest, self._failed
+        if abs(residual[at]) > self._accuracy * max(u[at], least):
+            return False
+        bounds = np.maximum(u, least, out=part)
+        bounds *= self._accuracy
+        excess = np.subtract(np.abs(residual), bounds, out=part)
+        self._failed = int(excess.argmax())
+        return bool(excess[self._failed] <= 0.0)
 
 
 def _coarser(free: Booleans) -> Booleans:

@@ -1,10 +1,9 @@
 """Fault trials: a program drives a served robot, and one of the two gets a fault.
 
 ``python -m tests.backends.ros2.fault_trials --count 100`` runs them into ``build/faults.jsonl``;
-trials of this file are not repeated, and ``--seconds`` bounds the time. ``--summary`` prints a table
-with exact 95 % intervals. Each trial has three processes: this one, the
-served robot, and the program. They are forked after all imports and compilation, so that a trial
-takes seconds.
+trials of this file are not repeated, and ``--seconds`` bounds the time. ``--summary`` prints a
+table with exact 95 % intervals. Each trial has three processes: this one, the served robot, and the
+program. They are forked after all imports and compilation, so that a trial takes seconds.
 """
 
 from __future__ import annotations
