@@ -132,7 +132,7 @@ def _predict(
                     flush=True,
                 )
 
-        predictions = try_scenes(catalog, runner, scenes, seed, tell)
+        predictions = try_scenes(catalog, runner, range(scenes), seed, tell)
     _conclude(predictions, as_json=as_json)
 
 

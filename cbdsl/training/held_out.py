@@ -55,7 +55,7 @@ class Reliability(NamedTuple):
 def try_scenes(
     catalog: CatalogDocument,
     runner: ActionRunner,
-    scenes: int,
+    scenes: Sequence[int],
     seed: int,
     note: Callable[[Prediction], None] = lambda prediction: None,
 ) -> list[Prediction]:
@@ -64,13 +64,13 @@ def try_scenes(
     Args:
         catalog: Catalog that predicts.
         runner: Runner of the catalog's actions.
-        scenes: Number of scenes.
+        scenes: Numbers of the scenes; the number also selects the action.
         seed: Seed of all random numbers; no exploration with another seed has the same scenes.
         note: Listener that receives each prediction.
     """
     models, names = models_of(catalog), list(catalog.affordances)
     predictions = []
-    for scene in range(scenes):
+    for scene in scenes:
         own = int(np.random.SeedSequence([seed, 0, scene]).generate_state(1)[0])
         name = names[scene % len(names)]
         ahead = runner.look(names, own).get(name, {})

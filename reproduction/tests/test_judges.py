@@ -43,7 +43,10 @@ def verdicts_with(condition: JudgedCondition, outcome: str, amiss: int) -> list[
     """Return a hundred verdicts, all of them as aimed but for one outcome of some."""
     good = {name: aim.is_least for name, aim in condition.aims.items()}
     bad = good | {outcome: not good[outcome]}
-    return [EpisodeVerdict(seed, bad if seed < amiss else good, 1.0, "") for seed in range(100)]
+    scored = {"brier": 0.1, "base_rate_brier": 0.2}
+    return [
+        EpisodeVerdict(seed, bad if seed < amiss else good, 1.0, "", scored) for seed in range(100)
+    ]
 
 
 @pytest.mark.parametrize(("judge", "condition", "outcome"), AIMS)
@@ -157,3 +160,21 @@ def test_widened_holes_leave_the_clearance() -> None:
         assert tube.form.radius == pytest.approx((outer, outer))
         assert tray.form.size == (*(pytest.approx((2 * outer,) * 2),) * 2, (0.1, 0.1))
     assert pairs.things["tube"].form.radius == (0.06, 0.06), "10 mm, as the stage has it"
+
+
+@pytest.mark.parametrize(("own", "met"), [(0.05, True), (0.25, False), (0.3, False)])
+def test_score_is_missed_unless_its_mean_is_below_the_baseline(own: float, met: bool) -> None:
+    judge = JUDGES["catalogs"]
+    condition = judge.conditions[0]
+    outcomes = dict.fromkeys(condition.aims, True)
+    measures = {"brier": own, "base_rate_brier": 0.25}
+    verdicts = [EpisodeVerdict(seed, outcomes, 1.0, "", measures) for seed in range(9)]
+    result = result_of(campaign_of(judge, condition, 9), {condition.name: verdicts})
+    (row,) = (each for each in result["rows"] if each["outcome"] == "Brier score")
+    assert row["met"] is met is result["met"]
+    assert row["interval"] == pytest.approx([own - 0.25] * 2)
+
+
+def test_catalogs_are_all_judged() -> None:
+    shipped = {path.stem for path in (ROOT / "knowledge" / "catalogs").glob("*.yaml")}
+    assert {condition.name for condition in JUDGES["catalogs"].conditions} == shipped

@@ -77,6 +77,6 @@ class Scene:
 
 def test_an_action_is_tried_in_the_scene_that_was_looked_at() -> None:
     catalog = TEN.model_copy(update={"affordances": {"touch": affordance()}})
-    outcomes = try_scenes(catalog, cast("ActionRunner", Scene()), 3, seed=1)
+    outcomes = try_scenes(catalog, cast("ActionRunner", Scene()), range(3), seed=1)
     assert [each.rewarded for each in outcomes] == [True] * 3
     assert all(each.probability > 0.95 > each.base for each in outcomes)

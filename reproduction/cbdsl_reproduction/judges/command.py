@@ -153,13 +153,15 @@ def _tell(result: dict[str, Any]) -> None:
     """Print a line for each condition and outcome."""
     rows = []
     for row in result["rows"]:
-        low, high = (f"{100 * end:.1f}" for end in row["interval"])
+        is_score = "result" in row
+        factor, unit = (1, "") if is_score else (100, " %")
+        low, high = (f"{factor * end:.{3 if is_score else 1}f}" for end in row["interval"])
         rows.append(
             {
                 "condition": row["condition"],
                 "outcome": row["outcome"],
-                "count": f"{row['successes']} of {row['n']}",
-                "interval": f"{low} to {high} %",
+                "count": row["result"] if is_score else f"{row['successes']} of {row['n']}",
+                "interval": f"{low} to {high}{unit}",
                 "aim": row["aim"],
                 "verdict": "" if not row["aim"] else "met" if row["met"] else "missed",
             }

@@ -87,6 +87,20 @@ class EpisodeVerdict(NamedTuple):
     context: str = ""
 
 
+class Score(NamedTuple):
+    """Mean of a measure over the episodes, which has to be below that of a baseline.
+
+    Attributes:
+        name: Name in results.
+        measure: Name of the measure.
+        baseline: Name of the measure of the baseline.
+    """
+
+    name: str
+    measure: str
+    baseline: str
+
+
 Measure = Callable[[JudgedCondition, BodyChoice, Sequence[int]], Iterator[EpisodeVerdict]]
 
 
@@ -101,6 +115,7 @@ class Judge:
         measure: Function that yields the verdict on each seed's episode.
         body: Default backend and cameras.
         episodes: Default number of episodes of each condition.
+        scores: Means that each condition compares.
     """
 
     name: str
@@ -109,6 +124,7 @@ class Judge:
     measure: Measure
     body: BodyChoice = BULLET
     episodes: int = 20
+    scores: tuple[Score, ...] = ()
 
     @property
     def programs(self) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from cbdsl_reproduction.judges import (
     both_hands,
     calibration,
+    catalogs,
     claims,
     constellations,
     everyday,
@@ -37,6 +38,7 @@ from cbdsl_reproduction.judges.judge import Judge
 
 _ALL = (
     success_rates.JUDGE,
+    catalogs.JUDGE,
     claims.JUDGE,
     everyday.JUDGE,
     holding.JUDGE,

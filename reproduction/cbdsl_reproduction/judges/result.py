@@ -12,7 +12,7 @@ from typing import Any
 import cbdsl
 from cbdsl.api.trials import versions
 from cbdsl_reproduction.interval import exact_interval
-from cbdsl_reproduction.judges.judge import EpisodeVerdict, JudgedCondition
+from cbdsl_reproduction.judges.judge import EpisodeVerdict, JudgedCondition, Score
 from cbdsl_reproduction.judges.judging import Campaign, Verdicts
 
 # Largest number of episodes that a row lists as amiss.
@@ -21,7 +21,14 @@ _MOST = 20
 
 def result_of(campaign: Campaign, verdicts: Verdicts) -> dict[str, Any]:
     """Return the result of a campaign as data for JSON."""
-    rows = [row for condition in campaign.conditions for row in _rows(condition, verdicts)]
+    rows = [
+        row
+        for condition in campaign.conditions
+        for row in (
+            *_rows(condition, verdicts),
+            *_scores(campaign.judge.scores, condition, verdicts),
+        )
+    ]
     body = campaign.body
     return {
         "judge": campaign.judge.name,
@@ -90,6 +97,36 @@ def _rows(condition: JudgedCondition, verdicts: Verdicts) -> Iterator[dict[str, 
             "met": aim.is_met(successes, len(counted)),
             "amiss": [[each.context, each.seed, each.ending] for each in amiss[:_MOST]],
         }
+
+
+def _scores(
+    scores: Sequence[Score], condition: JudgedCondition, verdicts: Verdicts
+) -> Iterator[dict[str, Any]]:
+    """Yield the mean of each score of a condition, with that of its baseline."""
+    measures = [verdict.measures for verdict in verdicts[condition.name]]
+    for score in scores:
+        pairs = [(each[score.measure], each[score.baseline]) for each in measures]
+        own, baseline = (sum(column) / len(pairs) for column in zip(*pairs, strict=True))
+        yield {
+            "condition": condition.name,
+            "program": condition.program,
+            "outcome": score.name,
+            "result": f"{own:.4f}, baseline {baseline:.4f}",
+            "n": len(pairs),
+            "interval": _difference([mine - other for mine, other in pairs]),
+            "aim": "below the baseline",
+            "met": own < baseline,
+            "amiss": [],
+        }
+
+
+def _difference(differences: Sequence[float]) -> list[float]:
+    """Return the normal 95 % interval of a mean difference."""
+    import numpy as np
+
+    own = np.array(differences)
+    error = 1.96 * own.std(ddof=1) / math.sqrt(len(own)) if len(own) > 1 else math.inf
+    return [round(float(own.mean() + side * error), 6) for side in (-1, 1)]
 
 
 def _interval(successes: int, count: int) -> list[float]:
