@@ -27,7 +27,7 @@ def _measure(
     """Yield the verdict on each scene, whose number is its seed."""
     from cbdsl.api.expect import expect
 
-    found = expect(
+    predictions = expect(
         condition.name,
         condition.stage,
         seed=0,
@@ -35,7 +35,7 @@ def _measure(
         backend=body.backend,
         cameras=body.cameras,
     )
-    for each in found:
+    for each in predictions:
         yield EpisodeVerdict(
             each.scene,
             {"rewarded": each.rewarded, "unknown": not each.known},
