@@ -77,6 +77,7 @@ SOLID_PARTS = {
     "length": LENGTH,
     "width": LENGTH,
     "height": LENGTH,
+    "bulk": LENGTH,
     "top": POSITION,
     "placed": POSITION,
     "above": ORIENTATION,

@@ -39,6 +39,10 @@ _NEARLY = 0.9
 # with the same moments; a rectangle fills 0.955 of it.
 _LONG = 1.3
 _FILLED = 0.92
+# Rows of any number of equal discs fill at least 0.866 of that ellipse. A longer region that fills
+# less is a single slender object with parts of different widths, such as a hammer.
+_SLENDER = 3.0
+_ROW = 0.86
 # A region of another channel that is larger than an object by this factor is behind it.
 _BACKGROUND = 5.0
 
@@ -191,7 +195,7 @@ class Instances:
 
     def _is_whole(self, number: int) -> bool:
         """Return whether the regions of a newly seen object are compact, and so one object."""
-        return all(_is_compact(each[number].region) for each in self.sightings)
+        return all(is_compact(each[number].region) for each in self.sightings)
 
     def _located(self, number: int) -> Meeting | None:
         """Return where both cameras see an object whole, or ``None``."""
@@ -375,7 +379,7 @@ class Instances:
     ) -> bool:
         """Return whether two sightings show a whole object that is not yet remembered."""
         sightings = left[candidate.left], right[candidate.right]
-        if not candidate.whole or not all(_is_compact(each.region) for each in sightings):
+        if not candidate.whole or not all(is_compact(each.region) for each in sightings):
             return False
         if self._may_be_fragments(sightings):
             return False
@@ -482,13 +486,15 @@ class Instances:
         )
 
 
-def _is_compact(region: Region) -> bool:
-    """Return whether a region is a single one, and not two merged round ones."""
+def is_compact(region: Region) -> bool:
+    """Return whether a region is a single one, and not merged round ones."""
     columns, mixed, rows = region.moments
     middle, half = (columns + rows) / 2, math.hypot((columns - rows) / 2, mixed)
     longer, shorter = middle + half, max(middle - half, 0.0)
     ellipse = 4 * math.pi * math.sqrt(longer * shorter)
-    return region.area >= _FILLED * ellipse or longer < _LONG**2 * shorter
+    if region.area >= _FILLED * ellipse or longer < _LONG**2 * shorter:
+        return True
+    return region.area < _ROW * ellipse and longer >= _SLENDER**2 * shorter
 
 
 def _is_near(position: Floats, places: Sequence[Floats]) -> bool:

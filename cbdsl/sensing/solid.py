@@ -105,6 +105,12 @@ class Solid:
         return extents_of(self.footprint)
 
     @property
+    def bulk(self) -> float:
+        """Edge of a cube with the volume of the ellipsoid, m."""
+        along, across = self.extents
+        return math.cbrt(math.pi / 6.0 * along * across * self.height)
+
+    @property
     def top(self) -> float:
         """Height of the top, m, world frame."""
         along, across = self.extents

@@ -87,4 +87,5 @@ class SolidSignals:
         if part == "above":
             return solid.facing_down(centre)
         along, across = solid.extents
-        return np.array([{"length": along, "width": across, "height": solid.height}[part]])
+        sizes = {"length": along, "width": across, "height": solid.height, "bulk": solid.bulk}
+        return np.array([sizes[part]])

@@ -22,13 +22,6 @@ from tests.conftest import ROOT
 #: Programs that hardly ever reach their end on the chosen objects.
 RARELY = {"reachtouch_bimanual", "take_with_both", "touch_remembered"}
 
-#: Known false claims of programs.
-FALSE = {
-    "bring": "a small object slipping between the fingers feels borne; `deliver` looks afterwards",
-    "impedance": "a ball rolls 33 mm off the middle of a drum while its stiffness is tested",
-    "take_with_both": "a parcel slips by 7 cm between the hands that lift it by 10 cm",
-}
-
 
 def by_name(program: str) -> ProgramClaim:
     return next(claim for claim in CLAIMS if claim.program == program)
@@ -50,7 +43,8 @@ def judged(program: str, contexts: list[str], seed: int) -> list[EpisodeVerdict]
     ("program", "context", "claimed"),
     [
         ("deliver", "soup_can", True),
-        ("deliver", "cereal_box", True),
+        ("deliver", "cereal_box", False),
+        ("deliver", "carton", True),
         ("deliver", "die", False),
         ("deliver", "book", False),
         ("deliver", "parcel", False),
@@ -75,26 +69,29 @@ def test_claim_on_an_everyday_object_agrees_with_the_world(
     assert verdict.outcomes == {"claimed": claimed, "false claim": False}, verdict.ending
 
 
-#: Contexts of the programs with many; each is run once.
+#: Contexts of the programs with many; `cb judge claims` runs all. Some claims were false in these.
 SOME = {
     "bimanualtouch": ["soup_can", "matchbox", "softball"],
+    "bring": ["matchbox", "golf_ball", "tuna_can", "carton"],
+    "deliver": ["matchbox", "golf_ball", "canister", "bottle"],
+    "fetch": ["matchbox", "tuna_can", "paperback", "mug"],
+    "grasp": ["matchbox", "soup_can", "book", "softball", "jar", "parcel"],
+    "impedance": ["ball_on_drum", "can_on_slab"],
+    "pick_and_lift": ["matchbox", "soup_can", "canister", "tennis_ball", "bowl", "jar"],
+    "pick_and_place": ["matchbox", "soup_can", "canister", "tennis_ball", "bowl", "mug"],
+    "reachtouch": ["matchbox", "soup_can", "book", "softball", "jar", "parcel"],
     "stand": ["purple_box_on_blue_box", "blue_box_on_football", "basketball_on_purple_box"],
     "stack": ["football_on_blue_box", "purple_box_on_basketball", "blue_box_on_purple_box"],
+    "take": ["matchbox", "tuna_can", "bottle", "softball", "screwdriver", "canister"],
+    "take_and_put_down": ["soup_can", "matchbox", "carton", "tennis_ball", "canister", "book"],
+    "take_with_both": ["parcel", "medicine_ball", "play_ball"],
 }
 
 
-def programs() -> list[Any]:
-    names = [path.stem for path in sorted((ROOT / PROGRAM.folder).glob("*.yaml"))]
-    return [
-        pytest.param(name, marks=pytest.mark.xfail(strict=False, reason=FALSE[name]))
-        if name in FALSE
-        else name
-        for name in names
-    ]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("program", programs())
+@pytest.mark.parametrize(
+    "program", sorted(path.stem for path in (ROOT / PROGRAM.folder).glob("*.yaml"))
+)
 def test_no_claim_of_a_shipped_program_is_false(program: str) -> None:
     if program in NOTHING_TO_CLAIM:
         return

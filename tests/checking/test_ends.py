@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import yaml
@@ -55,7 +56,7 @@ def test_the_check_ends_for_any_number_of_members(tmp_path: Path) -> None:
 
 def test_validate_points_at_a_pattern_of_failure_that_has_a_reason(tmp_path: Path) -> None:
     text = (ROOT / "programs" / "survey.yaml").read_text(encoding="utf-8")
-    wrong = text.replace("  XX*1******: wider than the hand", "  XX*1: wider than the hand")
+    wrong = re.sub(r"  XX\*1\**: wider than the hand", "  XX*1: wider than the hand", text)
     path = tmp_path / "survey.yaml"
     path.write_text(wrong, encoding="utf-8")
     (diagnostic,) = check_document(path, session=Session(Library(ROOT)))
@@ -65,4 +66,5 @@ def test_validate_points_at_a_pattern_of_failure_that_has_a_reason(tmp_path: Pat
 def test_check_keeps_the_reasons_of_failures_by_pattern() -> None:
     program = check_program("survey", library=Library(ROOT))
     assert program.failure == tuple(program.reasons)
-    assert program.reasons["XX*1******"] == "wider than the hand"
+    (pattern,) = [p for p, reason in program.reasons.items() if reason == "wider than the hand"]
+    assert pattern.startswith("XX*1") and set(pattern[4:]) == {"*"}

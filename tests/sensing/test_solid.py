@@ -72,6 +72,7 @@ def test_solid_of_an_ellipsoid_has_its_extents_and_height(
     longer, shorter = solid.extents
     assert longer == pytest.approx(along, rel=0.12)
     assert shorter == pytest.approx(across, rel=0.12)
+    assert solid.bulk**3 == pytest.approx(math.pi / 6 * longer * shorter * solid.height)
 
 
 @given(st.floats(-1.5, 1.5), st.floats(-0.3, 0.1))
