@@ -14,7 +14,8 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.dry_run import StackLevel, levels
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import RELATIVE, VISUAL, Resource
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import is_visual
 from cbdsl.types.state import ANY
 
 # Rounding of half a turn and of a whole turn in rad.
@@ -116,7 +117,7 @@ class _ControllerCheck:
             check_gain(controller.gain, robot, source, self._steps, context.diagnostics)
         window = controller.quiescence.window
         if self._document.quiescence is not None:
-            seen = isinstance(controller.feedback.source, (*VISUAL, *RELATIVE))
+            seen = is_visual(controller.feedback.source)
             seen = seen and bool(robot.cameras)
             check_window(window, seen, robot, source, self._steps, context.diagnostics)
 

@@ -23,10 +23,10 @@ from cbdsl.runtime.slot_setting import SlotSetting, modified
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
-    RELATIVE,
     Headings,
     StereoPosition,
 )
+from cbdsl.types.source_record import compares
 from cbdsl.types.state import Predicate
 
 
@@ -83,7 +83,7 @@ class ControllerRun:
             settings_of(quiescence.rate, quiescence.window, period),
             rows.feedback,
             rows.reference,
-            watches=isinstance(controller.feedback.source, RELATIVE),
+            watches=compares(controller.feedback.source),
             carried=isinstance(controller.feedback.source, StereoPosition),
             tolerance=_tolerance(controller),
             share=_share(controller),

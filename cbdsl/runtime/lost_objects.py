@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Relative
 from cbdsl.sensing.vision import Vision
-from cbdsl.types.resource import RELATIVE, VISUAL, Resource
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import channels_of
 
 
 class Loss(NamedTuple):
@@ -65,8 +67,7 @@ def _channels(program: CheckedProgram) -> Iterator[str]:
     for composition in (*compositions, program.background):
         for controller in composition.controllers if composition else ():
             for resource in _compared(controller):
-                if isinstance(resource.source, (*VISUAL, *RELATIVE)):
-                    yield resource.source.channel
+                yield from itertools.islice(channels_of(resource.source), 1)
     for action in program.actions:
         if action.program is not None:
             yield from _channels(action.program)

@@ -38,9 +38,12 @@ _ARMS = frozenset({(MANIPULATOR,)})
 _LOADS = frozenset({(_COMPLIANCE,)})
 _TURNS = frozenset({(each.name,) for each in CAMERA_TURNS})
 _HELD = RIGID_HOLD.name, MANIPULATOR
+#: Chains of rows whose readers return the whole Jacobian.
+WHOLE = frozenset({("whole Jacobian",)})
 
 #: Chains of casts, by name, from which rows compile their Jacobians, by kind of source.
 EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
+    SensorSignal: WHOLE,
     EffectorConfiguration: _JOINTS,
     Posture: _JOINTS,
     Tip: _ARMS,
@@ -73,10 +76,8 @@ def require_executed(resource: Resource, chains: tuple[Chain, ...]) -> None:
     Raises:
         CastError: No row of such a source is compiled from one of the chains.
     """
-    if isinstance(resource.source, SensorSignal):
-        return  # the reader returns the whole Jacobian
     executed = EXECUTED.get(type(resource.source), frozenset())
-    for chain in chains:
+    for chain in () if executed is WHOLE else chains:
         if tuple(cast.name for cast in chain) not in executed:
             casts = " → ".join(map(str, chain)) or "no cast"
             raise CastError(f"no row of {resource.name} executes {casts}")

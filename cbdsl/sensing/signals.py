@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -42,10 +42,8 @@ from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.uniform import UniformSampler
 from cbdsl.sensing.vision import Vision
 from cbdsl.sensing.visual_signals import VisualSignals
-from cbdsl.types.casts import Chain, chains_of
+from cbdsl.types.casts import Chain
 from cbdsl.types.resource import (
-    RELATIVE,
-    VISUAL,
     AffordanceProbability,
     BlobSignal,
     Centroid,
@@ -78,8 +76,10 @@ from cbdsl.types.resource import (
     UniformSample,
 )
 from cbdsl.types.resource_type import ORIENTATION, POSITION
+from cbdsl.types.source_record import chains_of, channels_of
 
-Reader = Callable[[], Reading | None]
+Binder = Callable[[Resource, tuple[Chain, ...]], int]
+"""Function that binds a row of a resource with chains of its Jacobian, and returns its number."""
 
 
 class Signals:
@@ -114,7 +114,7 @@ class Signals:
         self.table = self._rows.table
         self._held: tuple[int, Handle | None] = 0, None
         resources = tuple(_with_features(resources))
-        channels = [channel for resource in resources for channel in _channels_of(resource)]
+        channels = [channel for each in resources for channel in channels_of(each.source)]
         self.vision = Vision(robot, kinematics, channels)
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
@@ -128,36 +128,7 @@ class Signals:
         self.solids = SolidSignals(robot, self.vision, self.touch, resources)
         self.novelty = Novelty(robot, kinematics, self.vision, resources)
         self.marks = Marks(robot, kinematics, self.vision, resources)
-        self._binders: dict[type, Callable[[Any], int]] = {
-            EffectorConfiguration: self.kinematic_rows.configuration,
-            Posture: self.kinematic_rows.posture,
-            Tip: self.kinematic_rows.tip,
-            Centroid: self.kinematic_rows.centroid,
-            Separation: self.kinematic_rows.separation,
-            GraspCentre: self.kinematic_rows.grasp_centre,
-            Opening: self.kinematic_rows.opening,
-        }
-        self._read_by: dict[type, Callable[[Any], Reading | None]] = {
-            FingerLoad: self.touch.finger_load,
-            NetLoad: self.touch.net_load,
-            NetForces: self.touch.net_forces,
-            FingerForces: self.touch.finger_forces,
-            BlobSignal: self.blobs.blob,
-            StereoSignal: self.blobs.feature,
-            ObjectDistance: self.distances.read,
-            NovelHeading: self.novelty.heading,
-            MarkHeading: self.marks.heading,
-            ConstellationSignal: self.blobs.constellation,
-            StereoOffset: self.blobs.offset,
-            SolidSignal: self.solids.read,
-            InstanceCount: self.blobs.count,
-            AffordanceProbability: self._affordance,
-        }
-        self._seen_by: dict[type, Callable[[Any, tuple[Chain, ...]], Reading | None]] = {
-            Heading: self.sight.heading,
-            Headings: self.sight.headings,
-            StereoPosition: self.sight.position,
-        }
+        self._binders = self._make_binders()
         self.reset()
 
     def reset(self) -> None:
@@ -199,18 +170,26 @@ class Signals:
         self.strain.update(observation)
         if self.robot.load_cells:
             self.touch.update(wrenches, observation.time)
-            self.sight.update()
-        if self.robot.cameras:
-            self.vision.update(observation)
-            self.blobs.update(observation)
-            self.surfaces.update(observation)
-            self.solids.update(observation)
-            self.novelty.update(observation)
-            self.marks.update(observation)
-            if self.touch.touching_anything():
-                self.vision.touched()
-            else:
-                self.vision.untouched()
+        self._remember(observation)
+
+    def _remember(self, observation: Observation) -> None:
+        """Write all memories of objects, in the order in which they depend on each other.
+
+        Held objects move with the hands before the images are matched with remembered places.
+        The other readers follow the matched places. Contact sets velocities to zero at the end, so
+        that an image of the same tick cannot restore them.
+        """
+        if self.robot.load_cells:
+            self.vision.carry(self.sight.carried(self.vision.all_memories))
+        if not self.robot.cameras:
+            return
+        self.vision.update(observation)
+        for reader in (self.blobs, self.surfaces, self.solids, self.novelty, self.marks):
+            reader.update(observation)
+        if self.touch.touching_anything():
+            self.vision.touched()
+        else:
+            self.vision.untouched()
 
     def bind(self, resource: Resource, chains: tuple[Chain, ...] | None = None) -> int:
         """Return the number of a resource's row; bind the row at the first call.
@@ -301,33 +280,86 @@ class Signals:
         value, jacobian = self.table.values(number), self.table.rows(number).copy()
         return Reading(shaped(value, kind), jacobian, int(record["stamp"]), float(record["radius"]))
 
-    def _bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
-        source = resource.source
-        require_executed(resource, chains)
-        if isinstance(source, SensorSignal):
-            size = resource.type.size
-            return self._rows.bind_read(size, sensor_reader(source, size, len(self.joints), self))
-        binder = self._binders.get(type(source))
-        if binder is not None:
-            return binder(source)
-        see = self._seen_by.get(type(source))
-        if see is not None:
-            return self._bind_read(resource, lambda: see(source, chains))
-        read = self._read_by[type(source)]
-        return self._bind_read(resource, lambda: read(source))
+    def _make_binders(self) -> Mapping[type, Binder]:
+        """Return the functions that bind a row of each type of source."""
+        rows, touch, sight, blobs = self.kinematic_rows, self.touch, self.sight, self.blobs
+        return {
+            EffectorConfiguration: _compiled(rows.configuration),
+            Posture: _compiled(rows.posture),
+            Tip: _compiled(rows.tip),
+            Centroid: _compiled(rows.centroid),
+            Separation: _compiled(rows.separation),
+            GraspCentre: _compiled(rows.grasp_centre),
+            Opening: _compiled(rows.opening),
+            FingerLoad: self._load(touch.finger_load),
+            NetLoad: self._load(touch.net_load),
+            NetForces: self._load(touch.net_forces),
+            FingerForces: self._read_by(touch.finger_forces),
+            Heading: self._seen_by(sight.heading, self._heading_form()),
+            Headings: self._seen_by(sight.headings, self._heading_form(shift=2)),
+            StereoPosition: self._seen_by(sight.position),
+            BlobSignal: self._read_by(blobs.blob),
+            StereoSignal: self._read_by(blobs.feature),
+            ObjectDistance: self._read_by(self.distances.read),
+            NovelHeading: self._read_by(self.novelty.heading, self._heading_form()),
+            MarkHeading: self._read_by(self.marks.heading, self._heading_form()),
+            ConstellationSignal: self._read_by(blobs.constellation),
+            StereoOffset: self._read_by(blobs.offset),
+            SolidSignal: self._read_by(self.solids.read),
+            InstanceCount: self._read_by(blobs.count),
+            AffordanceProbability: self._read_by(self._affordance),
+            SensorSignal: self._sensor,
+        }
 
-    def _bind_read(self, resource: Resource, reader: Reader) -> int:
-        """Bind a row that Python reads, with parts if its Jacobian bends."""
-        source = resource.source
-        size = 9 if resource.type == ORIENTATION else resource.type.size
-        form = None
-        if isinstance(source, (Heading, Headings, NovelHeading, MarkHeading)):
-            shift = 2 if isinstance(source, Headings) else 0
-            form = Form(HEADING, size, size, self.sight.camera_parts(shift))
-        elif isinstance(source, (FingerLoad, NetLoad, NetForces)):
-            parts = self.touch.contact_parts(source)
+    def _bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
+        require_executed(resource, chains)
+        return self._binders[type(resource.source)](resource, chains)
+
+    def _read_by(
+        self, read: Callable[[Any], Reading | None], form: Callable[[int], Form] | None = None
+    ) -> Binder:
+        """Return a binder of rows that Python reads; without chains, by ``_seen_by``."""
+        return self._seen_by(lambda source, _: read(source), form)
+
+    def _seen_by(
+        self,
+        read: Callable[[Any, tuple[Chain, ...]], Reading | None],
+        form: Callable[[int], Form] | None = None,
+    ) -> Binder:
+        """Return a binder of rows that Python reads.
+
+        Args:
+            read: Function of a source and of the chains of its Jacobian.
+            form: Function of a row's size, for a row whose Jacobian bends.
+        """
+
+        def bind(resource: Resource, chains: tuple[Chain, ...]) -> int:
+            source, size = resource.source, _size_of(resource)
+            return self._rows.bind_read(
+                size, lambda: read(source, chains), None if form is None else form(size)
+            )
+
+        return bind
+
+    def _load(self, read: Callable[[Any], Reading | None]) -> Binder:
+        """Return a binder of rows of contact loads."""
+
+        def bind(resource: Resource, chains: tuple[Chain, ...]) -> int:
+            source: Any = resource.source
+            size, parts = _size_of(resource), self.touch.contact_parts(source)
             form = Form(CONTACT if parts else WRITTEN, size, size, parts)
-        return self._rows.bind_read(size, reader, form)
+            return self._rows.bind_read(size, lambda: read(source), form)
+
+        return bind
+
+    def _heading_form(self, shift: int = 0) -> Callable[[int], Form]:
+        return lambda size: Form(HEADING, size, size, self.sight.camera_parts(shift))
+
+    def _sensor(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
+        """Bind a row of a sensor whose kind another package adds."""
+        source: Any = resource.source
+        size = resource.type.size
+        return self._rows.bind_read(size, sensor_reader(source, size, len(self.joints), self))
 
     def _affordance(self, source: AffordanceProbability) -> Reading | None:
         """Return Pr(reward | f, a) for the current features.
@@ -371,14 +403,14 @@ class Signals:
         return DensitySampler(source, *limits, rng)
 
 
-def _channels_of(resource: Resource) -> tuple[str, ...]:
-    """Return the channels of a resource that the cameras have to look for."""
-    source = resource.source
-    if isinstance(source, RELATIVE):
-        return source.channel, source.other
-    if isinstance(source, MarkHeading):
-        return source.channel, *source.hues
-    return (source.channel,) if isinstance(source, VISUAL) else ()
+def _compiled(bind: Callable[[Any], int]) -> Binder:
+    """Return a binder of rows that are compiled from their parts."""
+    return lambda resource, chains: bind(resource.source)
+
+
+def _size_of(resource: Resource) -> int:
+    """Return the number of components of a row; an orientation is a matrix."""
+    return 9 if resource.type == ORIENTATION else resource.type.size
 
 
 def _with_features(resources: Iterable[Resource]) -> Iterator[Resource]:

@@ -158,6 +158,11 @@ class Vision:
             self._look(seen)
             self._expects = self._knows()
 
+    def carry(self, carried: Iterable[tuple[PositionMemory, Floats]]) -> None:
+        """Displace remembered objects, m, shape (3,) each."""
+        for memory, displacement in carried:
+            memory.carry(displacement)
+
     def touched(self) -> None:
         """Set the velocity of all remembered objects to zero, because a hand is in contact."""
         for memory in self.all_memories:

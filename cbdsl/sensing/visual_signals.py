@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,8 @@ from cbdsl.types.resource import Heading, Headings, StereoPosition
 Step = Callable[[Any], Any]
 Thing = tuple[str, int]
 """Channel, and number of an object in it."""
+Carried = tuple[PositionMemory, Floats]
+"""Memory of an object, and its displacement with the hands that hold it, m, shape (3,)."""
 
 
 class VisualSignals:
@@ -73,19 +75,24 @@ class VisualSignals:
         self._begun: Hold | None = None
         self._content = Content(self._find_middle)
 
-    def update(self) -> None:
-        """Displace held objects with the hands; tips and touch must be up to date."""
+    def carried(self, memories: Sequence[PositionMemory]) -> Iterator[Carried]:
+        """Yield memories of held objects with their displacements since the last tick, m.
+
+        Tips and touch must be up to date.
+
+        Args:
+            memories: Memories of all objects.
+        """
         before, self._hold = self._hold, self._find_hold()
         if self._hold is None:
             return
-        memories = self._vision.all_memories
         if self._begun is None or before is None or before.hands != self._hold.hands:
             self._begun = self._hold
             self._content.begin(memories)
             return
         for memory in memories:
             if memory.position is not None and self._holds(memory):
-                memory.carry(self._hold.displace(self._begun, before, memory.position))
+                yield memory, self._hold.displace(self._begun, before, memory.position)
 
     def _find_hold(self) -> Hold | None:
         if not self._touch.touching_anything():

@@ -11,16 +11,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import NamedTuple
 
-from cbdsl.types.resource import (
-    Heading,
-    Headings,
-    MarkHeading,
-    NovelHeading,
-    Resource,
-    SolidSignal,
-    StereoPosition,
-)
-from cbdsl.types.resource_type import POSITION, ResourceType, configuration
+from cbdsl.types.resource_type import ResourceType
 
 
 class Cast(NamedTuple):
@@ -100,26 +91,6 @@ RIGID_HOLD = Cast("rigid hold", "position", "position", "Eq 3.42", value=False)
 #: No turn of a camera changes the size of an object; the length of a hand's opening has a Jacobian.
 SIZE_TURN = CAMERA_TURNS[0]._replace(source="length")
 SIGHTING = Cast("inverse sighting Jacobian", "heading", "position", "section 3.2.2", value=False)
-
-
-def chains_of(resource: Resource) -> tuple[Chain, ...]:
-    """Return the chains from a resource to the joints, whose Jacobians add up to its Jacobian.
-
-    A heading changes as the cameras turn, and as the hands move that hold its target.
-    """
-    source, kind, joints = resource.source, resource.type, configuration(1)
-    held = (RIGID_HOLD, *chains(POSITION, joints)[0])
-    if isinstance(source, Heading):
-        return (CAMERA,), (SIGHTING, *held)
-    if isinstance(source, (NovelHeading, MarkHeading)):
-        return ((CAMERA,),)
-    if isinstance(source, Headings):
-        return (CAMERA,), (TRIANGULATION, *held)
-    if isinstance(source, StereoPosition):
-        return (held,)
-    if isinstance(source, SolidSignal):
-        return ((SIZE_TURN,),)
-    return chains(kind, joints)[:1]
 
 
 @cache

@@ -347,13 +347,6 @@ Source = (
 
 
 _DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
-#: Sources of visual signals of one channel.
-VISUAL = (
-    Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint,
-    NovelHeading, MarkHeading, ObjectDistance,
-)  # fmt: skip
-#: Sources of visual signals of two channels.
-RELATIVE = (ConstellationSignal, StereoOffset, SolidSignal)
 
 
 class Resource(NamedTuple):

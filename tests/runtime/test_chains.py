@@ -24,9 +24,8 @@ from cbdsl.sensing.camera import heading
 from cbdsl.sensing.chain import CastError
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision import SeenHeading
-from cbdsl.types.casts import CASTS, chains_of
+from cbdsl.types.casts import CASTS
 from cbdsl.types.resource import (
-    RELATIVE,
     FingerForces,
     Heading,
     MarkHeading,
@@ -35,6 +34,7 @@ from cbdsl.types.resource import (
     Opening,
     palms_of,
 )
+from cbdsl.types.source_record import chains_of, compares
 from tests.conftest import ROOT, Checked
 from tests.sensing.test_visual_signals import between, facing, feel
 
@@ -210,7 +210,8 @@ def compared(program: CheckedProgram) -> list[Controller]:
     return [
         replace(c, standoff=None)
         for c in controllers
-        if c.manipulator is None and not isinstance(c.feedback.source, (*RELATIVE, *CHOSEN))
+        if c.manipulator is None
+        and not (compares(c.feedback.source) or isinstance(c.feedback.source, CHOSEN))
     ]
 
 

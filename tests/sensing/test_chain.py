@@ -9,7 +9,8 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.chain import CastError, carry, require_executed
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.casts import CAMERA, CASTS, SIGHTING, Chain, chains_of
+from cbdsl.types.casts import CAMERA, CASTS, SIGHTING, Chain
+from cbdsl.types.source_record import chains_of
 from cbdsl.yaml_text.library import Library
 from tests.sensing.test_visual_signals import (
     CHANNEL,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
-from cbdsl.types.casts import Chain, chains, chains_of
+from cbdsl.types.casts import Chain, chains
 from cbdsl.types.resource import Origin, Resource
+from cbdsl.types.source_record import chains_of
 
 
 def is_measured(resource: Resource) -> bool:

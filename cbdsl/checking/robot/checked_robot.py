@@ -7,42 +7,22 @@ from typing import NamedTuple, Self
 
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.casts import RIGID_HOLD, Chain
 from cbdsl.types.resource import (
-    VISUAL,
-    AffordanceProbability,
-    BlobSignal,
-    Centroid,
-    ConstellationSignal,
     EffectorConfiguration,
-    FingerForces,
     FingerLoad,
-    GaussianSample,
-    GraspCentre,
-    Heading,
-    Headings,
-    InstanceCount,
-    KernelSample,
-    MarkHeading,
-    NetForces,
-    NetLoad,
-    NovelHeading,
-    ObjectDistance,
-    Opening,
-    Posture,
     Resource,
     SensorSignal,
-    Separation,
-    SolidSignal,
     Source,
-    StereoOffset,
-    StereoPosition,
-    StereoSignal,
-    SurfacePoint,
-    Tip,
-    UniformSample,
+)
+from cbdsl.types.source_record import (
+    Carrier,
+    compares,
+    declaration_of,
+    is_visual,
+    owner_of,
+    record_of,
 )
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -77,51 +57,12 @@ class CheckedRobot(NamedTuple):
 
     def _declared(self, source: Source) -> tuple[Step, ...]:
         """Return the path in the robot's document that declares a resource."""
-        match source:
-            case Posture(effector=name, posture=posture) if name not in self.document.groups:
-                return ("effectors", name, "postures", posture)
-            case FingerLoad(hand=hand, finger=finger):
-                return ("load_cells", hand, finger)
-            case (
-                NetLoad(hand=hand)
-                | FingerForces(hand=hand)
-                | Opening(hand=hand)
-                | GraspCentre(hand=hand)
-            ):
-                return ("load_cells", hand)
-            case SensorSignal(sensor=sensor):
-                return ("sensors", sensor)
-            case Centroid(group=name) | Separation(group=name) | NetForces(group=name):
-                return ("groups", name)
-            case (
-                Heading(camera=camera)
-                | BlobSignal(camera=camera)
-                | ConstellationSignal(camera=camera)
-            ) if camera in self.document.cameras:
-                return ("cameras", camera)
-            case Heading() | Headings() | StereoPosition() | NovelHeading() | MarkHeading():
-                return ("cameras",)
-            case (
-                BlobSignal()
-                | ConstellationSignal()
-                | StereoSignal()
-                | ObjectDistance()
-                | StereoOffset()
-                | SolidSignal()
-                | InstanceCount()
-                | SurfacePoint()
-                | AffordanceProbability()
-            ):
-                return ("cameras",)
-            case (
-                EffectorConfiguration(effector=name)
-                | Tip(effector=name)
-                | Posture(effector=name)
-                | UniformSample(effector=name)
-                | GaussianSample(effector=name)
-                | KernelSample(effector=name)
-            ):
-                return ("groups" if name in self.document.groups else "effectors", name)
+        path, robot = declaration_of(source), self.document
+        if path[0] == "effectors" and path[1] in robot.groups:
+            return ("groups", path[1])
+        if path[0] == "cameras" and not robot.cameras.keys() >= set(path[1:]):
+            return ("cameras",)
+        return path
 
     def limits(self, joints: Iterable[str]) -> list[tuple[float, float] | None]:
         """Return the limits of joints, rad, with ``None`` for joints that the model lacks."""
@@ -152,11 +93,7 @@ class CheckedRobot(NamedTuple):
     def effector_joints(self, resource: Resource) -> tuple[str, ...]:
         """Return the actuated joints that an effector moves."""
         source = resource.source
-        if isinstance(source, (EffectorConfiguration, Tip)):
-            return self.document.joints(source.effector)
-        if isinstance(source, (Centroid, Separation)):
-            return self.document.joints(source.group)
-        return ()
+        return self.document.joints(owner_of(source)) if record_of(source).moves else ()
 
     def moves(self, effector: str, link: str) -> bool:
         """Return whether one of an effector's joints moves a link of the model."""
@@ -190,25 +127,21 @@ class CheckedRobot(NamedTuple):
             return frozenset(self.document.joints(source.effector))
         if self.model is None:
             return None
-        links = self._links(source)
+        record, links = record_of(source), self._links(source)
         if not self.model.links.issuperset(links):
             return None
-        if isinstance(source, (Tip, Centroid, Separation)) and self._is_idle(source):
+        if record.moves and not self.idle.isdisjoint(self.document.members(owner_of(source))):
             return None
         above = [frozenset(self._above(link)) for link in links]
-        shared = frozenset.intersection(*above) if isinstance(source, Opening) else frozenset()
+        shared = frozenset.intersection(*above) if record.differs else frozenset()
         return frozenset[str]().union(*above) - shared
-
-    def _is_idle(self, source: Tip | Centroid | Separation) -> bool:
-        name = source.effector if isinstance(source, Tip) else source.group
-        return not self.idle.isdisjoint(self.document.members(name))
 
     def joints_of(self, resource: Resource, chain: Chain) -> frozenset[str]:
         """Return the joints at the end of one of a resource's chains; empty if they are unknown."""
         source, links = resource.source, None
         if RIGID_HOLD in chain:
             links = self._holding_links()
-        elif isinstance(source, VISUAL):
+        elif is_visual(source) and not compares(source):
             links = self._camera_links(source)
         if links is None:
             return self.influence(resource) or frozenset()
@@ -232,38 +165,33 @@ class CheckedRobot(NamedTuple):
 
     def _links(self, source: Source) -> list[str]:
         """Return the links that carry a signal's sensors or the sensed object."""
-        robot = self.document
-        match source:
-            case Tip(effector=name) | Centroid(group=name) | Separation(group=name):
-                return self._tip_links(name)
-            case FingerLoad():
-                return [robot.load_cells[source.hand][source.finger].link]
-            case NetLoad(hand=name) | FingerForces(hand=name) | NetForces(group=name):
-                return self._cell_links(robot.members(name))
-            case Opening(hand=name) | GraspCentre(hand=name):
-                return self._cell_links([name])
-            case Heading() | Headings() | BlobSignal():
-                return self._camera_links(source) + self._holding_links()
-            case (
-                NovelHeading()
-                | MarkHeading()
-                | ConstellationSignal()
-                | StereoOffset()
-                | SolidSignal()
-            ):
+        return [
+            link for carrier in record_of(source).carriers for link in self._of(carrier, source)
+        ]
+
+    def _of(self, carrier: Carrier, source: Source) -> list[str]:
+        """Return the links of one of a signal's carriers."""
+        match carrier:
+            case Carrier.TIPS:
+                return self._tip_links(owner_of(source))
+            case Carrier.CELL if isinstance(source, FingerLoad):
+                return [self.document.load_cells[source.hand][source.finger].link]
+            case Carrier.CELLS:
+                return self._cell_links(self.document.members(owner_of(source)))
+            case Carrier.CAMERAS:
                 return self._camera_links(source)
-            case StereoPosition() | StereoSignal() | ObjectDistance():
+            case Carrier.HOLD:
                 return self._holding_links()
-            case SensorSignal(links=links):
-                return list(links)
+            case Carrier.LINKS if isinstance(source, SensorSignal):
+                return list(source.links)
         return []
 
     def _camera_links(self, source: Source) -> list[str]:
         cameras = self.document.cameras
-        one = (Heading, BlobSignal, ConstellationSignal)
-        if isinstance(source, one) and source.camera != CYCLOPEAN:
-            return [cameras[source.camera].link]
-        return [camera.link for camera in cameras.values()]
+        _, *names = declaration_of(source)
+        return [cameras[n].link for n in names if n in cameras] or [
+            c.link for c in cameras.values()
+        ]
 
     def _tip_links(self, effector: str) -> list[str]:
         tips = [self.document.effectors[m].tip for m in self.document.members(effector)]
