@@ -1,6 +1,7 @@
 """Reader of URDF models."""
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -25,6 +26,9 @@ from cbdsl.robot.urdf import (
     UrdfOrigin,
     UrdfShape,
 )
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_SPACES = re.compile(r"[ \t\r\n]+")
 
 
 def read_urdf(path: Path) -> UrdfModel:
@@ -327,10 +331,14 @@ def _not_numbers(element: ElementTree.Element) -> Iterator[str]:
 
 
 def _are_numbers(text: str, count: int) -> bool:
-    try:
-        return len([x for x in map(float, text.split()) if math.isfinite(x)]) == count
-    except ValueError:
-        return False
+    """Return whether a text is so many finite numbers in a form that all engines read.
+
+    Python alone reads digits of other scripts, underscores and unusual spaces; engines stop there.
+    """
+    words = [word for word in _SPACES.split(text) if word]
+    return len(words) == count and all(
+        _NUMBER.fullmatch(word) and math.isfinite(float(word)) for word in words
+    )
 
 
 def _numbers(text: str) -> Numbers:

@@ -216,6 +216,10 @@ def test_the_shipped_model() -> None:
                 "<limit effort='5' velocity=' -1'/>": "has the velocity limit  -1; limits are 0",
                 LIMIT.format("lower='x'"): 'lower="x", which should be a number',
                 LIMIT.format("lower='inf'"): 'lower="inf", which should be a number',
+                # Python reads these three, and engines do not.
+                LIMIT.format("lower='-1_0'"): 'lower="-1_0", which should be a number',
+                LIMIT.format("lower='-\u0661'"): 'lower="-\u0661", which should be a number',
+                LIMIT.format("lower='-1\u00a0'"): 'lower="-1\u00a0", which should be a number',
                 LIMIT.format("")
                 + "<origin xyz='0, 0, 1'/>": 'xyz="0, 0, 1", which should be three',
                 LIMIT.format("") + "<axis xyz='0 1'/>": 'xyz="0 1", which should be three',
