@@ -1,6 +1,7 @@
 """Robot behaviour that is declared, type-checked, run and learned: verbs for Python.
 
-The verbs ``check``, ``load``, ``run``, ``open_robot``, ``learn``, ``explore``, ``calibrate``,
+The verbs ``check``, ``load``, ``run``, ``open_robot``, ``learn``, ``explore``,
+``explore_pairs``, ``calibrate``,
 ``evaluate``, ``simulate`` and ``propose_robot`` are imported when they are first used, so that
 ``import cbdsl`` costs nothing.
 """
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from cbdsl.api.check import check
     from cbdsl.api.evaluate import SuccessRate, evaluate
     from cbdsl.api.explore import ExplorationOutcome, explore
+    from cbdsl.api.explore_pairs import PairExplorationOutcome, explore_pairs
+    from cbdsl.api.explore_pairs_request import ExplorePairsRequest
     from cbdsl.api.explore_request import ExploreRequest
     from cbdsl.api.learn import LearningOutcome, learn, learn_trials
     from cbdsl.api.learn_request import LearnRequest
@@ -40,6 +43,7 @@ _HOMES = {
     "learn": "cbdsl.api.learn",
     "learn_trials": "cbdsl.api.learn",
     "explore": "cbdsl.api.explore",
+    "explore_pairs": "cbdsl.api.explore_pairs",
     "calibrate": "cbdsl.api.calibrate",
     "evaluate": "cbdsl.api.evaluate",
     "simulate": "cbdsl.api.simulate",
@@ -51,10 +55,12 @@ _HOMES = {
     "EpisodeResult": "cbdsl.runtime.episode_result",
     "SuccessRate": "cbdsl.api.evaluate",
     "ExplorationOutcome": "cbdsl.api.explore",
+    "ExplorePairsRequest": "cbdsl.api.explore_pairs_request",
     "ExploreRequest": "cbdsl.api.explore_request",
     "LearnRequest": "cbdsl.api.learn_request",
     "LearningOutcome": "cbdsl.api.learn",
     "OpenRobot": "cbdsl.api.open_robot",
+    "PairExplorationOutcome": "cbdsl.api.explore_pairs",
     "RobotProposal": "cbdsl.api.propose_robot",
     "RunRequest": "cbdsl.api.run_request",
     "SimulatedRobot": "cbdsl.api.simulate",
@@ -64,11 +70,12 @@ _HOMES = {
 }
 
 __all__ = [  # noqa: RUF022 (verbs before nouns)
-    "check", "load", "run", "open_robot", "learn", "learn_trials", "explore", "calibrate",
-    "evaluate", "simulate", "propose_robot", "CalibrateRequest", "CalibrationOutcome",
-    "Diagnostic", "DiagnosticsError", "EpisodeResult", "ExplorationOutcome", "ExploreRequest",
-    "LearnRequest", "LearningOutcome", "OpenRobot", "RobotProposal", "RunRequest",
-    "SimulatedRobot", "SuccessRate", "Transition", "Truth", "UsageError",
+    "check", "load", "run", "open_robot", "learn", "learn_trials", "explore", "explore_pairs",
+    "calibrate", "evaluate", "simulate", "propose_robot", "CalibrateRequest", "CalibrationOutcome",
+    "Diagnostic", "DiagnosticsError", "EpisodeResult", "ExplorationOutcome", "ExplorePairsRequest",
+    "ExploreRequest", "LearnRequest", "LearningOutcome", "OpenRobot", "PairExplorationOutcome",
+    "RobotProposal", "RunRequest", "SimulatedRobot", "SuccessRate", "Transition", "Truth",
+    "UsageError",
 ]  # fmt: skip
 
 

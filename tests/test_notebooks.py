@@ -43,3 +43,5 @@ def test_a_notebook_runs(
     assert names["result"].rewarded
     assert sum(names["learned"].rewarded) >= 35
     assert sum(result.rewarded for result in names["results"]) == 10
+    assert names["rate"].share == 1.0
+    assert sum(tried for _, tried in names["boxes"].rewarded.values()) == 2

@@ -66,7 +66,7 @@ class CalibrateRequest:
         try:
             make_room(target)
         except OSError as error:
-            raise UsageError(f"--out {target}: {error.strerror}") from error
+            raise UsageError(f"{target}: {error.strerror}") from error
         backend = default_engine() if self.backend is None else self.backend
         command = self.command or self._call
         origin = CalibrationOrigin(
@@ -96,14 +96,15 @@ class CalibrateRequest:
         if run.robot.name != robot.name:
             raise UsageError(
                 f"program '{self.program}' is for robot '{run.robot.name}', not for "
-                f"'{robot.name}'; name one that shows a ball in its hand with --program"
+                f"'{robot.name}'; name a program that shows a ball in its hand"
             )
         disturbance = run.stage.disturbance
         if disturbance.body is None and (
             disturbance.camera_position or disturbance.camera_rotation
         ):
             raise UsageError(
-                f"stage '{run.stage.name}' has other cameras in each episode; --body N keeps them"
+                f"stage '{run.stage.name}' has other cameras in each episode; "
+                "a body's number keeps them"
             )
         return run
 
@@ -245,4 +246,4 @@ def _require_name(out: Path) -> None:
     from cbdsl.documents.document import NAME_PATTERN
 
     if out.suffix != ".yaml" or not re.match(NAME_PATTERN, out.stem):
-        raise UsageError(f"--out {out}: a calibration is <name>.yaml, of letters, digits and _")
+        raise UsageError(f"{out}: a calibration is <name>.yaml, of letters, digits and _")

@@ -25,7 +25,7 @@ def with_body(stage: StageDocument, body: int | None) -> StageDocument:
     disturbance = stage.disturbance
     if not (disturbance.camera_position or disturbance.camera_rotation):
         raise UsageError(
-            f"--body {body}: bodies differ in where their cameras are, and on stage "
+            f"body {body}: bodies differ in where their cameras are, and on stage "
             f"'{stage.name}' they are where the model has them"
         )
     changed = disturbance.model_copy(update={"body": body})
@@ -78,7 +78,7 @@ def require_body(calibration: CalibrationDocument, stage: StageDocument) -> None
         return
     own = None if origin is None else origin.body
     if disturbance.body is None:
-        hint = "--body N keeps them" if own is None else f"--body {own} is what it was made with"
+        hint = "a body's number keeps them" if own is None else f"it was made with body {own}"
         raise UsageError(
             f"stage '{stage.name}' has other cameras in each episode, which calibration "
             f"'{calibration.name}' cannot know: {hint}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -50,6 +50,7 @@ def evaluate(
     context: str | None = None,
     backend: str | None = None,
     cameras: str | None = None,
+    workers: int = 1,
     judge: Callable[[EpisodeResult, Truth], bool] | None = None,
     on_episode: Callable[[EpisodeResult, bool], None] | None = None,
 ) -> SuccessRate:
@@ -66,38 +67,98 @@ def evaluate(
         context: Context of the stage; drawn by share if ``None``.
         backend: Name of the backend, as for ``open_robot``.
         cameras: Kind of cameras, as for ``open_robot``.
-        judge: Function that returns whether an episode succeeded.
-        on_episode: Function called with the result and the verdict of each episode.
+        workers: Number of parallel processes; no result but its wall time depends on it.
+        judge: Function that returns whether an episode succeeded; with several workers, one of a
+            module.
+        on_episode: Function called with the result and the verdict of each episode, in the order
+            of the seeds.
 
     Raises:
         DiagnosticsError: A document has errors.
         UsageError: An item is missing, not installed or unsuitable, there is no episode, or a judge
             needs a simulation.
     """
-    from cbdsl.api.open_robot import open_robot
-    from cbdsl.api.simulate import simulate
-    from cbdsl.diagnostics.errors import UsageError
+    from dataclasses import replace
 
-    if episodes < 1:
-        raise UsageError(f"episodes={episodes}: an evaluation needs at least one")
+    from cbdsl.api.load import load
+    from cbdsl.api.run_request import RunRequest
+    from cbdsl.backends.engines import default_engine
+    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.yaml_text.library import Library
+
+    if episodes < 1 or workers < 1:
+        given = f"episodes={episodes}" if episodes < 1 else f"workers={workers}"
+        raise UsageError(f"{given}: an evaluation needs at least one")
+    request = program if isinstance(program, RunRequest) else load(program)
+    chosen = default_engine() if backend is None else backend
+    # Documents that were read have served their purpose: processes get the checked program alone.
+    sent = replace(request, library=Library(request.library.here))
+    campaign = _Campaign(sent, context, chosen, cameras, judge)
+    seeds = range(seed, seed + episodes)
     results: list[EpisodeResult] = []
     successes: list[bool] = []
-
-    def note(result: EpisodeResult, succeeded: bool) -> None:
+    for result, succeeded in campaign.run(seeds, min(workers, episodes)):
         results.append(result)
         successes.append(succeeded)
         if on_episode is not None:
             on_episode(result, succeeded)
-
-    seeds = range(seed, seed + episodes)
-    if judge is None:
-        with open_robot(program, backend=backend, cameras=cameras) as robot:
-            for each in seeds:
-                result = robot.run(each, context=context)
-                note(result, result.rewarded or result.outcome == "success")
-    else:
-        with simulate(program, backend=backend, cameras=cameras) as simulation:
-            for each in seeds:
-                result = simulation.robot.run(each, context=context)
-                note(result, judge(result, simulation.truth))
     return SuccessRate(tuple(results), tuple(successes))
+
+
+# Number of consecutive seeds of one job of a process: opening a robot takes longer than an episode.
+_JOB = 10
+
+Verdict = tuple["EpisodeResult", bool]
+
+
+@dataclass(frozen=True)
+class _Campaign:
+    """Evaluation without its seeds, for any process.
+
+    Attributes:
+        request: Program with its robot and its stage.
+        context: Context of the stage; drawn by share if ``None``.
+        backend: Name of the backend.
+        cameras: Kind of cameras.
+        judge: Function of the truth, if any.
+    """
+
+    request: RunRequest
+    context: str | None
+    backend: str
+    cameras: str | None
+    judge: Callable[[EpisodeResult, Truth], bool] | None
+
+    def run(self, seeds: range, workers: int) -> Iterator[Verdict]:
+        """Yield the verdicts on all seeds, in their order."""
+        if workers == 1:
+            yield from self.verdicts(seeds)
+            return
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        step = max(1, min(_JOB, len(seeds) // workers))
+        parts = [seeds[first : first + step] for first in range(0, len(seeds), step)]
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            for part in pool.map(self.listed, parts):
+                yield from part
+
+    def listed(self, seeds: range) -> list[Verdict]:
+        """Return the verdicts on some seeds."""
+        return list(self.verdicts(seeds))
+
+    def verdicts(self, seeds: range) -> Iterator[Verdict]:
+        """Yield the verdicts on some seeds, in this process."""
+        from cbdsl.api.open_robot import open_robot
+        from cbdsl.api.simulate import simulate
+
+        if self.judge is None:
+            with open_robot(self.request, backend=self.backend, cameras=self.cameras) as robot:
+                for seed in seeds:
+                    result = robot.run(seed, context=self.context)
+                    yield result, result.rewarded or result.outcome == "success"
+            return
+        with simulate(self.request, backend=self.backend, cameras=self.cameras) as simulation:
+            for seed in seeds:
+                result = simulation.robot.run(seed, context=self.context)
+                yield result, self.judge(result, simulation.truth)

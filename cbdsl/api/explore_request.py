@@ -70,7 +70,7 @@ class ExploreRequest:
         from cbdsl.training.exploration_task import ExplorationTask
 
         if self.out.suffix != ".yaml":
-            raise UsageError(f"--out {self.out}: a catalog is <name>.yaml")
+            raise UsageError(f"{self.out}: a catalog is <name>.yaml")
         if self.algorithm not in EXPLORATIONS:
             raise UsageError.unknown("exploration", self.algorithm, EXPLORATIONS)
         requests, explorable = read_actions(self.programs, self.feature, self.stage, self.folder)

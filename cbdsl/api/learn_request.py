@@ -112,14 +112,15 @@ class LearnRequest:
         from cbdsl.learning.learner import ASSIMILATE
 
         if self.out.suffix != ".yaml" or not re.match(NAME_PATTERN, self.out.stem):
-            raise UsageError(f"--out {self.out}: a policy is <name>.yaml, of letters, digits and _")
+            raise UsageError(f"{self.out}: a policy is <name>.yaml, of letters, digits and _")
         if self.out.is_dir():
-            raise UsageError(f"--out {self.out}: is a folder")
+            raise UsageError(f"{self.out}: is a folder, and a policy is a file")
         if self.learner == ASSIMILATE and self.policy is None:
-            raise UsageError("assimilate learns the resources of a policy: name that with --from")
+            raise UsageError("assimilate learns the resources of a policy, and none is named")
         if self.learner != ASSIMILATE and self.policy is not None:
             raise UsageError(
-                f"--from is for --learner {ASSIMILATE}, which learns no policy of its own"
+                f"'{self.learner}' learns a policy from scratch; only {ASSIMILATE} starts from "
+                f"'{self.policy}'"
             )
 
     def _program(self) -> tuple[CheckedProgram, ProgramDigest]:

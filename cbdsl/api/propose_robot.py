@@ -86,4 +86,4 @@ def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGro
     try:
         return SemanticGroups(model, description)
     except UrdfError as error:
-        raise UsageError(f"--srdf {error}") from None
+        raise UsageError(f"srdf {error}") from None

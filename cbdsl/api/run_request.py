@@ -154,7 +154,7 @@ def _read_stage(
     wanted = name or program.stage
     if wanted is None:
         known = _stages_for(program.robot, program_file, library)
-        raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
+        raise UsageError(f"{program.name} names no stage; give one (known: {known})")
     file = _locate(StageDocument, wanted, program_file, library)
     require_clean(file, library)
     stage = library.read(file, StageDocument).document

@@ -126,7 +126,7 @@ class Pace:
                 self._has_reported = True
                 self._report(
                     f"slower than real time: real-time factor {factor:.2f} for {_WINDOW:.0f} s; "
-                    "a program may be held. End other processes, or use --cameras ideal"
+                    "a program may be held. End other processes, or use ideal cameras"
                 )
         return True
 

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, get_args
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
+from cbdsl.api.explore_pairs_request import ExplorePairsRequest
 from cbdsl.cli.assignments import read_assignments
-from cbdsl.cli.explored_pairs import read_pairs, read_things
+from cbdsl.cli.exploration_progress import ExplorationProgress
 from cbdsl.cli.native_output import shown_on_failure
 from cbdsl.cli.simulation import needing_simulation, simulation
 from cbdsl.cli.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.documents.meta_catalog import Relation
 
 if TYPE_CHECKING:
     import typer
 
     from cbdsl.api.run_request import RunRequest
     from cbdsl.training.pair_task import PairTask
-
 
 # Options that apply only to the actions of a single object.
 _OF_ONE = (
@@ -35,38 +35,44 @@ def explore_pairs(context: typer.Context, command: str) -> None:
     """
     given = context.params
     _refuse_options_of_one(context)
-    if given["relation"] not in get_args(Relation):
-        raise UsageError.unknown("relation", given["relation"], get_args(Relation))
     if len(given["programs"]) != 1:
         raise UsageError("--thing: one PROGRAM brings things to each other")
-    things = read_things(given["thing"])
+    pairs = ExplorePairsRequest(
+        program=given["programs"][0],
+        things=_read_things(given["thing"]),
+        stage=given["stage"],
+        out=given["out"],
+        relation=given["relation"],
+        actions=given["actions"],
+        until_habituated=given["until_habituated"],
+        seed=given["seed"],
+        backend=given["backend"],
+        cameras=given["cameras"],
+        constants=read_assignments(given["set_"], "--set"),
+        command=command,
+    )
     with needing_simulation():
-        from cbdsl.learning.catalog_exploration import CatalogConstants
-        from cbdsl.learning.constants import read_constants
-        from cbdsl.training.pair_task import PairTask
-
-        request, pairs = read_pairs(given["programs"][0], things, given["relation"], given["stage"])
-        constants = read_constants(
-            CatalogConstants, read_assignments(given["set_"], "--set"), "explore_pairs"
-        )
-        assert isinstance(constants, CatalogConstants)
-        task = PairTask(
-            pairs=pairs,
-            things=things,
-            relation=given["relation"],
-            robot=request.robot,
-            stage=request.stage,
-            backend=given["backend"],
-            constants=constants,
-            seed=given["seed"],
-            count=given["actions"],
-            until_habituated=given["until_habituated"],
-            command=command,
-            path=given["out"].absolute(),
-        )
+        request, task = pairs.task()
         task.require_ready(resume=given["resume"])
     with shown_on_failure(), termination_interrupts():
         _run(task, request, given["cameras"], as_json=given["as_json"])
+
+
+def _read_things(texts: Sequence[str]) -> dict[str, str]:
+    """Return the channels of objects by name, from ``NAME=CHANNEL``.
+
+    Raises:
+        UsageError: A text has another form, or a name occurs twice.
+    """
+    things: dict[str, str] = {}
+    for text in texts:
+        name, _, channel = text.partition("=")
+        if not name or not channel:
+            raise UsageError(f"--thing {text}: a thing is NAME=CHANNEL, such as ball=red")
+        if name in things:
+            raise UsageError(f"--thing {text}: '{name}' is there twice")
+        things[name] = channel
+    return things
 
 
 def _refuse_options_of_one(context: typer.Context) -> None:
@@ -77,13 +83,11 @@ def _refuse_options_of_one(context: typer.Context) -> None:
 
 
 def _run(task: PairTask, request: RunRequest, cameras: str | None, *, as_json: bool) -> None:
-    from cbdsl.cli.exploration_progress import ExplorationProgress
-
     with simulation(request, task.backend, cameras=cameras) as (body, kinematics):
         progress = ExplorationProgress(task.count, as_json=as_json, looks_ahead=False)
         document = task.run(body, kinematics, progress)
     if not as_json:
-        from cbdsl.reporting.text.meta_catalog_text import meta_catalog_text
+        from cbdsl.cli.meta_catalog_text import meta_catalog_text
 
         print(meta_catalog_text(document), end="")
         print(f"wrote {task.path}")

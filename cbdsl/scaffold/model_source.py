@@ -80,7 +80,7 @@ class ModelReader:
                 return parse_srdf(_expand(file, {}, self._packages), file)
             return read_srdf(file)
         except UrdfError as error:
-            raise UsageError(f"--srdf {error}") from None
+            raise UsageError(f"srdf {error}") from None
 
     def _read(self, name: str, folder: Path) -> ModelSource:
         from cbdsl.diagnostics.errors import UsageError

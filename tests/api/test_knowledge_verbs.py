@@ -49,8 +49,8 @@ def test_learn_limits_and_sequential_actions_reach_the_trial(here: Path) -> None
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"learner": "assimilate"}, "name that with --from"),
-        ({"policy": "reachtouch"}, "learns no policy of its own"),
+        ({"learner": "assimilate"}, "and none is named"),
+        ({"policy": "reachtouch"}, "learns a policy from scratch"),
         ({"learner": "accommodat"}, "did you mean 'accommodate'"),
         ({"constants": {"epsilom": 1}}, "epsilon"),
     ],
@@ -105,6 +105,57 @@ def test_evaluate_counts_rewarded_episodes_with_an_exact_interval() -> None:
     assert f"of 4 ({100 * low:.1f}" in str(evaluation)
     with pytest.raises(cbdsl.UsageError, match="at least one"):
         cbdsl.evaluate("searchtrack", seed=SEED, episodes=0)
+
+
+def is_in_view(result: cbdsl.EpisodeResult, truth: cbdsl.Truth) -> bool:
+    """Return a verdict that depends on the seed and on the truth."""
+    return float(truth.position(truth.objects[0])[1]) > 0 or result.seed % 2 == 0
+
+
+@pytest.mark.parametrize("judge", [None, is_in_view])
+def test_evaluate_with_workers_gives_the_same_results_in_order(judge: object) -> None:
+    told: list[int] = []
+
+    def rate(workers: int) -> cbdsl.SuccessRate:
+        return cbdsl.evaluate(
+            "searchtrack", seed=SEED, episodes=3, backend="kinematic", cameras="ideal",
+            workers=workers, judge=judge,  # type: ignore[arg-type]
+            on_episode=lambda result, succeeded: told.append(result.seed),
+        )  # fmt: skip
+
+    one, two = rate(1), rate(2)
+    assert told == 2 * list(range(SEED, SEED + 3))
+    assert one.successes == two.successes
+    assert [each.predicates for each in one.results] == [each.predicates for each in two.results]
+    with pytest.raises(cbdsl.UsageError, match="workers=0"):
+        rate(0)
+
+
+def test_explore_pairs_writes_a_meta_catalog_and_resumes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    things = {"blue_box": "blue", "purple_box": "hue_9"}
+    actions: list[object] = []
+
+    def explore(count: int, *, resume: bool = False) -> cbdsl.PairExplorationOutcome:
+        return cbdsl.explore_pairs(
+            "stand", things, "stacking", "boxes.yaml", actions=count, seed=4, resume=resume,
+            backend="kinematic", constants={"least": 1},
+            on_action=lambda outcome, step: actions.append(outcome),
+        )  # fmt: skip
+
+    first = explore(1)
+    assert first.catalog == tmp_path / "boxes.yaml" and first.journal.exists()
+    assert sum(tried for _, tried in first.rewarded.values()) == len(actions) == 1
+    whole = explore(2, resume=True)
+    assert len(actions) == 2
+    assert whole.rewarded == {"purple_box_on_blue_box": (1, 1), "blue_box_on_purple_box": (0, 1)}
+    assert whole.document.provenance is not None
+    assert "cbdsl.explore_pairs('stand'" in whole.document.provenance.command
+    assert cbdsl.check("boxes.yaml") == []
+    with pytest.raises(cbdsl.UsageError, match="another thing has the channel 'blue'"):
+        cbdsl.explore_pairs("stand", {**things, "slab": "blue"}, "stacking", "a.yaml")
 
 
 def test_evaluate_with_a_judge_decides_by_the_truth() -> None:

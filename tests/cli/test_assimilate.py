@@ -40,10 +40,10 @@ def test_a_schema_is_learned_resumed_and_run(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (LEARN, "name that with --from"),
+        (LEARN, "and none is named"),
         ((*LEARN, "--from", "searchtrack"), "serves program 'searchtrack'"),
         ((*LEARN, "--from", "reachtuch"), "did you mean 'reachtouch'"),
-        ((*LEARN[:2], "--from", "reachtouch"), "--from is for --learner assimilate"),
+        ((*LEARN[:2], "--from", "reachtouch"), "only assimilate starts from 'reachtouch'"),
     ],
 )
 def test_what_cannot_be_assimilated_is_said(

@@ -70,9 +70,9 @@ def test_a_robots_own_calibration_is_used(dexter: RobotDocument, tmp_path: Path)
 @pytest.mark.parametrize(
     ("stage", "body", "told"),
     [
-        ("noisy_right", None, "other cameras in each episode.*--body 3"),
+        ("noisy_right", None, "other cameras in each episode.*body 3"),
         ("noisy_right", 4, "made with body 3, and this is body 4"),
-        ("table_right", 3, "--body 3: bodies differ"),
+        ("table_right", 3, "body 3: bodies differ"),
     ],
 )
 def test_calibrations_of_other_bodies_are_refused(
@@ -96,7 +96,7 @@ def test_a_calibration_of_another_robot_is_refused(
         (("desk",), "robot 'desk' has no cameras to calibrate"),
         (("dexetr",), "did you mean 'dexter'"),
         (("dexter", "--program", "sixaxis_reach"), "is for robot 'sixaxis'"),
-        (("dexter", "--stage", "noisy_right"), "other cameras in each episode; --body N"),
+        (("dexter", "--stage", "noisy_right"), "other cameras in each episode; a body's number"),
         (("dexter", "--program", "posture"), "no parameter 'hand'"),
         (("dexter", "--out", "a-b.yaml"), "a calibration is <name>.yaml"),
         (("dexter", "--with", "hand=left_arm"), "left_arm"),

@@ -20,7 +20,7 @@ FAST = ["--backend", "kinematic", "--set", "least=1"]
 MISTAKES = [
     (["stand", "--thing", "blue_box"], ["NAME=CHANNEL"]),
     (["stand", "--thing", "blue_box=blue"], ["two things at least"]),
-    (["stand", *BOXES, "--thing", "slab=blue"], ["'blue' already"]),
+    (["stand", *BOXES, "--thing", "slab=blue"], ["another thing has the channel 'blue'"]),
     (["stand", *BOXES, "--thing", "blue_box=red"], ["'blue_box' is there twice"]),
     (["stand", "stack", *BOXES], ["one PROGRAM"]),
     (["stand", *BOXES, "--relation", "under"], ["under", "on, in"]),

@@ -232,7 +232,7 @@ def test_new_robot_from_groups_in_xacro_by_another_name_expands_nothing(
     (folder / "bad.srdf").write_text(f'{HEAD}<xacro:include filename="none"/></robot>')
     made = (*MADE, *PACKAGE, "--srdf", "bad.srdf")
     assert cb(monkeypatch, *made) == 2
-    assert "--srdf bad.srdf: it is xacro" in capsys.readouterr().err
+    assert "srdf bad.srdf: it is xacro" in capsys.readouterr().err
     assert cb(monkeypatch, *made, "--force", "--xacro") == 2
     assert "xacro cannot expand it" in capsys.readouterr().err
 

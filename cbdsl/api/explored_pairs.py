@@ -1,15 +1,14 @@
-"""Pairs of objects of ``cb explore --thing``, read from the command line."""
+"""Pairs of objects of an exploration: their contexts, and the program that brings them together."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import permutations
 from typing import TYPE_CHECKING
 
 from cbdsl.api.explored_actions import read_action
 from cbdsl.api.run_request import read_request
-from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.documents.program import ProgramDocument
@@ -20,6 +19,8 @@ from cbdsl.training.explorable_pair import ExplorablePair
 from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from cbdsl.api.run_request import RunRequest
     from cbdsl.types.resource import Resource
 
@@ -27,29 +28,32 @@ if TYPE_CHECKING:
 _ENDS = ("feature", "goal")
 
 
-def read_things(texts: Sequence[str]) -> dict[str, str]:
-    """Return the channels of objects by name, from ``NAME=CHANNEL``.
+def require_things(things: Mapping[str, str]) -> None:
+    """Check that objects can be told apart and make pairs.
+
+    Args:
+        things: Channels of the objects by name.
 
     Raises:
-        UsageError: A text has another form, or a name or a channel occurs twice.
+        UsageError: A name is not allowed, a channel occurs twice, or there is one object.
     """
-    things: dict[str, str] = {}
-    for text in texts:
-        name, _, channel = text.partition("=")
+    channels: set[str] = set()
+    for name, channel in things.items():
         if not channel or not re.match(NAME_PATTERN, name):
-            raise UsageError(f"--thing {text}: a thing is NAME=CHANNEL, such as ball=red")
-        if name in things:
-            raise UsageError(f"--thing {text}: '{name}' is there twice")
-        if channel in things.values():
-            raise UsageError(f"--thing {text}: another thing is known by '{channel}' already")
-        things[name] = channel
+            raise UsageError(f"thing '{name}': a name and its channel, such as ball and red")
+        if channel in channels:
+            raise UsageError(f"thing '{name}': another thing has the channel '{channel}'")
+        channels.add(channel)
     if len(things) < 2:
-        raise UsageError("--thing: pairs are of two things at least")
-    return things
+        raise UsageError("pairs are of two things at least")
 
 
 def read_pairs(
-    program: str, things: Mapping[str, str], relation: str, stage: str | None
+    program: str,
+    things: Mapping[str, str],
+    relation: str,
+    stage: str | None,
+    folder: Path | None = None,
 ) -> tuple[RunRequest, dict[str, ExplorablePair]]:
     """Return the pairs of objects in the contexts of a stage, with the program bound to both.
 
@@ -58,6 +62,7 @@ def read_pairs(
         things: Channels of the objects by name.
         relation: Word between the objects in the name of a context, ``on`` or ``in``.
         stage: File or name of a stage.
+        folder: Folder to search for documents by name; the working folder if ``None``.
 
     Raises:
         DiagnosticsError: A document has errors.
@@ -70,11 +75,11 @@ def read_pairs(
         name = f"{upper}_{relation}_{lower}"
         values = {**text.values, **dict(zip(_ENDS, (things[upper], things[lower]), strict=True))}
         if not requests:
-            _require_ends(text.program)
-            requests[name] = _request(text.program, stage, values)
+            _require_ends(text.program, folder)
+            requests[name] = _request(text.program, stage, values, folder)
         shown = next(iter(requests.values())).stage
         if name in shown.contexts:
-            request = requests.get(name) or _request(text.program, stage, values)
+            request = requests.get(name) or _request(text.program, stage, values, folder)
             requests[name] = request
             pairs[name] = _pair(upper, lower, name, request)
     if not pairs:
@@ -85,12 +90,16 @@ def read_pairs(
     return next(iter(requests.values())), pairs
 
 
-def _request(program: str, stage: str | None, values: Mapping[str, str]) -> RunRequest:
-    return read_request(program, stage, None, values)
+def _request(
+    program: str, stage: str | None, values: Mapping[str, str], folder: Path | None
+) -> RunRequest:
+
+    return read_request(program, stage, None, values, folder=folder)
 
 
-def _require_ends(program: str) -> None:
-    library = Library()
+def _require_ends(program: str, folder: Path | None) -> None:
+
+    library = Library(folder)
     document = library.read(library.locate(ProgramDocument, program), ProgramDocument).document
     missing = [key for key in _ENDS if key not in document.parameters]
     if missing or not document.success:
@@ -99,8 +108,9 @@ def _require_ends(program: str) -> None:
 
 
 def _pair(upper: str, lower: str, context: str, request: RunRequest) -> ExplorablePair:
-    digest = program_digest(request.program_file, request.library)
-    return ExplorablePair(upper, lower, context, request.program, digest, _features(request))
+
+    program, digest = request.program, request.digest
+    return ExplorablePair(upper, lower, context, program, digest, _features(request))
 
 
 def _features(request: RunRequest) -> dict[str, Resource]:
