@@ -87,7 +87,7 @@ def _run(task: PairTask, request: RunRequest, cameras: str | None, *, as_json: b
         progress = ExplorationProgress(task.count, as_json=as_json, looks_ahead=False)
         document = task.run(body, kinematics, progress)
     if not as_json:
-        from cbdsl.cli.meta_catalog_text import meta_catalog_text
+        from cbdsl.reporting.text.meta_catalog_text import meta_catalog_text
 
         print(meta_catalog_text(document), end="")
         print(f"wrote {task.path}")
