@@ -1,9 +1,8 @@
 """Robot behaviour that is declared, type-checked, run and learned: verbs for Python.
 
-The verbs ``check``, ``load``, ``run``, ``open_robot``, ``learn``, ``explore``,
-``explore_pairs``, ``calibrate``,
-``evaluate``, ``simulate`` and ``propose_robot`` are imported when they are first used, so that
-``import cbdsl`` costs nothing.
+The verbs are ``check``, ``load``, ``run``, ``open_robot``, ``learn``, ``explore``,
+``explore_pairs``, ``calibrate`` and ``propose_robot``, and for judges ``evaluate`` and ``simulate``.
+They are imported when they are first used, so that ``import cbdsl`` costs nothing.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ _ENDS = ("feature", "goal")
 
 
 def require_things(things: Mapping[str, str]) -> None:
-    """Check that objects can be told apart and make pairs.
+    """Check that objects have distinct channels and make pairs.
 
     Args:
         things: Channels of the objects by name.
