@@ -1,7 +1,7 @@
 """Robot behaviour that is declared, type-checked, run and learned: verbs for Python.
 
 The verbs are ``check``, ``load``, ``run``, ``open_robot``, ``learn``, ``explore``,
-``explore_pairs``, ``calibrate`` and ``propose_robot``, and for judges ``evaluate`` and ``simulate``.
+``explore_pairs``, ``calibrate`` and ``propose_robot``. Judges use ``evaluate`` and ``simulate``.
 They are imported when they are first used, so that ``import cbdsl`` costs nothing.
 """
 
