@@ -5,11 +5,25 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Generic, NamedTuple, TypeVar
 
+from pydantic_core import ErrorDetails
+
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.documents.document import Document
 from cbdsl.yaml_text.source_map import SourceMap
 
 D = TypeVar("D", bound=Document, covariant=True)
+
+
+class Invalid(NamedTuple):
+    """Errors of a document.
+
+    Attributes:
+        model: Model of the kind of document.
+        errors: Errors of its validation.
+    """
+
+    model: type[Document]
+    errors: tuple[ErrorDetails, ...]
 
 
 class Loaded(NamedTuple, Generic[D]):

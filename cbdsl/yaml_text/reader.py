@@ -25,7 +25,7 @@ from cbdsl.yaml_text.composer import (
     require_readable,
     too_large,
 )
-from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.loaded import Invalid, Loaded
 from cbdsl.yaml_text.source_map import SourceMap
 
 D = TypeVar("D", bound=Document, covariant=True)
@@ -68,17 +68,20 @@ def flawless(loaded: Loaded[D]) -> Loaded[D]:
 def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Loaded[D]:
     """Read the sound parts of a document of one kind; the arguments are the same as of ``read``.
 
+    A sound document is validated once, and one with a single fault twice: a repair goes on with the
+    errors of the first validation. See ``salvage`` for several faults.
+
     Raises:
         DiagnosticsError: No part of the document can be checked.
     """
     text = read_text(path) if text is None else text
     composed = _composed(path, text)
-    loaded = None if composed is None else _read_clean(path, kind, composed)
-    if loaded is None:
-        from cbdsl.yaml_text.repair.repair import repair  # only a fault needs it
+    outcome = None if composed is None else _read_clean(path, kind, composed)
+    if isinstance(outcome, Loaded):
+        return outcome
+    from cbdsl.yaml_text.repair.repair import repair  # only a fault needs it
 
-        loaded = repair(path, kind, text, composed)
-    return loaded
+    return repair(path, kind, text, composed, outcome)
 
 
 def formatted_text(text: str, file: str) -> str:
@@ -129,8 +132,8 @@ def _composed(path: Path, text: str) -> Composed | None:
         return None
 
 
-def _read_clean(path: Path, kind: type[D], composed: Composed) -> Loaded[D] | None:
-    """Return a document of one kind, or ``None`` if its text may have a fault."""
+def _read_clean(path: Path, kind: type[D], composed: Composed) -> Loaded[D] | Invalid | None:
+    """Return a document of one kind, its errors, or ``None`` if its text may have other faults."""
     try:
         data = composed.root.plain()
         name = data.get("kind") if isinstance(data, dict) else None
@@ -139,10 +142,13 @@ def _read_clean(path: Path, kind: type[D], composed: Composed) -> Loaded[D] | No
         model = KINDS.get(name).model
         if not issubclass(model, kind):
             return None
-        source = SourceMap(path, composed.lines, composed.root)
-        return Loaded(model.model_validate(data, context={"folder": path.parent}), source)
-    except (DiagnosticsError, UsageError, ValidationError):
+    except (DiagnosticsError, UsageError):
         return None
+    try:
+        document = model.model_validate(data, context={"folder": path.parent})
+    except ValidationError as error:
+        return Invalid(model, tuple(error.errors(include_url=False)))
+    return Loaded(document, SourceMap(path, composed.lines, composed.root))
 
 
 def _named_alike(path: Path) -> list[str]:

@@ -10,7 +10,7 @@ from cbdsl.diagnostics.wording import diagnose
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_name
 from cbdsl.yaml_text.composer import Composed
-from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.loaded import Invalid, Loaded
 from cbdsl.yaml_text.repair.kind import identify
 from cbdsl.yaml_text.repair.mending import mend
 from cbdsl.yaml_text.repair.salvage import salvage
@@ -19,7 +19,13 @@ from cbdsl.yaml_text.source_map import SourceMap
 D = TypeVar("D", bound=Document)
 
 
-def repair(path: Path, kind: type[D], text: str, composed: Composed | None = None) -> Loaded[D]:
+def repair(
+    path: Path,
+    kind: type[D],
+    text: str,
+    composed: Composed | None = None,
+    invalid: Invalid | None = None,
+) -> Loaded[D]:
     """Return the sound parts of a document of one kind, with all faults of its text.
 
     Args:
@@ -27,6 +33,7 @@ def repair(path: Path, kind: type[D], text: str, composed: Composed | None = Non
         kind: Required kind of document.
         text: Text of the file.
         composed: Nodes of the text, if they are already composed.
+        invalid: Errors of these nodes, if they are already validated.
 
     Raises:
         DiagnosticsError: No part of the document can be checked.
@@ -39,7 +46,9 @@ def repair(path: Path, kind: type[D], text: str, composed: Composed | None = Non
         place, given = source.place("kind"), str(source.node(("kind",)).value)
         wrong = diagnose("CB201", place, wanted=kind_name(kind), found=given)
         raise DiagnosticsError([wrong])
-    return salvage(source, model, diagnostics)
+    is_validated = invalid is not None and invalid.model is model and not diagnostics
+    errors = invalid.errors if invalid is not None and is_validated else ()
+    return salvage(source, model, diagnostics, errors)
 
 
 def _require_version(source: SourceMap) -> None:

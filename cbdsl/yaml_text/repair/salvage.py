@@ -8,7 +8,7 @@ are not reported as missing.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -38,18 +38,28 @@ _MOST_ROUNDS = 12
 D = TypeVar("D", bound=Document)
 
 
-def salvage(source: SourceMap, model: type[D], diagnostics: Iterable[Diagnostic]) -> Loaded[D]:
+def salvage(
+    source: SourceMap,
+    model: type[D],
+    diagnostics: Iterable[Diagnostic],
+    errors: Sequence[ErrorDetails] = (),
+) -> Loaded[D]:
     """Read a document from its nodes, after removal of the faulty ones.
+
+    The document is validated once more after each round of removals. Twice are not enough for
+    faults in several layers: pydantic reports no error inside a value of a wrong form, a moved key
+    is validated only in its place, and a section may lack its removed parts.
 
     Args:
         source: Source map of the document; its nodes are modified.
         model: Model of the kind of document.
         diagnostics: Diagnostics about the values that are marked as faulty.
+        errors: Errors of the nodes, if they are already validated.
 
     Raises:
         DiagnosticsError: No remaining part can be checked.
     """
-    return _Salvage(source, model, diagnostics).salvage()
+    return _Salvage(source, model, diagnostics).salvage(errors)
 
 
 class _Salvage(Generic[D]):
@@ -64,11 +74,13 @@ class _Salvage(Generic[D]):
         self._unknown: dict[str, object] = {}
         self._context = {"folder": source.path.parent}
 
-    def salvage(self) -> Loaded[D]:
+    def salvage(self, errors: Sequence[ErrorDetails]) -> Loaded[D]:
         if self._faults:
             self._judge_words()
             self._leave_out(_faulty(self._source.root, ()))
-        for _ in range(_MOST_ROUNDS):
+        if errors:
+            self._mend(errors)
+        for _ in range(_MOST_ROUNDS - bool(errors)):
             try:
                 document = self._validated()
             except ValidationError as error:
@@ -108,7 +120,7 @@ class _Salvage(Generic[D]):
             return error.errors(include_url=False)
         return []
 
-    def _mend(self, errors: list[ErrorDetails]) -> None:
+    def _mend(self, errors: Sequence[ErrorDetails]) -> None:
         """Report the faults, and remove the faulty parts."""
         located = [(path_of(error, self._source), error) for error in errors]
         if moves := find_moves(self._source, self._model, [path for path, _ in located]):

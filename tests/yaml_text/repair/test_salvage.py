@@ -8,14 +8,17 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.documents.program import ProgramDocument
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.yaml_text.reader import read_sound_parts
 
 Steps = tuple[str | int, ...]
 
@@ -114,3 +117,24 @@ def test_a_faulty_part_hides_nothing_in_another(data: st.DataObject) -> None:
     both = causes(found(file, (spoil, other), (misspell, text)))
     alone = causes([d for d in found(file, (misspell, text)) if d.is_error])
     assert len(both) == 1 + len(alone) and both > alone
+
+
+@pytest.mark.parametrize(
+    ("transitions", "validations"), [("2", 1), ("two", 2)], ids=["sound", "faulty"]
+)
+def test_read_validates_once_and_twice_with_one_fault(
+    transitions: str, validations: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "posture.yaml"
+    whole = (shipped() / "programs/posture.yaml").read_text("utf-8")
+    path.write_text(f"{whole}\nlimits: {{transitions: {transitions}}}\n", "utf-8")
+    validate, count = ProgramDocument.model_validate, 0
+
+    def counted(*arguments: Any, **named: Any) -> ProgramDocument:
+        nonlocal count
+        count += 1
+        return validate(*arguments, **named)
+
+    monkeypatch.setattr(ProgramDocument, "model_validate", counted)
+    read_sound_parts(path, ProgramDocument)
+    assert count == validations
