@@ -162,7 +162,7 @@ class Compositions:
         context = self._context
         before = context.diagnostics.added
         controller = check_triple(context, key, name, document, scope)
-        is_clean = context.diagnostics.added == before and not context.loaded.faults
+        is_clean = context.diagnostics.added == before and not context.loaded.diagnostics
         if controller is not None and is_clean and key == name:
             context.sound.remember(name, document, context.body, controller)
         return controller
@@ -234,7 +234,7 @@ class Compositions:
 
     def _was_overwritten(self) -> bool:
         """Return whether a controller or program is declared twice, maybe instead of another."""
-        source, faults = self._context.source, self._context.loaded.faults
+        source, faults = self._context.source, self._context.loaded.diagnostics
         left_out = set(source.broken.keys(("controllers", "use")))
         return any(fault.code == "CB107" and fault.given in left_out for fault in faults)
 

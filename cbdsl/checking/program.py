@@ -106,7 +106,7 @@ def _examine(
     budget.count += 1
     try:
         loaded = session.library.read_sound_parts(path, ProgramDocument)
-        diagnostics.extend(loaded.faults)
+        diagnostics.extend(loaded.diagnostics)
         return _ProgramCheck(loaded, values, session, diagnostics, budget).check()
     except DiagnosticsError as error:
         diagnostics.extend(error.diagnostics)

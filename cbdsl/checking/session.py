@@ -74,9 +74,9 @@ class Session:
         except DiagnosticsError as error:
             diagnostics.extend(error.diagnostics)
             return None
-        diagnostics.extend(loaded.faults)
+        diagnostics.extend(loaded.diagnostics)
         body = examine_robot(loaded, diagnostics)
-        return None if loaded.faults else body
+        return None if loaded.diagnostics else body
 
     def sound(self, path: Path) -> SoundControllers:
         """Return the controllers of a program's file that had no diagnostics in earlier checks."""

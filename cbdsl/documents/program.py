@@ -203,7 +203,7 @@ def _may_be_several(text: str) -> bool:
 
 
 def _refuse_several(text: str) -> None:
-    from cbdsl.types.quantity_slip import quantities_in  # only a fault needs it
+    from cbdsl.types.quantity_problem import quantities_in  # only a fault needs it
 
     if len(parts := quantities_in(text)) > 1:
         row = ", ".join(parts)

@@ -56,7 +56,7 @@ class Composed(NamedTuple):
     lines: Sequence[str]
 
 
-class SyntaxFaultError(Exception):
+class YamlSyntaxError(Exception):
     """Text that is not valid YAML.
 
     Attributes:
@@ -75,14 +75,14 @@ def compose(text: str, file: str) -> Composed:
 
     Raises:
         DiagnosticsError: A fatal diagnostic, together with all diagnostics up to it.
-        SyntaxFaultError: The text is not valid YAML.
+        YamlSyntaxError: The text is not valid YAML.
     """
     require_readable(text, file)
     composer = _Composer(text, file)
     try:
         root = composer.document()
     except yaml.MarkedYAMLError as error:
-        raise SyntaxFaultError(error, composer.diagnostics) from None
+        raise YamlSyntaxError(error, composer.diagnostics) from None
     return Composed(root, tuple(composer.diagnostics), composer.lines)
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import yaml
 
 from cbdsl.diagnostics.lines import lines_of
-from cbdsl.yaml_text.composer import LOADER, SyntaxFaultError
+from cbdsl.yaml_text.composer import LOADER, YamlSyntaxError
 
 #: Columns by which a block is indented relative to its parent.
 INDENT = 2
@@ -76,13 +76,13 @@ def formatted(text: str) -> str:
     """Return the formatted text, or the text unchanged if formatting would alter its meaning.
 
     Raises:
-        SyntaxFaultError: The text is not valid YAML.
+        YamlSyntaxError: The text is not valid YAML.
     """
     given = text.removeprefix("\ufeff")
     try:
         events = _events(given)
     except yaml.MarkedYAMLError as error:
-        raise SyntaxFaultError(error, ()) from None
+        raise YamlSyntaxError(error, ()) from None
     try:
         result = _laid_out(given)
         # Some line breaks of the given text may be parts of values.

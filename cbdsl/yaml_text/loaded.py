@@ -32,12 +32,12 @@ class Loaded(NamedTuple, Generic[D]):
     Attributes:
         document: Document without its faulty parts.
         source: Source map of the document.
-        faults: Diagnostics about the text; ``source.broken`` lists the omitted parts.
+        diagnostics: Diagnostics about the text; ``source.broken`` lists the omitted parts.
     """
 
     document: D
     source: SourceMap
-    faults: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
 
     @property
     def path(self) -> Path:

@@ -20,7 +20,7 @@ from cbdsl.yaml_text.characters import is_suspect
 from cbdsl.yaml_text.composer import (
     MOST_BYTES,
     Composed,
-    SyntaxFaultError,
+    YamlSyntaxError,
     compose,
     require_readable,
     too_large,
@@ -60,8 +60,8 @@ def flawless(loaded: Loaded[D]) -> Loaded[D]:
     Raises:
         DiagnosticsError: The document has faults.
     """
-    if loaded.faults:
-        raise DiagnosticsError(loaded.faults)
+    if loaded.diagnostics:
+        raise DiagnosticsError(loaded.diagnostics)
     return loaded
 
 
@@ -102,10 +102,10 @@ def formatted_text(text: str, file: str) -> str:
     require_readable(text, file)
     try:
         result = formatted(text)
-    except SyntaxFaultError:
+    except YamlSyntaxError:
         from cbdsl.yaml_text.repair.repair import repair
 
-        raise DiagnosticsError(repair(Path(file), Document, text).faults) from None
+        raise DiagnosticsError(repair(Path(file), Document, text).diagnostics) from None
     path = Path(file)
     return result if result == text or _reading(path, result) == _reading(path, text) else text
 
@@ -116,7 +116,7 @@ def _reading(path: Path, text: str) -> tuple[Document | None, list[tuple[str, st
     faults: tuple[Diagnostic, ...]
     try:
         loaded = read_sound_parts(path, Document, text)
-        document, faults = loaded.document, loaded.faults
+        document, faults = loaded.document, loaded.diagnostics
     except DiagnosticsError as error:
         faults = error.diagnostics
     return document, [(each.code, each.message, each.nearest) for each in faults]
@@ -128,7 +128,7 @@ def _composed(path: Path, text: str) -> Composed | None:
         return None
     try:
         return compose(text, str(path))
-    except (SyntaxFaultError, DiagnosticsError):
+    except (YamlSyntaxError, DiagnosticsError):
         return None
 
 

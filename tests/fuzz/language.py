@@ -9,7 +9,7 @@ from itertools import product
 
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.language.parser import CompositionError, parse
-from cbdsl.types.quantity_slip import quantities_in, quantity_problem, slip_in
+from cbdsl.types.quantity_problem import problem_in, quantities_in, quantity_problem
 from cbdsl.types.state import ANY, PREDICATES, STATE, closest_first, matches, overlap, split
 from cbdsl.types.unit import UNITS, QuantityError, is_quantity, read_quantity
 from cbdsl.yaml_text.reader import formatted_text
@@ -40,7 +40,7 @@ def _quantity(data: bytes) -> None:
         assert is_quantity(text)
     except QuantityError as error:
         assert str(error) and quantity_problem(text, error)
-    slip_in(text)
+    problem_in(text)
     assert all(map(is_quantity, quantities_in(text)))
 
 

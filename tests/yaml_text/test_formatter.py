@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.documents.document import Document
-from cbdsl.yaml_text.composer import LOADER, SyntaxFaultError
+from cbdsl.yaml_text.composer import LOADER, YamlSyntaxError
 from cbdsl.yaml_text.formatter import comments, formatted
 from cbdsl.yaml_text.reader import formatted_text, read_sound_parts
 from tests.conftest import ROOT
@@ -128,7 +128,7 @@ def test_what_has_rules_of_its_own_stays(text: str) -> None:
     ["a: [1\n", "a: 'b\n", "a: b: c\n", "\t- a\n", "[- a]\n", "a: [- b]\n", "a: !!str [- b]\n"],
 )
 def test_what_is_no_yaml_is_refused(text: str) -> None:
-    with pytest.raises(SyntaxFaultError):
+    with pytest.raises(YamlSyntaxError):
         formatted(text)
 
 
@@ -204,7 +204,7 @@ def test_any_edit_that_is_yaml_keeps_its_values_and_comments(file: Path, seed: i
         return
     try:
         result = formatted(edited)
-    except SyntaxFaultError:
+    except YamlSyntaxError:
         return  # the two scanners accept different texts
     assert values(result) == before
     assert comments(result) == comments(edited)
@@ -214,7 +214,7 @@ def test_any_edit_that_is_yaml_keeps_its_values_and_comments(file: Path, seed: i
 def diagnostics(text: str) -> list[tuple[str, str]]:
     """Return the reader's diagnostics in a text, without places."""
     try:
-        faults = read_sound_parts(Path("a.yaml"), Document, text).faults
+        faults = read_sound_parts(Path("a.yaml"), Document, text).diagnostics
     except DiagnosticsError as error:
         faults = error.diagnostics
     return [(each.code, each.message) for each in faults]

@@ -154,7 +154,7 @@ def _quantity(value: str | float, dimensions: tuple[str, ...], item: int | None)
     try:
         return read_quantity(value, dimensions)
     except QuantityError as error:
-        from cbdsl.types.quantity_slip import quantity_problem  # only a fault needs it
+        from cbdsl.types.quantity_problem import quantity_problem  # only a fault needs it
 
         raise LiteralError("CB506", {"problem": quantity_problem(value, error)}, item) from None
 

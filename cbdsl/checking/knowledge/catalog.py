@@ -25,7 +25,7 @@ def examine_catalog(
     loaded: Loaded[CatalogDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check that a catalog's programs exist and its models are Gaussians of its robot's signals."""
-    if loaded.faults:
+    if loaded.diagnostics:
         return  # a model with missing parts cannot be checked
     document, source, library = loaded.document, loaded.source, session.library
     path = find_document(RobotDocument, document.robot, source.place("robot"), library, diagnostics)

@@ -18,7 +18,7 @@ def examine_meta_catalog(
     loaded: Loaded[MetaCatalogDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check that a meta-catalog's things are known, and its pairs join two of them, each once."""
-    if loaded.faults:
+    if loaded.diagnostics:
         return  # a graph with missing parts cannot be checked
     document, source, library = loaded.document, loaded.source, session.library
     path = find_document(RobotDocument, document.robot, source.place("robot"), library, diagnostics)

@@ -22,7 +22,7 @@ def examine_model(
     loaded: Loaded[ModelDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check a model against its robot."""
-    if loaded.faults:
+    if loaded.diagnostics:
         return  # a density with missing parts cannot be checked
     name, place = loaded.document.robot, loaded.source.place("robot")
     path = find_document(RobotDocument, name, place, session.library, diagnostics)

@@ -10,7 +10,7 @@ from cbdsl.diagnostics.wording import diagnose
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, models
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.repair.fault import describe, not_allowed
+from cbdsl.yaml_text.repair.invalid_value import describe, not_allowed
 from cbdsl.yaml_text.source_map import SourceMap
 
 # Fewer keys of another kind are separate mistakes.

@@ -11,17 +11,17 @@ from cbdsl.diagnostics.wording import diagnose
 from cbdsl.yaml_text.characters import invisible_in, without_invisible
 from cbdsl.yaml_text.composer import (
     Composed,
-    SyntaxFaultError,
+    YamlSyntaxError,
     compose,
     require_readable,
     require_short_lines,
     unseen,
 )
 from cbdsl.yaml_text.repair.conflict import conflicts, one_side
-from cbdsl.yaml_text.repair.syntax import find_slip
+from cbdsl.yaml_text.repair.syntax import find_correction
 
 # Further mistakes in a text are found once these are corrected.
-_MOST_SLIPS = 10
+_MOST_CORRECTIONS = 10
 
 
 def mend(text: str, file: str, known: Composed | None = None) -> Composed:
@@ -42,14 +42,14 @@ def mend(text: str, file: str, known: Composed | None = None) -> Composed:
     while True:
         try:
             composed = compose(text, file)
-        except SyntaxFaultError as fault:
+        except YamlSyntaxError as fault:
             require_short_lines(text, file)
-            slip = find_slip(fault.error, lines_of(text))
-            place = Place(file, slip.line, slip.column, slip.column + 1)
-            diagnostics.append(diagnose(slip.code, place, problem=slip.problem))
-            if not slip.lines or len(diagnostics) >= _MOST_SLIPS:
+            correction = find_correction(fault.error, lines_of(text))
+            place = Place(file, correction.line, correction.column, correction.column + 1)
+            diagnostics.append(diagnose(correction.code, place, problem=correction.problem))
+            if not correction.lines or len(diagnostics) >= _MOST_CORRECTIONS:
                 raise DiagnosticsError([*diagnostics, *fault.diagnostics]) from None
-            text = "\n".join(slip.mended(lines_of(text)))
+            text = "\n".join(correction.mended(lines_of(text)))
         except DiagnosticsError as error:
             raise DiagnosticsError([*diagnostics, *error.diagnostics]) from None
         else:
@@ -64,5 +64,5 @@ def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
         diagnostics.append(unseen("CB118", invisible, file))
         text = without_invisible(text)
     lines = lines_of(text)
-    diagnostics += islice(conflicts(lines, file), _MOST_SLIPS)
+    diagnostics += islice(conflicts(lines, file), _MOST_CORRECTIONS)
     return "\n".join(one_side(lines)), diagnostics

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from cbdsl.types.quantity_slip import quantities_in
+from cbdsl.types.quantity_problem import quantities_in
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap
 

@@ -22,7 +22,7 @@ from cbdsl.documents.kinds import kind_of
 from cbdsl.yaml_text.broken import Broken
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.repair.faults import faults, path_of
+from cbdsl.yaml_text.repair.invalid_values import diagnostics_of, path_of
 from cbdsl.yaml_text.repair.misplaced import find_moves, move
 from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -127,7 +127,7 @@ class _Salvage(Generic[D]):
             # Other faults are found in the next round, with these keys in their places.
             self._faults += [move(self._source, moved) for moved in moves]
             return
-        self._faults += faults(errors, self._source, self._model, self._follows)
+        self._faults += diagnostics_of(errors, self._source, self._model, self._follows)
         # A value with a fault inside may be valid once the inner fault is removed.
         outer = {path[:depth] for path, _ in located for depth in range(len(path))}
         wrong = [p for p, e in located if e["type"] != "missing" and p not in outer]

@@ -46,7 +46,7 @@ _LONGEST_ENTRY = 7
 _NO_PROSE = re.compile(r"[\[{◁]|<\|")
 
 
-class Slip(NamedTuple):
+class Correction(NamedTuple):
     """Probable mistake in a text.
 
     Attributes:
@@ -68,7 +68,7 @@ class Slip(NamedTuple):
         return [self.lines.get(number, line) for number, line in enumerate(lines, 1)]
 
 
-class _Trouble(NamedTuple):
+class _ReportedError(NamedTuple):
     """Syntax error as libyaml reports it.
 
     Attributes:
@@ -126,7 +126,7 @@ class _Trouble(NamedTuple):
         return {self.line: line}
 
 
-def find_slip(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> Slip:
+def find_correction(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> Correction:
     """Return the mistake that causes a syntax error, or else libyaml's message.
 
     Args:
@@ -134,59 +134,59 @@ def find_slip(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> Slip:
         lines: Lines of the text.
     """
     # libyaml may report an error after the last line.
-    trouble = _trouble(error, [*lines, ""])
-    slips = (
-        (explain(trouble) for explain in _EXPLANATIONS) if trouble.line <= len(lines) + 1 else ()
+    reported = _trouble(error, [*lines, ""])
+    corrections = (
+        (explain(reported) for explain in _EXPLANATIONS) if reported.line <= len(lines) + 1 else ()
     )
-    slip = next((slip for slip in slips if slip is not None), None)
-    return slip or Slip(trouble.problem, trouble.line, trouble.column)
+    correction = next((correction for correction in corrections if correction is not None), None)
+    return correction or Correction(reported.problem, reported.line, reported.column)
 
 
-def _trouble(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> _Trouble:
+def _trouble(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> _ReportedError:
     problem = error.problem or error.context or "no YAML"
     start = error.context_mark or error.problem_mark
     # A key that lacks its colon is noticed only on the next line, an open quote at the end.
     mark = start if problem in _LATE else error.problem_mark or start
     place = (mark.line + 1, mark.column + 1) if mark else (1, 1)
     opened = (start.line + 1, start.column + 1) if start else place
-    return _Trouble(problem, error.context or "", lines, *place, opened)
+    return _ReportedError(problem, error.context or "", lines, *place, opened)
 
 
-def _tab(trouble: _Trouble) -> Slip | None:
-    if trouble.rest[:1] != "\t":
+def _tab(reported: _ReportedError) -> Correction | None:
+    if reported.rest[:1] != "\t":
         return None
-    return Slip("a tab", trouble.line, trouble.column, "CB117")
+    return Correction("a tab", reported.line, reported.column, "CB117")
 
 
-def _look_alike(trouble: _Trouble) -> Slip | None:
+def _look_alike(reported: _ReportedError) -> Correction | None:
     """Detect a look-alike of a space, a bullet or a colon, in this line or the one above."""
-    for number in (trouble.line, trouble.above):
-        line = trouble.lines[number - 1]
+    for number in (reported.line, reported.above):
+        line = reported.lines[number - 1]
         suggestion = characters.suggested_line(line) if number else None
         if suggestion is not None:
             problem = characters.look_alike_message(line, suggestion)
             column = characters.first_look_alike(line) + 1
-            return Slip(problem, number, column, "CB123", {number: suggestion})
+            return Correction(problem, number, column, "CB123", {number: suggestion})
     return None
 
 
-def _fence(trouble: _Trouble) -> Slip | None:
-    if not _FENCE.match(trouble.text):
+def _fence(reported: _ReportedError) -> Correction | None:
+    if not _FENCE.match(reported.text):
         return None
     problem = "this line marks a block of code in a text, and is not a part of it; delete it"
-    fences = (n for n, line in enumerate(trouble.lines, 1) if _FENCE.match(line))
-    return Slip(problem, trouble.line, 1, lines=dict.fromkeys(fences, ""))
+    fences = (n for n, line in enumerate(reported.lines, 1) if _FENCE.match(line))
+    return Correction(problem, reported.line, 1, lines=dict.fromkeys(fences, ""))
 
 
-def _unquoted(trouble: _Trouble) -> Slip | None:
+def _unquoted(reported: _ReportedError) -> Correction | None:
     """Detect an unquoted text that begins with a sign of YAML."""
-    if trouble.context == _ALIAS:
-        line, column = trouble.opened
-    elif trouble.problem == _NO_TOKEN:
-        line, column = trouble.line, trouble.column
+    if reported.context == _ALIAS:
+        line, column = reported.opened
+    elif reported.problem == _NO_TOKEN:
+        line, column = reported.line, reported.column
     else:
         return None
-    text = trouble.lines[line - 1]
+    text = reported.lines[line - 1]
     before, rest = text[: column - 1], text[column - 1 :]
     if state := _STATE_IN_BRACKETS.match(text):
         return _state_in_brackets(state, line)
@@ -199,48 +199,48 @@ def _unquoted(trouble: _Trouble) -> Slip | None:
     # Only the schema can decide whether a value may begin with such a sign.
     is_certain = key is not None or rest[0] == "`"
     mended = {line: before + quoted + rest[match.end() :]} if is_certain else {}
-    return Slip(problem, line, column, "CB124", mended)
+    return Correction(problem, line, column, "CB124", mended)
 
 
-def _state_in_brackets(state: re.Match[str], line: int) -> Slip:
+def _state_in_brackets(state: re.Match[str], line: int) -> Correction:
     letters = re.sub(r"[^X01*-]", "", state["state"])
     text = f"{state.string[: state.start('state')]}'{letters}'{state.string[state.end('state') :]}"
     problem = f"a state has no brackets and no commas; write '{letters}'"
-    return Slip(problem, line, state.start("state") + 1, "CB124", {line: text})
+    return Correction(problem, line, state.start("state") + 1, "CB124", {line: text})
 
 
-def _after_the_end(trouble: _Trouble) -> Slip | None:
+def _after_the_end(reported: _ReportedError) -> Correction | None:
     """Detect text after a bracket or a quote that closes a value."""
-    before, rest = trouble.before.rstrip(), trouble.rest.rstrip()
-    if trouble.problem not in (_NO_KEY, _NO_ITEM) or before[-1:] not in ("]", "}", "'", '"'):
+    before, rest = reported.before.rstrip(), reported.rest.rstrip()
+    if reported.problem not in (_NO_KEY, _NO_ITEM) or before[-1:] not in ("]", "}", "'", '"'):
         return None
     if rest in (",", ";"):
         problem = f"leave out the '{rest}' at the end of the line"
-        return Slip(problem, trouble.line, trouble.column, lines=trouble.instead(before))
+        return Correction(problem, reported.line, reported.column, lines=reported.instead(before))
     if set(rest) <= {"]", "}"}:
         problem = f"unmatched '{rest}'; remove it"
-        return Slip(problem, trouble.line, trouble.column, lines=trouble.instead(before))
+        return Correction(problem, reported.line, reported.column, lines=reported.instead(before))
     problem = (
         f"'{rest}' cannot follow the '{before[-1]}', which ends the value; a unit stands behind "
         "each number, and a comment behind ' #'"
     )
-    return Slip(problem, trouble.line, trouble.column)
+    return Correction(problem, reported.line, reported.column)
 
 
-def _row_in_text(trouble: _Trouble) -> Slip | None:
+def _row_in_text(reported: _ReportedError) -> Correction | None:
     """Detect a text within braces that holds a row, such as a displaced reference."""
-    if trouble.problem not in _OPENED:
+    if reported.problem not in _OPENED:
         return None
-    row = _ROW.match(trouble.rest)
+    row = _ROW.match(reported.rest)
     # Text that continues with a row, as a displaced reference does.
-    text = trouble.before[_after_signs(trouble.before) :].lstrip()
+    text = reported.before[_after_signs(reported.before) :].lstrip()
     if row is None or len(text.rstrip(" ")) < 2 or text.rstrip(" ")[-1] not in "+-":
         return None
-    start = len(trouble.before) - len(text)
+    start = len(reported.before) - len(text)
     quoted = f'"{text}{row[0]}"'
-    line = trouble.before[:start] + quoted + trouble.rest[row.end() :]
+    line = reported.before[:start] + quoted + reported.rest[row.end() :]
     problem = f"within braces, a text with brackets must be quoted; write {quoted}"
-    return Slip(problem, trouble.line, start + 1, "CB124", trouble.instead(line))
+    return Correction(problem, reported.line, start + 1, "CB124", reported.instead(line))
 
 
 def _after_signs(text: str) -> int:
@@ -248,90 +248,94 @@ def _after_signs(text: str) -> int:
     return max(text.rfind(sign) for sign in ",[]{}:") + 1
 
 
-def _within_brackets(trouble: _Trouble) -> Slip | None:
+def _within_brackets(reported: _ReportedError) -> Correction | None:
     """Detect an unclosed bracket, or a missing comma within brackets."""
-    if trouble.problem not in _OPENED:
+    if reported.problem not in _OPENED:
         return None
-    opening, closing = _OPENED[trouble.problem]
-    line, column = trouble.opened
-    at = trouble.rest[:1]
+    opening, closing = _OPENED[reported.problem]
+    line, column = reported.opened
+    at = reported.rest[:1]
     if at in ("]", "}"):
         problem = f"this '{at}' does not close the '{opening}' in line {line}; write '{closing}'"
-        return Slip(problem, trouble.line, trouble.column)
-    if trouble.before.endswith("$"):
+        return Correction(problem, reported.line, reported.column)
+    if reported.before.endswith("$"):
         problem = "a parameter is written without braces, as $name"
-        return Slip(problem, trouble.line, trouble.column)
-    if trouble.at_end or trouble.is_outside:
+        return Correction(problem, reported.line, reported.column)
+    if reported.at_end or reported.is_outside:
         problem = f"this '{opening}' is never closed; a '{closing}' is missing"
-        return Slip(problem, line, column)
+        return Correction(problem, line, column)
     problem = "a ',' is missing before this"
     if at == ":":
         problem += " key, or the text before it holds ': ' and needs quotes"
-    if ";" in trouble.before:
+    if ";" in reported.before:
         problem = "in brackets values are parted by ',', not by ';'"
-    return Slip(problem, trouble.line, trouble.column)
+    return Correction(problem, reported.line, reported.column)
 
 
-def _open_quote(trouble: _Trouble) -> Slip | None:
-    if trouble.problem != _OPEN:
+def _open_quote(reported: _ReportedError) -> Correction | None:
+    if reported.problem != _OPEN:
         return None
-    return Slip("this quote is never closed", trouble.line, trouble.column)
+    return Correction("this quote is never closed", reported.line, reported.column)
 
 
-def _directive(trouble: _Trouble) -> Slip | None:
-    return _comment(trouble) if trouble.problem == _NO_DIRECTIVE else None
+def _directive(reported: _ReportedError) -> Correction | None:
+    return _comment(reported) if reported.problem == _NO_DIRECTIVE else None
 
 
-def _comment(trouble: _Trouble) -> Slip | None:
+def _comment(reported: _ReportedError) -> Correction | None:
     """Detect a line that is a comment in other languages."""
-    match = _COMMENT.match(trouble.text)
+    match = _COMMENT.match(reported.text)
     if match is None:
         return None
     problem = f"comments begin with '#', not with '{match['sign']}'; write '# {match['text']}'"
-    return Slip(problem, trouble.line, match.start("sign") + 1, lines=trouble.instead(""))
+    return Correction(problem, reported.line, match.start("sign") + 1, lines=reported.instead(""))
 
 
-def _colon(trouble: _Trouble) -> Slip | None:
+def _colon(reported: _ReportedError) -> Correction | None:
     """Detect a key without its colon, or a colon without its space."""
-    if trouble.problem == _NO_COLON:
-        return _comment(trouble) or _no_colon(trouble.lines, trouble.line)
-    if trouble.problem != _NO_KEY:
+    if reported.problem == _NO_COLON:
+        return _comment(reported) or _no_colon(reported.lines, reported.line)
+    if reported.problem != _NO_KEY:
         return None
-    rows = [n for n in (trouble.line, trouble.line - 1) if n and _OPENS.match(trouble.lines[n - 1])]
-    slips = (_no_colon(trouble.lines, n) for n in rows)
-    return next((slip for slip in slips if slip), None) or _colon_before_comment(trouble)
+    rows = [
+        n for n in (reported.line, reported.line - 1) if n and _OPENS.match(reported.lines[n - 1])
+    ]
+    corrections = (_no_colon(reported.lines, n) for n in rows)
+    return next(
+        (correction for correction in corrections if correction), None
+    ) or _colon_before_comment(reported)
 
 
-def _colon_before_comment(trouble: _Trouble) -> Slip | None:
+def _colon_before_comment(reported: _ReportedError) -> Correction | None:
     """Detect a line that lacks its colon before a comment, which ends a text."""
-    number = trouble.above
-    between = trouble.lines[number : trouble.line - 1]
-    text, sign, _ = trouble.lines[number - 1].partition(" #") if number else ("", "", "")
+    number = reported.above
+    between = reported.lines[number : reported.line - 1]
+    text, sign, _ = reported.lines[number - 1].partition(" #") if number else ("", "", "")
     is_commented = bool(sign) or any(line.lstrip()[:1] == "#" for line in between)
     if not is_commented or not text.strip() or _KEY.match(f"{text} "):
         return None
-    return _no_colon([*trouble.lines[: number - 1], text], number)
+    return _no_colon([*reported.lines[: number - 1], text], number)
 
 
-def _no_colon(lines: Sequence[str], line: int) -> Slip | None:
+def _no_colon(lines: Sequence[str], line: int) -> Correction | None:
     """Detect a line whose key lacks its colon or the space after it."""
     return _sign_of_key(lines[line - 1], line) or _bare_word(lines, line)
 
 
-def _sign_of_key(text: str, line: int) -> Slip | None:
+def _sign_of_key(text: str, line: int) -> Correction | None:
     """Detect a colon without its space, or another sign in its place."""
     if tight := _TIGHT.match(text):
         key, value = tight["key"], tight["value"].strip()
         problem = f"a space is missing after the ':' of '{key}'; write '{key}: {value}'"
-        return Slip(problem, line, tight.end("key") + 1)
+        return Correction(problem, line, tight.end("key") + 1)
     if equals := _EQUALS.match(text):
         key, sign, value = equals["key"], equals["sign"], equals["value"].strip()
         problem = f"a ':' is missing after '{key}'; write '{key}: {value}', without '{sign}'"
-        return Slip(problem, line, equals.end("key") + 1)
+        return Correction(problem, line, equals.end("key") + 1)
     return None
 
 
-def _bare_word(lines: Sequence[str], line: int) -> Slip | None:
+def _bare_word(lines: Sequence[str], line: int) -> Correction | None:
     """Detect a word without a sign after it: a key, an item, or the continuation of a text."""
     text = lines[line - 1]
     first = _FIRST.match(text)
@@ -339,13 +343,13 @@ def _bare_word(lines: Sequence[str], line: int) -> Slip | None:
         return None
     word, start = first["key"], first.start("key") + 1
     if re.match(r"-\w", word):
-        return Slip(f"a space is missing after the '-'; write '- {word[1:]}'", line, start)
+        return Correction(f"a space is missing after the '-'; write '- {word[1:]}'", line, start)
     if _is_prose(text):
         problem = "a text over several lines begins with '>-' behind its key, and is indented below"
-        return Slip(problem, line, start)
+        return Correction(problem, line, start)
     above = _LONE_KEY.fullmatch(lines[line - 2]) if line > 1 else None
     value = f", or '{text.strip()}' belongs behind '{above['key']}:'" if above else ""
-    return Slip(f"a ':' is missing after '{word}'{value}", line, first.end("key") + 1)
+    return Correction(f"a ':' is missing after '{word}'{value}", line, first.end("key") + 1)
 
 
 def _is_prose(line: str) -> bool:
@@ -354,80 +358,82 @@ def _is_prose(line: str) -> bool:
     return line[:1] == " " and len(words) > _LONGEST_ENTRY and not _NO_PROSE.search(line)
 
 
-def _second_colon(trouble: _Trouble) -> Slip | None:
+def _second_colon(reported: _ReportedError) -> Correction | None:
     """Detect a text on the line of its key that holds a colon and a space."""
-    if trouble.problem != _NO_MAPPING:
+    if reported.problem != _NO_MAPPING:
         return None
-    line, text = trouble.line, trouble.text
-    key = _KEY.match(trouble.before)
+    line, text = reported.line, reported.text
+    key = _KEY.match(reported.before)
     if key is None:
-        return _no_colon(trouble.lines, line) if _TIGHT.match(text) else None
+        return _no_colon(reported.lines, line) if _TIGHT.match(text) else None
     first, _, rest = key["key"].partition(" ")
     if re.match(r"(&\w+ +)?[{\[]", rest):
-        return Slip(f"a ':' is missing after '{first}'", line, key.start("key") + len(first) + 1)
+        return Correction(
+            f"a ':' is missing after '{first}'", line, key.start("key") + len(first) + 1
+        )
     if re.match(r"= *[{\[]", rest):
-        return _no_colon(trouble.lines, line)
+        return _no_colon(reported.lines, line)
     value = text[key.end() :].strip()
     if value.startswith("(") and value.endswith(")"):
         problem = f"a mapping is written in braces; write '{key['key']}: {{{value[1:-1]}}}'"
-        return Slip(problem, line, key.end() + 1)
-    return _two_keys(trouble, key, value)
+        return Correction(problem, line, key.end() + 1)
+    return _two_keys(reported, key, value)
 
 
-def _two_keys(trouble: _Trouble, key: re.Match[str], value: str) -> Slip:
+def _two_keys(reported: _ReportedError, key: re.Match[str], value: str) -> Correction:
     problem = f"a text that holds ': ' needs quotes; write '{key['key']}: \"{value}\"'"
-    if second := re.fullmatch(r"\s*\S+?,?\s+(?P<key>[a-z_]+)", trouble.before[key.end() :]):
+    if second := re.fullmatch(r"\s*\S+?,?\s+(?P<key>[a-z_]+)", reported.before[key.end() :]):
         name = second["key"]
         problem = f"two keys are in one line: '{name}' begins a line of its own, or {problem[2:]}"
-    return Slip(problem, trouble.line, trouble.column)
+    return Correction(problem, reported.line, reported.column)
 
 
-def _indentation(trouble: _Trouble) -> Slip | None:
+def _indentation(reported: _ReportedError) -> Correction | None:
     """Detect a line that is indented differently from its neighbours."""
-    if trouble.problem not in (_NO_KEY, _NO_ITEM, _NO_MAPPING):
+    if reported.problem not in (_NO_KEY, _NO_ITEM, _NO_MAPPING):
         return None
-    shift = find_shift(trouble.lines, trouble.line)
-    return shift and Slip(shift.problem, shift.line, shift.column, "CB121", shift.lines)
+    shift = find_shift(reported.lines, reported.line)
+    return shift and Correction(shift.problem, shift.line, shift.column, "CB121", shift.lines)
 
 
-def _colon_above(trouble: _Trouble) -> Slip | None:
+def _colon_above(reported: _ReportedError) -> Correction | None:
     """Detect a line that lacks its colon and is read as a continuation of the text above it."""
-    number = trouble.above
-    is_no_key = number and not _KEY.match(f"{trouble.lines[number - 1]} ")
-    is_text = trouble.problem == _NO_MAPPING and is_no_key
-    return _no_colon(trouble.lines, number) if is_text else None
+    number = reported.above
+    is_no_key = number and not _KEY.match(f"{reported.lines[number - 1]} ")
+    is_text = reported.problem == _NO_MAPPING and is_no_key
+    return _no_colon(reported.lines, number) if is_text else None
 
 
-def _never_closed(trouble: _Trouble) -> Slip | None:
+def _never_closed(reported: _ReportedError) -> Correction | None:
     """Detect an unclosed bracket at the end of a text."""
-    line = trouble.above
-    before = trouble.lines[line - 1].partition(" #")[0].rstrip()
+    line = reported.above
+    before = reported.lines[line - 1].partition(" #")[0].rstrip()
     closing = {"[": "]", "{": "}"}.get(before[-1:])
     if closing is None:
         return None
     problem = f"this '{before[-1]}' is never closed; a '{closing}' is missing"
-    return Slip(problem, line, len(before))
+    return Correction(problem, line, len(before))
 
 
-def _missing_value(trouble: _Trouble) -> Slip | None:
-    if trouble.problem != _NO_CONTENT:
+def _missing_value(reported: _ReportedError) -> Correction | None:
+    if reported.problem != _NO_CONTENT:
         return None
-    if trouble.at_end:
-        return _never_closed(trouble)
-    at = trouble.rest[:1]
+    if reported.at_end:
+        return _never_closed(reported)
+    at = reported.rest[:1]
     problem = f"a value is missing before this '{at}', or the '{at}' is one too many"
-    return Slip(problem, trouble.line, trouble.column)
+    return Correction(problem, reported.line, reported.column)
 
 
-def _before_the_document(trouble: _Trouble) -> Slip | None:
+def _before_the_document(reported: _ReportedError) -> Correction | None:
     """Detect a line before or after the document that forms a second document."""
-    if trouble.problem != _NO_START:
+    if reported.problem != _NO_START:
         return None
-    number = trouble.above or trouble.line
-    if trouble.lines[number - 1].startswith("..."):
-        return Slip("'...' ends the document; leave it out", number, 1)
+    number = reported.above or reported.line
+    if reported.lines[number - 1].startswith("..."):
+        return Correction("'...' ends the document; leave it out", number, 1)
     problem = "only a comment can stand before or behind the keys of a document; delete this line"
-    return Slip(problem, number, 1)
+    return Correction(problem, number, 1)
 
 
 _EXPLANATIONS = (

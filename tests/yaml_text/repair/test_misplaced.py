@@ -70,7 +70,7 @@ def test_a_flat_section_is_one_finding_and_is_read(keep: bool) -> None:
             continue
         data = without_level(PLAIN[file], path, keep=keep)
         loaded = read_sound_parts(file, Document, json.dumps(data))
-        assert [fault.code for fault in loaded.faults] == ["CB209"], (file, path)
+        assert [fault.code for fault in loaded.diagnostics] == ["CB209"], (file, path)
         assert loaded.document == read_document(file).document
 
 
@@ -78,7 +78,7 @@ def test_a_flat_section_is_one_finding_and_is_read(keep: bool) -> None:
 def test_another_kind_is_one_finding_and_the_rest_is_read(file: Path) -> None:
     other = "model" if PLAIN[file]["kind"] != "model" else "robot"
     loaded = read_sound_parts(file, Document, json.dumps({**PLAIN[file], "kind": other}))
-    assert [fault.code for fault in loaded.faults] == ["CB210"]
+    assert [fault.code for fault in loaded.diagnostics] == ["CB210"]
     assert loaded.document == read_document(file).document
 
 
@@ -88,5 +88,5 @@ def test_a_section_within_another_is_read_where_it_belongs(section: str) -> None
     data = {key: value for key, value in PLAIN[file].items() if key != section}
     data["controllers"] = {**data["controllers"], section: PLAIN[file][section]}
     loaded = read_sound_parts(file, Document, json.dumps(data))
-    assert [fault.code for fault in loaded.faults] == ["CB209"]
+    assert [fault.code for fault in loaded.diagnostics] == ["CB209"]
     assert loaded.document == read_document(file).document

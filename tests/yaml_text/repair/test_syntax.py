@@ -68,7 +68,7 @@ def test_a_missing_space_is_reported_on_its_line(key: tuple[Path, int, int]) -> 
     assert "a space is missing after the ':'" in diagnostic.message
 
 
-def slips(text: str) -> list[Diagnostic]:
+def corrections(text: str) -> list[Diagnostic]:
     """Return the diagnostics of a YAML text, with or without a successful repair."""
     try:
         return list(mend(text, "a.yaml").diagnostics)
@@ -151,7 +151,7 @@ CASES = [
 def test_a_slip_is_named_with_its_remedy(
     code: str, text: str, place: tuple[int, int], problem: str
 ) -> None:
-    found = slips(text)
+    found = corrections(text)
     assert {diagnostic.code for diagnostic in found} == {code}
     assert (found[0].place.line, found[0].place.column) == place
     assert problem in found[0].message
@@ -169,14 +169,14 @@ def test_a_slip_is_named_with_its_remedy(
     ],
 )
 def test_words_may_have_any_character(text: str) -> None:
-    assert slips(text) == []
+    assert corrections(text) == []
 
 
 def test_what_is_mended_hides_nothing() -> None:
     text = "a:\n  *1: b\n  c: yes\n   d: 1\n  e: \u22121\n  f: no\n"
-    assert [d.code for d in slips(text)] == ["CB121", "CB124", "CB114", "CB123", "CB114"]
+    assert [d.code for d in corrections(text)] == ["CB121", "CB124", "CB114", "CB123", "CB114"]
     text = "a: {b: here + [0 cm], c: yes}\nd: {e: here + [1 cm]}\n"
-    assert sorted(d.code for d in slips(text)) == ["CB114", "CB124", "CB124"]
+    assert sorted(d.code for d in corrections(text)) == ["CB114", "CB124", "CB124"]
 
 
 @pytest.mark.parametrize("ours", ["b: 1\n", ""])

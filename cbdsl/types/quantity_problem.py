@@ -47,7 +47,7 @@ _OTHER_NAMES = {
 }
 
 
-def slip_in(value: object) -> str | None:
+def problem_in(value: object) -> str | None:
     """Return the fault of a value that should be a quantity, and its remedy, as a clause."""
     if isinstance(value, str):
         if len(value) > _LONGEST:
@@ -71,7 +71,9 @@ def quantity_problem(value: object, error: QuantityError) -> str:
     The remedy is not part of the error's message, since that also serves values that may be text.
     """
     message = str(error)
-    return message.partition("; expected")[0] if "; write" in message else slip_in(value) or message
+    return (
+        message.partition("; expected")[0] if "; write" in message else problem_in(value) or message
+    )
 
 
 def quantities_in(text: str) -> list[str]:

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from cbdsl.documents.document import NAME_PATTERN
-from cbdsl.yaml_text.repair.entry_slip import named_instead, slip_in_text
+from cbdsl.yaml_text.repair.entry_problem import named_instead, text_problem
 
 
 @pytest.mark.parametrize(
@@ -27,10 +27,10 @@ def test_nothing_is_proposed_where_no_name_is_left(text: str) -> None:
 @pytest.mark.parametrize("value", ["{link: palm}", "[a, b]", "*other"])
 @pytest.mark.parametrize(("colon", "missing"), [(":", "a space"), ("", "a ':'"), (" ", "a ':'")])
 def test_a_key_with_its_value_is_no_text(value: str, colon: str, missing: str) -> None:
-    slip = slip_in_text(f"tip{colon}{value}")
+    slip = text_problem(f"tip{colon}{value}")
     assert slip is not None and slip.startswith(missing) and slip.endswith("'tip'")
 
 
 @pytest.mark.parametrize("value", ["palm", "left palm", 3.0, None, []])
 def test_texts_and_other_values_are_what_they_are(value: object) -> None:
-    assert slip_in_text(value) is None
+    assert text_problem(value) is None

@@ -12,7 +12,7 @@ from cbdsl.yaml_text.source_map import SourceMap, Step
 _KEY_AND_VALUE = re.compile(r"(\w+)(:?) *(?:&\w+ +)?[-{\[*]")
 
 
-def slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
+def key_problem(path: tuple[Step, ...], source: SourceMap) -> str | None:
     """Return the mistake by which other text became a key, or ``None``."""
     mapping, key = source.node(path[:-1]).value, str(path[-1])
     if not isinstance(mapping, dict) or key not in mapping:
@@ -30,7 +30,7 @@ def slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
     return None
 
 
-def slip_in_text(value: object) -> str | None:
+def text_problem(value: object) -> str | None:
     """Return the mistake by which a key and its value became a text, or ``None``."""
     match = _KEY_AND_VALUE.match(value) if isinstance(value, str) else None
     if match is None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.types.quantity_slip import is_quantity, quantities_in, quantity_problem, slip_in
+from cbdsl.types.quantity_problem import is_quantity, problem_in, quantities_in, quantity_problem
 from cbdsl.types.unit import UNITS, QuantityError, read_quantity
 
 NUMBERS = st.decimals(-999, 999, places=2).map(str)
@@ -47,19 +47,19 @@ def test_a_slip_says_what_to_write(value: object, written: str) -> None:
 
 @pytest.mark.parametrize("value", ["fast", "5 bananas", "", None, [], {}, [1, 2, 3], "1 2 x"])
 def test_of_what_is_no_quantity_nothing_is_said(value: object) -> None:
-    assert slip_in(value) is None
+    assert problem_in(value) is None
 
 
 @given(st.lists(QUANTITIES, min_size=2, max_size=5), st.sampled_from(["[]", "()", "  "]))
 def test_a_list_in_a_text_is_read(parts: list[str], brackets: str) -> None:
     text = f"{brackets[0]}{', '.join(parts)}{brackets[1]}"
     assert quantities_in(text) == parts
-    assert slip_in(text) == f"a list is written in brackets; write [{', '.join(parts)}]"
+    assert problem_in(text) == f"a list is written in brackets; write [{', '.join(parts)}]"
 
 
 @given(QUANTITIES, QUANTITIES, st.sampled_from([" - ", " to ", "..", "…"]))
 def test_a_span_in_a_text_is_reported(first: str, second: str, between: str) -> None:
-    said = slip_in(f"{first}{between}{second}")
+    said = problem_in(f"{first}{between}{second}")
     assert said is not None and re.search(r"write \[.*, .*\]$", said)
 
 

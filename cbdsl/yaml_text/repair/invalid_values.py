@@ -10,13 +10,13 @@ from pydantic_core import ErrorDetails
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.nearest import nearest_name
 from cbdsl.diagnostics.wording import diagnose
-from cbdsl.yaml_text.repair.fault import Fault, diagnose_value
 from cbdsl.yaml_text.repair.form import form
+from cbdsl.yaml_text.repair.invalid_value import InvalidValue, diagnose_value
 from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
 
 
-def faults(
+def diagnostics_of(
     errors: Iterable[ErrorDetails],
     source: SourceMap,
     model: type[BaseModel],
@@ -30,9 +30,9 @@ def faults(
         model: Model of the kind of document.
         follows: Predicate that is true if an error of a type at a path only follows from another.
     """
-    every = [Fault(path_of(error, source), error) for error in errors]
+    every = [InvalidValue(path_of(error, source), error) for error in errors]
     enclosing = {fault.path[:depth] for fault in every for depth in range(len(fault.path))}
-    by_path: dict[tuple[Step, ...], list[Fault]] = {}
+    by_path: dict[tuple[Step, ...], list[InvalidValue]] = {}
     for fault in every:
         is_known = follows(fault.path, fault.error["type"])
         if not (is_known or (fault.is_of_parts and fault.path in enclosing)):
@@ -50,7 +50,9 @@ def faults(
     ]
 
 
-def _numbered_again(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tuple[Step, ...]]:
+def _numbered_again(
+    by_path: Mapping[tuple[Step, ...], list[InvalidValue]],
+) -> set[tuple[Step, ...]]:
     """Return the further items of lists in which an item without a name is already reported."""
     seen: set[tuple[Step, ...]] = set()
     again: set[tuple[Step, ...]] = set()
@@ -87,7 +89,7 @@ def _without_a_name(
     return diagnose("CB204", source.key(*path), expected=expected, found=f"{keys} without a name")
 
 
-def _misspelt(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tuple[Step, ...]]:
+def _misspelt(by_path: Mapping[tuple[Step, ...], list[InvalidValue]]) -> set[tuple[Step, ...]]:
     """Return the missing keys that are present under misspelt names."""
     unknown: dict[tuple[Step, ...], list[str]] = {}
     for path, same in by_path.items():

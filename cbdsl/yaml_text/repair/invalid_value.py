@@ -11,10 +11,10 @@ from pydantic_core import ErrorDetails
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.wording import diagnose
-from cbdsl.types.quantity_slip import quantity_problem
+from cbdsl.types.quantity_problem import quantity_problem
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.comma import decimal_comma
-from cbdsl.yaml_text.repair.entry_slip import left_out, named_instead, slip_in_key, slip_in_text
+from cbdsl.yaml_text.repair.entry_problem import key_problem, left_out, named_instead, text_problem
 from cbdsl.yaml_text.repair.form import form
 from cbdsl.yaml_text.repair.row import suggested_row
 from cbdsl.yaml_text.repair.shape import SchemaShape
@@ -52,7 +52,7 @@ _MANY = (dict, list)
 _OF_KEYS = ("extra_forbidden", "string_pattern_mismatch")
 
 
-class Fault(NamedTuple):
+class InvalidValue(NamedTuple):
     """Validation error of pydantic at its path in the text."""
 
     path: tuple[Step, ...]
@@ -77,7 +77,7 @@ class Fault(NamedTuple):
 
 
 def diagnose_value(
-    path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
+    path: tuple[Step, ...], same: list[InvalidValue], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
     """Return the diagnostic of the faults of one value.
 
@@ -92,8 +92,8 @@ def diagnose_value(
     if all(fault.is_wrong_kind for fault in same):
         expected = " or ".join(dict.fromkeys(fault.expected for fault in same))
         value = source.node(path).value
-        if "a mapping" in expected and (slip := slip_in_text(value)):
-            return diagnose("CB205", source.place(*path), problem=slip)
+        if "a mapping" in expected and (problem := text_problem(value)):
+            return diagnose("CB205", source.place(*path), problem=problem)
         if example := form(model, path, source.node(path)):
             expected += f", as in {example}"
         given = describe(value) + left_out(value, expected)
@@ -102,7 +102,7 @@ def diagnose_value(
 
 
 def _row(
-    path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
+    path: tuple[Step, ...], same: list[InvalidValue], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic | None:
     """Return the diagnostic of a value with the items of a list in a wrong form, or ``None``."""
     steps = path[:-1] if path and path[-1] == 0 else path
@@ -126,7 +126,7 @@ def not_allowed(place: Place, names: Sequence[str], value: object) -> Diagnostic
     return diagnose("CB204", place, names=names, given="", expected=expected, found=describe(value))
 
 
-def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Diagnostic:
+def _too_few(path: tuple[Step, ...], same: list[InvalidValue], source: SourceMap) -> Diagnostic:
     """Return the diagnostic of a list with too few values."""
     missing = [fault.error["loc"][-1] for fault in same if fault.error["type"] == "missing"]
     wanted = max(index for index in missing if isinstance(index, int)) + 1
@@ -139,14 +139,14 @@ def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Di
 
 
 def _special(
-    path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
+    path: tuple[Step, ...], same: list[InvalidValue], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
     """Return the diagnostic of a value of the right type that is invalid."""
     error = next(fault.error for fault in same if not fault.is_wrong_kind)
     name = str(path[-1]) if path else ""
     context: dict[str, Any] = error.get("ctx", {})
-    if error["type"] in _OF_KEYS and (slip := slip_in_key(path, source)):
-        return diagnose("CB205", source.key(*path), problem=slip)
+    if error["type"] in _OF_KEYS and (problem := key_problem(path, source)):
+        return diagnose("CB205", source.key(*path), problem=problem)
     match error["type"]:
         case "missing" if isinstance(error["loc"][-1], int):
             return _too_few(path, same, source)
