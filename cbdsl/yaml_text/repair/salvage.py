@@ -46,9 +46,9 @@ def salvage(
 ) -> Loaded[D]:
     """Read a document from its nodes, after removal of the faulty ones.
 
-    The document is validated once more after each round of removals. Twice are not enough for
-    faults in several layers: pydantic reports no error inside a value of a wrong form, a moved key
-    is validated only in its place, and a section may lack its removed parts.
+    The document is validated once more after each round of removals. Faults in several layers need
+    several rounds. pydantic reports no error inside a value of a wrong form. A moved key is
+    validated only in its new place. A section may lack its removed parts.
 
     Args:
         source: Source map of the document; its nodes are modified.

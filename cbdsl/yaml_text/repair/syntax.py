@@ -46,7 +46,7 @@ _LONGEST_ENTRY = 7
 _NO_PROSE = re.compile(r"[\[{◁]|<\|")
 
 
-class Correction(NamedTuple):
+class TextCorrection(NamedTuple):
     """Probable mistake in a text.
 
     Attributes:
@@ -126,7 +126,7 @@ class _ReportedError(NamedTuple):
         return {self.line: line}
 
 
-def find_correction(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> Correction:
+def find_correction(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> TextCorrection:
     """Return the mistake that causes a syntax error, or else libyaml's message.
 
     Args:
@@ -139,7 +139,7 @@ def find_correction(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> Correc
         (explain(reported) for explain in _EXPLANATIONS) if reported.line <= len(lines) + 1 else ()
     )
     correction = next((correction for correction in corrections if correction is not None), None)
-    return correction or Correction(reported.problem, reported.line, reported.column)
+    return correction or TextCorrection(reported.problem, reported.line, reported.column)
 
 
 def _trouble(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> _ReportedError:
@@ -152,13 +152,13 @@ def _trouble(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> _ReportedErro
     return _ReportedError(problem, error.context or "", lines, *place, opened)
 
 
-def _tab(reported: _ReportedError) -> Correction | None:
+def _tab(reported: _ReportedError) -> TextCorrection | None:
     if reported.rest[:1] != "\t":
         return None
-    return Correction("a tab", reported.line, reported.column, "CB117")
+    return TextCorrection("a tab", reported.line, reported.column, "CB117")
 
 
-def _look_alike(reported: _ReportedError) -> Correction | None:
+def _look_alike(reported: _ReportedError) -> TextCorrection | None:
     """Detect a look-alike of a space, a bullet or a colon, in this line or the one above."""
     for number in (reported.line, reported.above):
         line = reported.lines[number - 1]
@@ -166,19 +166,19 @@ def _look_alike(reported: _ReportedError) -> Correction | None:
         if suggestion is not None:
             problem = characters.look_alike_message(line, suggestion)
             column = characters.first_look_alike(line) + 1
-            return Correction(problem, number, column, "CB123", {number: suggestion})
+            return TextCorrection(problem, number, column, "CB123", {number: suggestion})
     return None
 
 
-def _fence(reported: _ReportedError) -> Correction | None:
+def _fence(reported: _ReportedError) -> TextCorrection | None:
     if not _FENCE.match(reported.text):
         return None
     problem = "this line marks a block of code in a text, and is not a part of it; delete it"
     fences = (n for n, line in enumerate(reported.lines, 1) if _FENCE.match(line))
-    return Correction(problem, reported.line, 1, lines=dict.fromkeys(fences, ""))
+    return TextCorrection(problem, reported.line, 1, lines=dict.fromkeys(fences, ""))
 
 
-def _unquoted(reported: _ReportedError) -> Correction | None:
+def _unquoted(reported: _ReportedError) -> TextCorrection | None:
     """Detect an unquoted text that begins with a sign of YAML."""
     if reported.context == _ALIAS:
         line, column = reported.opened
@@ -199,35 +199,39 @@ def _unquoted(reported: _ReportedError) -> Correction | None:
     # Only the schema can decide whether a value may begin with such a sign.
     is_certain = key is not None or rest[0] == "`"
     mended = {line: before + quoted + rest[match.end() :]} if is_certain else {}
-    return Correction(problem, line, column, "CB124", mended)
+    return TextCorrection(problem, line, column, "CB124", mended)
 
 
-def _state_in_brackets(state: re.Match[str], line: int) -> Correction:
+def _state_in_brackets(state: re.Match[str], line: int) -> TextCorrection:
     letters = re.sub(r"[^X01*-]", "", state["state"])
     text = f"{state.string[: state.start('state')]}'{letters}'{state.string[state.end('state') :]}"
     problem = f"a state has no brackets and no commas; write '{letters}'"
-    return Correction(problem, line, state.start("state") + 1, "CB124", {line: text})
+    return TextCorrection(problem, line, state.start("state") + 1, "CB124", {line: text})
 
 
-def _after_the_end(reported: _ReportedError) -> Correction | None:
+def _after_the_end(reported: _ReportedError) -> TextCorrection | None:
     """Detect text after a bracket or a quote that closes a value."""
     before, rest = reported.before.rstrip(), reported.rest.rstrip()
     if reported.problem not in (_NO_KEY, _NO_ITEM) or before[-1:] not in ("]", "}", "'", '"'):
         return None
     if rest in (",", ";"):
         problem = f"leave out the '{rest}' at the end of the line"
-        return Correction(problem, reported.line, reported.column, lines=reported.instead(before))
+        return TextCorrection(
+            problem, reported.line, reported.column, lines=reported.instead(before)
+        )
     if set(rest) <= {"]", "}"}:
         problem = f"unmatched '{rest}'; remove it"
-        return Correction(problem, reported.line, reported.column, lines=reported.instead(before))
+        return TextCorrection(
+            problem, reported.line, reported.column, lines=reported.instead(before)
+        )
     problem = (
         f"'{rest}' cannot follow the '{before[-1]}', which ends the value; a unit stands behind "
         "each number, and a comment behind ' #'"
     )
-    return Correction(problem, reported.line, reported.column)
+    return TextCorrection(problem, reported.line, reported.column)
 
 
-def _row_in_text(reported: _ReportedError) -> Correction | None:
+def _row_in_text(reported: _ReportedError) -> TextCorrection | None:
     """Detect a text within braces that holds a row, such as a displaced reference."""
     if reported.problem not in _OPENED:
         return None
@@ -240,7 +244,7 @@ def _row_in_text(reported: _ReportedError) -> Correction | None:
     quoted = f'"{text}{row[0]}"'
     line = reported.before[:start] + quoted + reported.rest[row.end() :]
     problem = f"within braces, a text with brackets must be quoted; write {quoted}"
-    return Correction(problem, reported.line, start + 1, "CB124", reported.instead(line))
+    return TextCorrection(problem, reported.line, start + 1, "CB124", reported.instead(line))
 
 
 def _after_signs(text: str) -> int:
@@ -248,7 +252,7 @@ def _after_signs(text: str) -> int:
     return max(text.rfind(sign) for sign in ",[]{}:") + 1
 
 
-def _within_brackets(reported: _ReportedError) -> Correction | None:
+def _within_brackets(reported: _ReportedError) -> TextCorrection | None:
     """Detect an unclosed bracket, or a missing comma within brackets."""
     if reported.problem not in _OPENED:
         return None
@@ -257,41 +261,43 @@ def _within_brackets(reported: _ReportedError) -> Correction | None:
     at = reported.rest[:1]
     if at in ("]", "}"):
         problem = f"this '{at}' does not close the '{opening}' in line {line}; write '{closing}'"
-        return Correction(problem, reported.line, reported.column)
+        return TextCorrection(problem, reported.line, reported.column)
     if reported.before.endswith("$"):
         problem = "a parameter is written without braces, as $name"
-        return Correction(problem, reported.line, reported.column)
+        return TextCorrection(problem, reported.line, reported.column)
     if reported.at_end or reported.is_outside:
         problem = f"this '{opening}' is never closed; a '{closing}' is missing"
-        return Correction(problem, line, column)
+        return TextCorrection(problem, line, column)
     problem = "a ',' is missing before this"
     if at == ":":
         problem += " key, or the text before it holds ': ' and needs quotes"
     if ";" in reported.before:
         problem = "in brackets values are parted by ',', not by ';'"
-    return Correction(problem, reported.line, reported.column)
+    return TextCorrection(problem, reported.line, reported.column)
 
 
-def _open_quote(reported: _ReportedError) -> Correction | None:
+def _open_quote(reported: _ReportedError) -> TextCorrection | None:
     if reported.problem != _OPEN:
         return None
-    return Correction("this quote is never closed", reported.line, reported.column)
+    return TextCorrection("this quote is never closed", reported.line, reported.column)
 
 
-def _directive(reported: _ReportedError) -> Correction | None:
+def _directive(reported: _ReportedError) -> TextCorrection | None:
     return _comment(reported) if reported.problem == _NO_DIRECTIVE else None
 
 
-def _comment(reported: _ReportedError) -> Correction | None:
+def _comment(reported: _ReportedError) -> TextCorrection | None:
     """Detect a line that is a comment in other languages."""
     match = _COMMENT.match(reported.text)
     if match is None:
         return None
     problem = f"comments begin with '#', not with '{match['sign']}'; write '# {match['text']}'"
-    return Correction(problem, reported.line, match.start("sign") + 1, lines=reported.instead(""))
+    return TextCorrection(
+        problem, reported.line, match.start("sign") + 1, lines=reported.instead("")
+    )
 
 
-def _colon(reported: _ReportedError) -> Correction | None:
+def _colon(reported: _ReportedError) -> TextCorrection | None:
     """Detect a key without its colon, or a colon without its space."""
     if reported.problem == _NO_COLON:
         return _comment(reported) or _no_colon(reported.lines, reported.line)
@@ -306,7 +312,7 @@ def _colon(reported: _ReportedError) -> Correction | None:
     ) or _colon_before_comment(reported)
 
 
-def _colon_before_comment(reported: _ReportedError) -> Correction | None:
+def _colon_before_comment(reported: _ReportedError) -> TextCorrection | None:
     """Detect a line that lacks its colon before a comment, which ends a text."""
     number = reported.above
     between = reported.lines[number : reported.line - 1]
@@ -317,25 +323,25 @@ def _colon_before_comment(reported: _ReportedError) -> Correction | None:
     return _no_colon([*reported.lines[: number - 1], text], number)
 
 
-def _no_colon(lines: Sequence[str], line: int) -> Correction | None:
+def _no_colon(lines: Sequence[str], line: int) -> TextCorrection | None:
     """Detect a line whose key lacks its colon or the space after it."""
     return _sign_of_key(lines[line - 1], line) or _bare_word(lines, line)
 
 
-def _sign_of_key(text: str, line: int) -> Correction | None:
+def _sign_of_key(text: str, line: int) -> TextCorrection | None:
     """Detect a colon without its space, or another sign in its place."""
     if tight := _TIGHT.match(text):
         key, value = tight["key"], tight["value"].strip()
         problem = f"a space is missing after the ':' of '{key}'; write '{key}: {value}'"
-        return Correction(problem, line, tight.end("key") + 1)
+        return TextCorrection(problem, line, tight.end("key") + 1)
     if equals := _EQUALS.match(text):
         key, sign, value = equals["key"], equals["sign"], equals["value"].strip()
         problem = f"a ':' is missing after '{key}'; write '{key}: {value}', without '{sign}'"
-        return Correction(problem, line, equals.end("key") + 1)
+        return TextCorrection(problem, line, equals.end("key") + 1)
     return None
 
 
-def _bare_word(lines: Sequence[str], line: int) -> Correction | None:
+def _bare_word(lines: Sequence[str], line: int) -> TextCorrection | None:
     """Detect a word without a sign after it: a key, an item, or the continuation of a text."""
     text = lines[line - 1]
     first = _FIRST.match(text)
@@ -343,13 +349,15 @@ def _bare_word(lines: Sequence[str], line: int) -> Correction | None:
         return None
     word, start = first["key"], first.start("key") + 1
     if re.match(r"-\w", word):
-        return Correction(f"a space is missing after the '-'; write '- {word[1:]}'", line, start)
+        return TextCorrection(
+            f"a space is missing after the '-'; write '- {word[1:]}'", line, start
+        )
     if _is_prose(text):
         problem = "a text over several lines begins with '>-' behind its key, and is indented below"
-        return Correction(problem, line, start)
+        return TextCorrection(problem, line, start)
     above = _LONE_KEY.fullmatch(lines[line - 2]) if line > 1 else None
     value = f", or '{text.strip()}' belongs behind '{above['key']}:'" if above else ""
-    return Correction(f"a ':' is missing after '{word}'{value}", line, first.end("key") + 1)
+    return TextCorrection(f"a ':' is missing after '{word}'{value}", line, first.end("key") + 1)
 
 
 def _is_prose(line: str) -> bool:
@@ -358,7 +366,7 @@ def _is_prose(line: str) -> bool:
     return line[:1] == " " and len(words) > _LONGEST_ENTRY and not _NO_PROSE.search(line)
 
 
-def _second_colon(reported: _ReportedError) -> Correction | None:
+def _second_colon(reported: _ReportedError) -> TextCorrection | None:
     """Detect a text on the line of its key that holds a colon and a space."""
     if reported.problem != _NO_MAPPING:
         return None
@@ -368,7 +376,7 @@ def _second_colon(reported: _ReportedError) -> Correction | None:
         return _no_colon(reported.lines, line) if _TIGHT.match(text) else None
     first, _, rest = key["key"].partition(" ")
     if re.match(r"(&\w+ +)?[{\[]", rest):
-        return Correction(
+        return TextCorrection(
             f"a ':' is missing after '{first}'", line, key.start("key") + len(first) + 1
         )
     if re.match(r"= *[{\[]", rest):
@@ -376,27 +384,27 @@ def _second_colon(reported: _ReportedError) -> Correction | None:
     value = text[key.end() :].strip()
     if value.startswith("(") and value.endswith(")"):
         problem = f"a mapping is written in braces; write '{key['key']}: {{{value[1:-1]}}}'"
-        return Correction(problem, line, key.end() + 1)
+        return TextCorrection(problem, line, key.end() + 1)
     return _two_keys(reported, key, value)
 
 
-def _two_keys(reported: _ReportedError, key: re.Match[str], value: str) -> Correction:
+def _two_keys(reported: _ReportedError, key: re.Match[str], value: str) -> TextCorrection:
     problem = f"a text that holds ': ' needs quotes; write '{key['key']}: \"{value}\"'"
     if second := re.fullmatch(r"\s*\S+?,?\s+(?P<key>[a-z_]+)", reported.before[key.end() :]):
         name = second["key"]
         problem = f"two keys are in one line: '{name}' begins a line of its own, or {problem[2:]}"
-    return Correction(problem, reported.line, reported.column)
+    return TextCorrection(problem, reported.line, reported.column)
 
 
-def _indentation(reported: _ReportedError) -> Correction | None:
+def _indentation(reported: _ReportedError) -> TextCorrection | None:
     """Detect a line that is indented differently from its neighbours."""
     if reported.problem not in (_NO_KEY, _NO_ITEM, _NO_MAPPING):
         return None
     shift = find_shift(reported.lines, reported.line)
-    return shift and Correction(shift.problem, shift.line, shift.column, "CB121", shift.lines)
+    return shift and TextCorrection(shift.problem, shift.line, shift.column, "CB121", shift.lines)
 
 
-def _colon_above(reported: _ReportedError) -> Correction | None:
+def _colon_above(reported: _ReportedError) -> TextCorrection | None:
     """Detect a line that lacks its colon and is read as a continuation of the text above it."""
     number = reported.above
     is_no_key = number and not _KEY.match(f"{reported.lines[number - 1]} ")
@@ -404,7 +412,7 @@ def _colon_above(reported: _ReportedError) -> Correction | None:
     return _no_colon(reported.lines, number) if is_text else None
 
 
-def _never_closed(reported: _ReportedError) -> Correction | None:
+def _never_closed(reported: _ReportedError) -> TextCorrection | None:
     """Detect an unclosed bracket at the end of a text."""
     line = reported.above
     before = reported.lines[line - 1].partition(" #")[0].rstrip()
@@ -412,28 +420,28 @@ def _never_closed(reported: _ReportedError) -> Correction | None:
     if closing is None:
         return None
     problem = f"this '{before[-1]}' is never closed; a '{closing}' is missing"
-    return Correction(problem, line, len(before))
+    return TextCorrection(problem, line, len(before))
 
 
-def _missing_value(reported: _ReportedError) -> Correction | None:
+def _missing_value(reported: _ReportedError) -> TextCorrection | None:
     if reported.problem != _NO_CONTENT:
         return None
     if reported.at_end:
         return _never_closed(reported)
     at = reported.rest[:1]
     problem = f"a value is missing before this '{at}', or the '{at}' is one too many"
-    return Correction(problem, reported.line, reported.column)
+    return TextCorrection(problem, reported.line, reported.column)
 
 
-def _before_the_document(reported: _ReportedError) -> Correction | None:
+def _before_the_document(reported: _ReportedError) -> TextCorrection | None:
     """Detect a line before or after the document that forms a second document."""
     if reported.problem != _NO_START:
         return None
     number = reported.above or reported.line
     if reported.lines[number - 1].startswith("..."):
-        return Correction("'...' ends the document; leave it out", number, 1)
+        return TextCorrection("'...' ends the document; leave it out", number, 1)
     problem = "only a comment can stand before or behind the keys of a document; delete this line"
-    return Correction(problem, number, 1)
+    return TextCorrection(problem, number, 1)
 
 
 _EXPLANATIONS = (
