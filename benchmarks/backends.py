@@ -35,7 +35,7 @@ from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.vision import Vision
+from cbdsl.sensing.vision.vision import Vision
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[1]

@@ -18,7 +18,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from cbdsl.learning.relation_tree import NamedProfile, grow_relations, name_relation, tree_as_data
+from cbdsl.learning.catalogs.relation_tree import (
+    NamedProfile,
+    grow_relations,
+    name_relation,
+    tree_as_data,
+)
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl_reproduction.impedance_trials import ImpedanceTrial
 from cbdsl_reproduction.thing_pairs import ALL_PAIRS

@@ -20,9 +20,9 @@ from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.language.parser import parse
 from cbdsl.reporting import recorded
 from cbdsl.reporting.recorded import read_recording
+from cbdsl.robot.meshes.triangles import MOST, read_triangles
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.srdf import parse_srdf
-from cbdsl.robot.triangles import MOST, read_triangles
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import parse_urdf
 from cbdsl.storage.journal import rows_of

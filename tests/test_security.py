@@ -383,7 +383,8 @@ def test_module_of_the_live_page_writes_no_file() -> None:
 
 def test_bounds_on_the_page_are_those_of_the_readers() -> None:
     from cbdsl.reporting import recorded
-    from cbdsl.robot import robot_xml, triangles, urdf_reader
+    from cbdsl.robot import robot_xml, urdf_reader
+    from cbdsl.robot.meshes import triangles
     from cbdsl.robot.mjcf import bounded_conversion
     from cbdsl.robot.xacro import budget
 

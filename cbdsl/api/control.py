@@ -17,7 +17,7 @@ from cbdsl.kinematics.rotation import log as rotation_vector
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.sensing.tips import Tips
+from cbdsl.sensing.table.tips import Tips
 
 __all__ = [
     "Floats",

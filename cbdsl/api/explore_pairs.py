@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.documents.meta_catalog import MetaCatalogDocument
-    from cbdsl.learning.action_outcome import ActionOutcome
-    from cbdsl.learning.exploration import ExplorationStep
+    from cbdsl.learning.catalogs.action_outcome import ActionOutcome
+    from cbdsl.learning.catalogs.exploration import ExplorationStep
     from cbdsl.training.action_work import FinishedAction
 
 

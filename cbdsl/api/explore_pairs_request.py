@@ -57,7 +57,7 @@ class ExplorePairsRequest:
         from cbdsl.backends.engines import default_engine
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.documents.meta_catalog import Relation
-        from cbdsl.learning.catalog_exploration import CatalogConstants
+        from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
         from cbdsl.learning.constants import read_constants
         from cbdsl.training.pair_task import PairTask
 

@@ -65,8 +65,8 @@ class ExploreRequest:
         from cbdsl.api.run_request import read_request
         from cbdsl.backends.engines import default_engine
         from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.learning.catalogs.explorations import EXPLORATIONS
         from cbdsl.learning.constants import read_constants
-        from cbdsl.learning.explorations import EXPLORATIONS
         from cbdsl.training.exploration_task import ExplorationTask
 
         if self.out.suffix != ".yaml":

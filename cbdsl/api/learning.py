@@ -6,19 +6,19 @@
 from __future__ import annotations
 
 from cbdsl.learning.accommodate import Accommodate
-from cbdsl.learning.action_outcome import NOOP, ActionOutcome
 from cbdsl.learning.allocation_tree import TriedContext
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
+from cbdsl.learning.catalogs.action_outcome import NOOP, ActionOutcome
+from cbdsl.learning.catalogs.exploration import ExplorationStep
+from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
+from cbdsl.learning.catalogs.pair_recognition import recognise
+from cbdsl.learning.catalogs.stack_plan import StackPlan, plan_stack
+from cbdsl.learning.catalogs.thing_graph import support_graph
 from cbdsl.learning.constants import AccommodateConstants, Form
 from cbdsl.learning.decisions import Decisions
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.exploration import ExplorationStep
-from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.learning.impedance import AXES, DIRECTIONS, KINDS, ImpedanceProfile, ImpedanceTest
 from cbdsl.learning.learner import ASSIMILATE
-from cbdsl.learning.pair_recognition import recognise
-from cbdsl.learning.stack_plan import StackPlan, plan_stack
-from cbdsl.learning.thing_graph import support_graph
 from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.numeric.affordance import AffordanceModel
 from cbdsl.program.catalog_models import pair_models

@@ -14,10 +14,10 @@ from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObserver
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
-from cbdsl.sensing.camera import heading, within_view
 from cbdsl.sensing.channels import bin_mask
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.stereo import Ray, triangulate
+from cbdsl.sensing.vision.camera import heading, within_view
+from cbdsl.sensing.vision.stereo import Ray, triangulate
 from cbdsl.types.resource import Headings, KernelSample, NetForces, NetLoad, Resource, Tip
 
 __all__ = [

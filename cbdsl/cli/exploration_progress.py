@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.training.action_work import FinishedAction
 from cbdsl.training.task_observer import TaskObserver
 

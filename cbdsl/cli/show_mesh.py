@@ -38,7 +38,7 @@ def show_mesh(
     form = read_format(format_, as_json, PLAIN)
     with needing_simulation():
         from cbdsl.numeric.box_cover import cover
-        from cbdsl.robot.triangles import read_triangles
+        from cbdsl.robot.meshes.triangles import read_triangles
     if scale <= 0:
         raise UsageError(f"--scale {scale:g}: a unit has more than 0 m")
     filling = cover(read_triangles(mesh, scale), pieces)

@@ -16,7 +16,7 @@ from cbdsl.reporting.text.meta_catalog_text import meta_catalog_text
 from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:
-    from cbdsl.learning.stack_plan import StackPlan
+    from cbdsl.learning.catalogs.stack_plan import StackPlan
 
 MetaCatalog = Annotated[
     str, typer.Argument(metavar="FILE|NAME", help="Meta-catalog: file or name.")
@@ -69,8 +69,8 @@ def plan(catalog: MetaCatalogDocument, height: int, of: str | None) -> StackPlan
     Raises:
         UsageError: An object is unknown, or no such stack is known.
     """
-    from cbdsl.learning.stack_plan import plan_stack
-    from cbdsl.learning.thing_graph import support_graph
+    from cbdsl.learning.catalogs.stack_plan import plan_stack
+    from cbdsl.learning.catalogs.thing_graph import support_graph
 
     things = None if of is None else of.split(",")
     for thing in things or ():

@@ -18,8 +18,8 @@ from cbdsl.control.potential import call_at
 from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import cross, dot
-from cbdsl.sensing.curvature import BENDING, bend_carried, bend_row
 from cbdsl.sensing.signal_arrays import SignalArrays, TableArrays
+from cbdsl.sensing.table.curvature import BENDING, bend_carried, bend_row
 
 
 @compiled

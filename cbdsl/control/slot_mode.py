@@ -14,9 +14,9 @@ from cbdsl.control.slot import IDLE, SEARCH, TRACK
 from cbdsl.kinematics.forward import place_point
 from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled
-from cbdsl.sensing.fingertip import add_contact
-from cbdsl.sensing.refresh import DEFINED, UNDEFINED, displace_value
 from cbdsl.sensing.signal_arrays import SignalArrays, TableArrays
+from cbdsl.sensing.table.refresh import DEFINED, UNDEFINED, displace_value
+from cbdsl.sensing.touch.fingertip import add_contact
 
 # Largest distance of a contact from the seen object, taken for a ball of its apparent size, m.
 # Contacts with objects are up to 1.6 cm off; those with the table around a flat one, from 3.3 cm.

@@ -25,8 +25,8 @@ from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.handle import Handle
 from cbdsl.numeric.vector import copy, fill
-from cbdsl.sensing.refresh import write_rows
 from cbdsl.sensing.signal_arrays import SignalArrays, TableArrays
+from cbdsl.sensing.table.refresh import write_rows
 
 _RESIDUAL = int(Rule.RESIDUAL)
 

@@ -12,7 +12,7 @@ import numpy as np
 from cbdsl.kinematics.joint_tree import JointTree
 from cbdsl.kinematics.pose import Pose
 from cbdsl.kinematics.ready_posture import at_first
-from cbdsl.robot.mesh_file import find_mesh
+from cbdsl.robot.meshes.mesh_file import find_mesh
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfShape
 
 LinkPair = tuple[str, str]

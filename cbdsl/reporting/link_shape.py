@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from cbdsl.robot.mesh_reader import Mesh
+from cbdsl.robot.meshes.mesh_reader import Mesh
 
 Numbers = tuple[float, ...]
 

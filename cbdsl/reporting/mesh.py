@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from cbdsl.robot.mesh_reader import Mesh, MeshError, read_mesh_file
-from cbdsl.robot.simplified_mesh import simplified
+from cbdsl.robot.meshes.mesh_reader import Mesh, MeshError, read_mesh_file
+from cbdsl.robot.meshes.simplified_mesh import simplified
 
 
 def read_mesh(file: Path, scale: Sequence[float]) -> Mesh | None:

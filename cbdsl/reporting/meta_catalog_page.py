@@ -8,8 +8,8 @@ from html import escape
 from cbdsl.diagnostics.counting import count
 from cbdsl.documents.catalog import AffordanceSection, CatalogProvenance
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.learning.stack_plan import pairs_of, plan_stacks
-from cbdsl.learning.thing_graph import support_graph
+from cbdsl.learning.catalogs.stack_plan import pairs_of, plan_stacks
+from cbdsl.learning.catalogs.thing_graph import support_graph
 from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.drawing.meta_catalog_graph import meta_catalog_graph, pair_key, stack_key
 from cbdsl.reporting.markup import Markup, table, terms

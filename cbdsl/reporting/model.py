@@ -12,7 +12,7 @@ from cbdsl.reporting.link_shape import LinkShape
 from cbdsl.reporting.link_shape import Numbers as _Numbers
 from cbdsl.reporting.mesh import read_mesh
 from cbdsl.reporting.skeleton import skeleton
-from cbdsl.robot.mesh_file import find_mesh
+from cbdsl.robot.meshes.mesh_file import find_mesh
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
 from cbdsl.robot.urdf_reader import parse_urdf
 from cbdsl.yaml_text.library import shipped

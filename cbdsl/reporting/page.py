@@ -15,7 +15,7 @@ from cbdsl.reporting.reasons import reasons
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.template import filled
 from cbdsl.reporting.thumbnails import chosen, encoded
-from cbdsl.robot.mesh_reader import Mesh
+from cbdsl.robot.meshes.mesh_reader import Mesh
 
 _SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
             "scene.js", "viewpoints.js", "world.js", "timeline.js", "replay.js")  # fmt: skip

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from cbdsl.robot.mesh_file import find_mesh
+from cbdsl.robot.meshes.mesh_file import find_mesh
 from cbdsl.robot.urdf import Numbers, UrdfError, UrdfJoint, UrdfModel, UrdfShape
 
 # Name patterns of acting frames, the best first, and of frames that do not act.
@@ -102,7 +102,7 @@ def _mesh_corners(model: UrdfModel, name: str, scale: Numbers) -> list[Numbers]:
     """Return the corners of the box around a mesh; none if it is missing or unreadable."""
     file = find_mesh(name, model.path.parent)
     try:
-        from cbdsl.robot.mesh_reader import MeshError, read_mesh_file
+        from cbdsl.robot.meshes.mesh_reader import MeshError, read_mesh_file
     except ImportError:
         return []
     if file is None:

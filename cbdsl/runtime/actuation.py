@@ -18,8 +18,8 @@ from cbdsl.program.checked import NO_GUARDS, Guards
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.load_guards import LoadGuards
-from cbdsl.sensing.signal_rows import Selection
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.signal_rows import Selection
 from cbdsl.types.potential import POTENTIALS
 
 # Controllers, each with the names of its peers.

@@ -9,9 +9,9 @@ import numpy as np
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
-from cbdsl.sensing.chain import require_executed
-from cbdsl.sensing.reading import Reading, flattened, transform
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.chain import require_executed
+from cbdsl.sensing.table.reading import Reading, flattened, transform
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.resource import (
     EffectorConfiguration,

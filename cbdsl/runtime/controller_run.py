@@ -20,8 +20,8 @@ from cbdsl.program.controller import Controller, Relative
 from cbdsl.runtime.controller_rows import anchor_of, bind_rows
 from cbdsl.runtime.preparation import Preparation
 from cbdsl.runtime.slot_setting import SlotSetting, modified
-from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.resource import (
     Headings,
     StereoPosition,

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Relative
-from cbdsl.sensing.vision import Vision
+from cbdsl.sensing.vision.vision import Vision
 from cbdsl.types.resource import Resource
 from cbdsl.types.source_record import channels_of
 

@@ -15,8 +15,8 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Ball, Controller, Modifier, Relative
 from cbdsl.runtime.controller_rows import ControllerRows
 from cbdsl.sensing.density import Sampler
-from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.resource import Resource
 

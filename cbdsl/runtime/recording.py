@@ -18,7 +18,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.simplified_mesh import simplified
+from cbdsl.robot.meshes.simplified_mesh import simplified
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult

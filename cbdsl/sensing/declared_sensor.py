@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from cbdsl.robot.source_kind import SOURCES
-from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.sensor_faults import SensorError
+from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.resource import SensorSignal
 
 

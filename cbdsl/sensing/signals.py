@@ -11,17 +11,15 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import Handle, hold
-from cbdsl.sensing.blob_signals import BlobSignals
-from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.declared_sensor import sensor_reader
 from cbdsl.sensing.density import DensitySampler, Sampler
-from cbdsl.sensing.distances import Distances
-from cbdsl.sensing.kinematic_rows import KinematicRows
-from cbdsl.sensing.marks import Marks
-from cbdsl.sensing.novelty import Novelty
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.reading import Reading, shaped
-from cbdsl.sensing.refresh import (
+from cbdsl.sensing.sensor_faults import require_finite
+from cbdsl.sensing.signal_arrays import SensedArrays, SignalArrays, TableArrays, TreeArrays
+from cbdsl.sensing.table.chain import require_executed
+from cbdsl.sensing.table.kinematic_rows import KinematicRows
+from cbdsl.sensing.table.reading import Reading, shaped
+from cbdsl.sensing.table.refresh import (
     CONTACT,
     DISPLACED,
     HEADING,
@@ -29,19 +27,21 @@ from cbdsl.sensing.refresh import (
     WRITTEN,
     refresh,
 )
-from cbdsl.sensing.sensor_faults import require_finite
-from cbdsl.sensing.signal_arrays import SensedArrays, SignalArrays, TableArrays, TreeArrays
-from cbdsl.sensing.signal_rows import Selection, SignalRows
-from cbdsl.sensing.solid_signals import SolidSignals
-from cbdsl.sensing.strain import Strain
-from cbdsl.sensing.surface import SurfaceSampler
-from cbdsl.sensing.surfaces import Surfaces
-from cbdsl.sensing.table import Form, RowPart
-from cbdsl.sensing.tips import Tips
-from cbdsl.sensing.touch import Touch
+from cbdsl.sensing.table.signal_rows import Selection, SignalRows
+from cbdsl.sensing.table.table import Form, RowPart
+from cbdsl.sensing.table.tips import Tips
+from cbdsl.sensing.touch.strain import Strain
+from cbdsl.sensing.touch.touch import Touch
 from cbdsl.sensing.uniform import UniformSampler
-from cbdsl.sensing.vision import Vision
-from cbdsl.sensing.visual_signals import VisualSignals
+from cbdsl.sensing.vision.blob_signals import BlobSignals
+from cbdsl.sensing.vision.distances import Distances
+from cbdsl.sensing.vision.marks import Marks
+from cbdsl.sensing.vision.novelty import Novelty
+from cbdsl.sensing.vision.solid_signals import SolidSignals
+from cbdsl.sensing.vision.surface import SurfaceSampler
+from cbdsl.sensing.vision.surfaces import Surfaces
+from cbdsl.sensing.vision.vision import Vision
+from cbdsl.sensing.vision.visual_signals import VisualSignals
 from cbdsl.types.casts import Chain
 from cbdsl.types.resource import (
     AffordanceProbability,

@@ -9,7 +9,7 @@ from cbdsl.backends.backend import Backend, BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.learning.action_outcome import NOOP, ActionOutcome
+from cbdsl.learning.catalogs.action_outcome import NOOP, ActionOutcome
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import EpisodeError, Runner
 from cbdsl.runtime.episode_observer import EpisodeObserver, EpisodeObservers

@@ -7,8 +7,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from cbdsl.learning.action_outcome import ActionOutcome
-from cbdsl.learning.exploration import Exploration, ExplorationStep
+from cbdsl.learning.catalogs.action_outcome import ActionOutcome
+from cbdsl.learning.catalogs.exploration import Exploration, ExplorationStep
 
 # Stream of an action's seed for choices, beside the world (0) and the program's draws (1).
 _CHOICE = 2

@@ -14,9 +14,9 @@ from cbdsl.documents.catalog import (
     SampleModel,
     StepColumns,
 )
-from cbdsl.learning.action_outcome import ActionOutcome
-from cbdsl.learning.affordance import Affordance
-from cbdsl.learning.exploration import Exploration
+from cbdsl.learning.catalogs.action_outcome import ActionOutcome
+from cbdsl.learning.catalogs.affordance import Affordance
+from cbdsl.learning.catalogs.exploration import Exploration
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.program.checked import CheckedProgram

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.learning.action_outcome import FeatureForm
+from cbdsl.learning.catalogs.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.channel_names import hue_names
 from cbdsl.types.resource import Heading, MarkHeading, Resource, StereoPosition, SurfacePoint

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from cbdsl.documents.digest import ProgramDigest
-from cbdsl.learning.action_outcome import FeatureForm
+from cbdsl.learning.catalogs.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.resource import Resource
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cbdsl.learning.action_outcome import ActionOutcome, read_outcome, write_outcome
+from cbdsl.learning.catalogs.action_outcome import ActionOutcome, read_outcome, write_outcome
 from cbdsl.storage.journal import Journal, JournalError, RowForm, require_same
 
 # Parts of the identity that may change when actions join, or when the world changes.

@@ -13,10 +13,10 @@ from cbdsl.documents.policy import Identity
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.learning.exploration import Exploration
-from cbdsl.learning.exploration_constants import ExplorationConstants
-from cbdsl.learning.exploration_observer import ExplorationObserver
-from cbdsl.learning.explorations import EXPLORATIONS
+from cbdsl.learning.catalogs.exploration import Exploration
+from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
+from cbdsl.learning.catalogs.exploration_observer import ExplorationObserver
+from cbdsl.learning.catalogs.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.storage.atomic_file import remove_leftovers
 from cbdsl.training.action_runner import ActionRunner

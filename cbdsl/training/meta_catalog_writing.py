@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from cbdsl.documents.catalog import CatalogProvenance
 from cbdsl.documents.meta_catalog import KnownThing, MetaCatalogDocument, PairSection
-from cbdsl.learning.exploration import Exploration
+from cbdsl.learning.catalogs.exploration import Exploration
 from cbdsl.training.catalog_writing import affordance_values, step_columns
 from cbdsl.training.explorable_pair import ExplorablePair
 

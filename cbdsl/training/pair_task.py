@@ -12,9 +12,9 @@ from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.learning.action_outcome import ACTIONS, NOOP, ActionOutcome
-from cbdsl.learning.catalog_exploration import CatalogConstants
-from cbdsl.learning.pair_exploration import PairExploration
+from cbdsl.learning.catalogs.action_outcome import ACTIONS, NOOP, ActionOutcome
+from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
+from cbdsl.learning.catalogs.pair_exploration import PairExploration
 from cbdsl.runtime.episode import EpisodeError, Runner
 from cbdsl.storage.atomic_file import remove_leftovers
 from cbdsl.storage.journal import Journal

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol, TypeVar
 
-from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.learning.experience import Experience
 from cbdsl.training.task_observer import Item, TaskObserver
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from cbdsl.control.potential import Potential, Rule, interpreted
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.reading import flattened
+from cbdsl.sensing.table.reading import flattened
 from cbdsl.types.potential import POTENTIALS
 
 

@@ -18,8 +18,9 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.reading import Reading
-from cbdsl.sensing.refresh import (
+from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.reading import Reading
+from cbdsl.sensing.table.refresh import (
     CONFIGURATION,
     CONTACT,
     HEADING,
@@ -29,7 +30,6 @@ from cbdsl.sensing.refresh import (
     TIP,
     WRITTEN,
 )
-from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Centroid, Separation, Source, Tip
 from cbdsl.yaml_text.library import Library, shipped
 

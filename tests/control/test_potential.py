@@ -14,8 +14,8 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.camera import heading, sighting_jacobian
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.vision.camera import heading, sighting_jacobian
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource_type import HEADING, TYPES, ResourceType, configuration
 from cbdsl.yaml_text.library import Library

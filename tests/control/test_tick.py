@@ -28,10 +28,10 @@ from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import bind
 from cbdsl.program.controller import Controller
-from cbdsl.sensing.reading import Reading
-from cbdsl.sensing.refresh import WRITTEN
 from cbdsl.sensing.signal_arrays import SensedArrays, SignalArrays, TableArrays, TreeArrays
-from cbdsl.sensing.table import Form, SignalTable
+from cbdsl.sensing.table.reading import Reading
+from cbdsl.sensing.table.refresh import WRITTEN
+from cbdsl.sensing.table.table import Form, SignalTable
 from cbdsl.types.resource_type import FORCE, ORIENTATION, POSITION, ResourceType, configuration
 from tests.control.evaluation import Signal, evaluate
 from tests.control.test_predicate import Monitor

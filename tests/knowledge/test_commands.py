@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from cbdsl.documents.document import Section
-from cbdsl.learning.catalog_exploration import CatalogExploration
-from cbdsl.learning.explorations import EXPLORATIONS
+from cbdsl.learning.catalogs.catalog_exploration import CatalogExploration
+from cbdsl.learning.catalogs.explorations import EXPLORATIONS
 from cbdsl.learning.learner import LEARNERS
 from tests.conftest import ROOT
 

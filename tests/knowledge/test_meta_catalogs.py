@@ -14,8 +14,8 @@ from cbdsl.documents.digest import digest
 from cbdsl.documents.meta_catalog import META_CATALOG, MetaCatalogDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.stack_plan import plan_stack
-from cbdsl.learning.thing_graph import support_graph
+from cbdsl.learning.catalogs.stack_plan import plan_stack
+from cbdsl.learning.catalogs.thing_graph import support_graph
 from cbdsl.program.catalog_models import pair_models
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from cbdsl.documents.document import Section
-from cbdsl.learning.explorations import EXPLORATIONS
+from cbdsl.learning.catalogs.explorations import EXPLORATIONS
 from cbdsl.learning.learner import LEARNERS
 
 #: Of explorations the algorithms' constants, which no page lists; docs/reference.md has the others.

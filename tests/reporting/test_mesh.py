@@ -9,9 +9,9 @@ import pytest
 
 from cbdsl.backends.cameras import mesh as primitives
 from cbdsl.reporting.mesh import read_mesh
-from cbdsl.robot.mesh_file import find_mesh
-from cbdsl.robot.mesh_reader import Mesh
-from cbdsl.robot.simplified_mesh import simplified
+from cbdsl.robot.meshes.mesh_file import find_mesh
+from cbdsl.robot.meshes.mesh_reader import Mesh
+from cbdsl.robot.meshes.simplified_mesh import simplified
 
 
 def from_soup(triangles: np.ndarray) -> Mesh:

@@ -20,10 +20,10 @@ from cbdsl.reporting.text.program_text import casts_text
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.controller_rows import bind_rows
 from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.sensing.camera import heading
-from cbdsl.sensing.chain import CastError
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.vision import SeenHeading
+from cbdsl.sensing.table.chain import CastError
+from cbdsl.sensing.vision.camera import heading
+from cbdsl.sensing.vision.vision import SeenHeading
 from cbdsl.types.casts import CASTS
 from cbdsl.types.resource import (
     FingerForces,
@@ -36,7 +36,7 @@ from cbdsl.types.resource import (
 )
 from cbdsl.types.source_record import chains_of, compares
 from tests.conftest import ROOT, Checked
-from tests.sensing.test_visual_signals import between, facing, feel
+from tests.sensing.vision.test_visual_signals import between, facing, feel
 
 STEP = 1e-6
 CHOSEN = NovelHeading, MarkHeading

@@ -8,7 +8,7 @@ import pytest
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.tick import Tick
-from cbdsl.sensing.camera import heading
+from cbdsl.sensing.vision.camera import heading
 
 SEEDS = (5640000, 5640001)
 

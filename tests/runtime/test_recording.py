@@ -18,7 +18,7 @@ from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import LIMITS, REACH, Explanation
 from cbdsl.runtime.recording import Recording, is_place, members, triple
 from cbdsl.runtime.tick import Tick
-from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked
 from tests.runtime.conftest import Play, Played

@@ -11,8 +11,8 @@ import pytest
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.tick import Tick
-from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.reading import Reading
 from tests.conftest import Checked
 from tests.runtime.conftest import Play
 

@@ -11,8 +11,8 @@ import pytest
 
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.sensing.declared_sensor import sensor_reader
-from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.sensor_faults import SensorError
+from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.registry import PluginError
 
 JOINTS = 4

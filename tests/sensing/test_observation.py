@@ -6,8 +6,8 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.observation import Loads
-from cbdsl.sensing.tips import Tips
-from cbdsl.sensing.touch import Touch
+from cbdsl.sensing.table.tips import Tips
+from cbdsl.sensing.touch.touch import Touch
 
 CELLS = (("left_hand", "thumb"), ("right_hand", "thumb"))
 WRENCHES = np.arange(12.0).reshape(2, 6)

@@ -12,8 +12,13 @@ from cbdsl.control.localizability import seen_by
 from cbdsl.kinematics.kinematics import Frame
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
-from cbdsl.sensing.camera import direction, heading, heading_jacobian, sighting_jacobian
-from cbdsl.sensing.stereo import Ray, triangulate
+from cbdsl.sensing.vision.camera import (
+    direction,
+    heading,
+    heading_jacobian,
+    sighting_jacobian,
+)
+from cbdsl.sensing.vision.stereo import Ray, triangulate
 from tests.control.evaluation import Signal, evaluate
 
 Cameras = tuple[Frame, Frame]

@@ -14,8 +14,8 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.pair_names import pair_resource
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.reading import Reading
 
 StageNamed = Callable[[str], StageDocument]
 NAMES = {"seen": "left.red.to.blue", "back": "left.blue.to.red", "apart": "stereo.red.to.blue"}

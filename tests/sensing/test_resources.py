@@ -10,8 +10,8 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.reading import Reading
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 

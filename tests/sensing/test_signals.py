@@ -8,9 +8,9 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.affordance import AffordanceModel
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.sensor_faults import SensorError
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.resource import AffordanceProbability, NetForces, Origin, Resource, Tip
 from cbdsl.types.resource_type import PROBABILITY
 

@@ -12,8 +12,8 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.learning.action_outcome import ActionOutcome
-from cbdsl.learning.model_exploration import ModelConstants, ModelExploration
+from cbdsl.learning.catalogs.action_outcome import ActionOutcome
+from cbdsl.learning.catalogs.model_exploration import ModelConstants, ModelExploration
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.feature_reader import FeatureReader

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.storage.journal import JournalError
 from cbdsl.training.exploration_phases import Joined, open_journal, phase
 

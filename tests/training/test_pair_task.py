@@ -8,8 +8,8 @@ from typing import Any, cast
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.learning.action_outcome import ActionOutcome
-from cbdsl.learning.catalog_exploration import CatalogConstants
+from cbdsl.learning.catalogs.action_outcome import ActionOutcome
+from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.training.explorable_pair import ExplorablePair
 from cbdsl.training.pair_task import PairTask, PairWork

@@ -15,7 +15,7 @@ from cbdsl.backends.staging.appearance import LYING, parts_of, solid_parts
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.numeric.convex_hull import hull_faces
-from cbdsl.robot.mesh_reader import Mesh
+from cbdsl.robot.meshes.mesh_reader import Mesh
 
 # Files of the visible mesh, and of the colliding hull.
 _SEEN, _HULL = "seen.obj", "hull.obj"

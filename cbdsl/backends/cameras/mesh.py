@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.mesh_reader import Mesh
+from cbdsl.robot.meshes.mesh_reader import Mesh
 
 _SIDES = 48
 _SPLITS = 3

@@ -17,7 +17,7 @@ from cbdsl.backends.staging.solids import POSITION, ROTATION
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.kinematics.quaternion import rotations
 from cbdsl.numeric.arrays import Floats, Image
-from cbdsl.robot.mesh_reader import Mesh
+from cbdsl.robot.meshes.mesh_reader import Mesh
 from cbdsl.robot.urdf import UrdfModel, UrdfShape
 
 BACKGROUND = (0.78, 0.78, 0.78)

@@ -10,8 +10,8 @@ import numpy as np
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.robot.mesh_file import find_mesh
-from cbdsl.robot.mesh_reader import MeshError, read_mesh_file
+from cbdsl.robot.meshes.mesh_file import find_mesh
+from cbdsl.robot.meshes.mesh_reader import MeshError, read_mesh_file
 from cbdsl.robot.urdf import UrdfShape
 
 _KINDS = {

@@ -30,8 +30,8 @@ from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.box_cover import cover
 from cbdsl.numeric.convex import Convex
-from cbdsl.robot.mesh_reader import Mesh
-from cbdsl.robot.thing_mesh import changed, read_thing_mesh
+from cbdsl.robot.meshes.mesh_reader import Mesh
+from cbdsl.robot.meshes.thing_mesh import changed, read_thing_mesh
 from cbdsl.robot.urdf import UrdfOrigin
 
 # Number of boxes that the wall of a tube consists of.

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from cbdsl.kinematics.pose import Pose
-from cbdsl.robot.mesh_reader import Mesh
+from cbdsl.robot.meshes.mesh_reader import Mesh
 
 
 class Part(NamedTuple):

@@ -37,7 +37,7 @@ def check_meshes(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: D
     meshes = model.meshes
     if not meshes:
         return
-    from cbdsl.robot.mesh_file import find_mesh  # most robots of a check have none
+    from cbdsl.robot.meshes.mesh_file import find_mesh  # most robots of a check have none
 
     folder = model.path.parent
     missing = [name for name in meshes if find_mesh(name, folder) is None]

@@ -14,7 +14,7 @@ from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 if TYPE_CHECKING:
-    from cbdsl.robot.mesh_reader import Mesh
+    from cbdsl.robot.meshes.mesh_reader import Mesh
 
 _ENDINGS = (".stl", ".obj")
 
@@ -35,7 +35,7 @@ def check_meshes(loaded: Loaded[StageDocument], diagnostics: Diagnostics) -> Non
 def extents_of(form: MeshForm) -> tuple[float, float, float] | None:
     """Return the edges of the box around a mesh, m, or ``None`` if it cannot be read."""
     try:
-        from cbdsl.robot.thing_mesh import read_thing_mesh  # few stages have any
+        from cbdsl.robot.meshes.thing_mesh import read_thing_mesh  # few stages have any
 
         x, y, z = read_thing_mesh(form.path, form.scale).halves
     except (UsageError, ImportError):  # an installation for checks alone may have no arrays
@@ -54,7 +54,7 @@ def _readable(
     loaded: Loaded[StageDocument], diagnostics: Diagnostics, steps: tuple[Step, ...], form: MeshForm
 ) -> None:
     try:
-        from cbdsl.robot.thing_mesh import read_thing_mesh
+        from cbdsl.robot.meshes.thing_mesh import read_thing_mesh
     except ImportError:
         return
     try:

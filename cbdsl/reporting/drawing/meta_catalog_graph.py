@@ -7,8 +7,8 @@ from html import escape
 from typing import NamedTuple
 
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.learning.stack_plan import pairs_of, plan_stacks
-from cbdsl.learning.thing_graph import support_graph
+from cbdsl.learning.catalogs.stack_plan import pairs_of, plan_stacks
+from cbdsl.learning.catalogs.thing_graph import support_graph
 
 _WIDTH, _HEIGHT, _GAP, _RISE, _MARGIN = 190, 44, 16, 76, 14
 _ORANGE, _EMPTY, _INK, _THING, _LINE = "#e69f00", "#fbeed2", "#222222", "#dddddd", "#888888"

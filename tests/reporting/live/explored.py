@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cbdsl.learning.action_outcome import NOOP, ActionOutcome, FeatureForm
-from cbdsl.learning.catalog_exploration import CatalogConstants, CatalogExploration
+from cbdsl.learning.catalogs.action_outcome import NOOP, ActionOutcome, FeatureForm
+from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants, CatalogExploration
 
 PLACE = (FeatureForm("place", "m", 3),)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.reporting.live.exploration_view import ExplorationView
 from cbdsl.reporting.live.feed import Feed, PageCursor

@@ -6,8 +6,8 @@ import numpy as np
 
 from cbdsl.documents.robot import RobotDocument, Sensor
 from cbdsl.robot.source_kind import SourceKind
-from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.resource import Origin, Resource, SensorSignal
 from cbdsl.types.resource_type import FORCE, TORQUE
 
