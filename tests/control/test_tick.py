@@ -112,6 +112,7 @@ class Bench:
         self.columns = np.where(mine, JOINTS, -1)
         self.acting = np.array([(slot, -1, -1, slot) for slot in range(len(cases))])
         self.positions, self.references = np.zeros(ALL), np.zeros(ALL)
+        self.law = Law(np.full(5, -1e3), np.full(5, 1e3), LawSettings(joint_step=1e3))
         self.loads, self.load_guards = np.zeros((0, 6)), np.zeros(0, LOAD_GUARD)
 
     def write(self, place: int, reading: Reading, reference: Floats | None, stamp: int = 0) -> None:
@@ -125,8 +126,7 @@ class Bench:
             self.write(place, case.reading(rng), case.value(rng), stamp)
 
     def tick(self) -> int:
-        table, stack, step = self.table, self.stack, self.step
-        law = Law(np.full(5, -1e3), np.full(5, 1e3), LawSettings(joint_step=1e3))
+        table, stack, step, law = self.table, self.stack, self.step, self.law
         feeling = np.zeros(len(self.loads), np.bool_)
         signals = SignalArrays(
             SensedArrays(self.positions, self.loads, feeling),
@@ -328,6 +328,26 @@ def test_a_search_that_is_interrupted_goes_on_as_fast_as_it_was(rng: np.random.G
     modes, wanted = zip(*found, strict=True)
     assert modes == (SEARCH, SEARCH, SEARCH, SEARCH, IDLE, SEARCH)
     assert wanted[5] > wanted[3] == wanted[4] > wanted[0]
+
+
+@pytest.mark.parametrize("spike", [0.05, 1.0, 30.0, 1e6])
+def test_references_after_a_spike_of_an_encoder_move_within_their_steps(
+    spike: float, rng: np.random.Generator
+) -> None:
+    """Neither the lead nor the limits may pull a reference further than its step."""
+    bench = Bench([CASES[0], CASES[2]], rng)
+    step, limit = 0.02, 2.0
+    bench.law = Law(np.full(5, -limit), np.full(5, limit), LawSettings(joint_step=step, lead=0.1))
+    steps = []
+    for number in range(40):
+        bench.draw(rng, number)
+        bench.positions[:] = bench.references
+        if number % 5 == 4:
+            bench.positions[rng.choice(JOINTS)] += spike * rng.choice([-1.0, 1.0])
+        before = bench.references.copy()
+        assert bench.tick() == MOVED
+        steps.append(np.abs(bench.references - before).max())
+    assert 0.5 * step < max(steps) <= step + 1e-9
 
 
 def test_a_position_is_sent_above_its_reference_and_judged_by_it(rng: np.random.Generator) -> None:
