@@ -20,7 +20,7 @@ from cbdsl.reporting.live import live_view
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.transport import Transport
-from cbdsl.runtime.composer import Composer
+from cbdsl.runtime.program_composer import Composer
 from cbdsl.runtime.tick import Tick
 
 

@@ -43,7 +43,8 @@ from cbdsl.cli.main import build_app
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.types import potential as potentials
 from tests.cli.test_main import cb
-from tests.control import test_navigation, test_registry
+from tests.control import test_navigation
+from tests.control import test_potential_registry as test_registry
 from tests.plugins.installed import refresh, write_package
 from tests.test_readme import leaves, options
 
@@ -61,7 +62,7 @@ FENCE = re.compile(
     r"(?P<marks>(?:^ *<!-- .*? -->\n)*)^ *```(?P<language>\w*)\n(?P<text>.*?)^ *```$",
     re.DOTALL | re.MULTILINE,
 )
-#: Properties that tests/control/test_registry.py checks for every potential and type.
+#: Properties that tests/control/test_potential_registry.py checks for every potential and type.
 GENERIC: list[Callable[..., None]] = [
     test_registry.test_gradient_equals_finite_differences,
     test_registry.test_small_steps_lower_phi_and_shapes_agree,

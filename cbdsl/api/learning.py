@@ -20,7 +20,7 @@ from cbdsl.learning.experience import Experience
 from cbdsl.learning.impedance import AXES, DIRECTIONS, KINDS, ImpedanceProfile, ImpedanceTest
 from cbdsl.learning.learner import ASSIMILATE
 from cbdsl.learning.transition_counts import TransitionCounts
-from cbdsl.numeric.affordance import AffordanceModel
+from cbdsl.numeric.affordance_model import AffordanceModel
 from cbdsl.program.catalog_models import pair_models
 
 __all__ = [

@@ -53,7 +53,7 @@ def serve_robot(
         UsageError: An item is missing, not installed, or does not fit.
     """
     from cbdsl.api.robots import read_robot, read_stage
-    from cbdsl.backends.ros2.faults import Faults, read_fault
+    from cbdsl.backends.ros2.injected_faults import Faults, read_fault
     from cbdsl.backends.ros2.server import RobotServer, simulated_robot
     from cbdsl.robot.control_rate import with_control_rate
 

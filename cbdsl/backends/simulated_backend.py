@@ -14,9 +14,9 @@ from cbdsl.backends.backend import BackendError, embody
 from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
 from cbdsl.backends.cameras.rendered import RenderedCameras
 from cbdsl.backends.staging.cell_offsets import CellOffsets
-from cbdsl.backends.staging.context import choose_context, starting_posture
 from cbdsl.backends.staging.encoders import Encoders
 from cbdsl.backends.staging.engine import Engine
+from cbdsl.backends.staging.episode_start import choose_context, starting_posture
 from cbdsl.backends.staging.experimenter import Experimenter
 from cbdsl.backends.staging.load_cells import LoadCells
 from cbdsl.backends.staging.sampler import ScenarioSampler

@@ -116,7 +116,7 @@ def live_page(
     from cbdsl.reporting.live.live_page import live_page as page
     from cbdsl.reporting.live.live_view import LiveView
     from cbdsl.reporting.live.requests import Requests
-    from cbdsl.runtime.composer import Composer
+    from cbdsl.runtime.program_composer import Composer
 
     # The backend's ground truth is only on the page, for display.
     scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None

@@ -37,7 +37,7 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
     Exit 0 if the page was written, 1 if a document has errors, 2 if the page cannot be made.
     """
     try:
-        from cbdsl.reporting.learned import find_learned, read_learned
+        from cbdsl.reporting.learned_files import find_learned, read_learned
         from cbdsl.reporting.learned_page import learned_page
         from cbdsl.reporting.meta_catalog_page import meta_catalog_page
     except ModuleNotFoundError as error:

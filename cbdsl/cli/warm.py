@@ -51,7 +51,7 @@ def warm() -> None:
 def _compile_potentials() -> None:
     """Compile all potentials, including potentials unused by the programs above."""
     from cbdsl.cli.compilation import told_of_compilation
-    from cbdsl.control.registry import compile_potentials
+    from cbdsl.control.potential_registry import compile_potentials
 
     with told_of_compilation():
         compile_potentials()

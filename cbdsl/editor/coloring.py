@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from cbdsl.diagnostics.lines import lines_of
 from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.completions import is_composed, robot_resources, section
 from cbdsl.editor.cursor import EnclosingKeys
-from cbdsl.editor.names import is_composed, robot_resources, section
 from cbdsl.types.potential import POTENTIALS
 
 #: Kinds of words, in the protocol's terms: operators are "subject to", functions controllers,

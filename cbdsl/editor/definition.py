@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from cbdsl.diagnostics.lines import lines_of
 from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.completions import document_named, section
 from cbdsl.editor.cursor import Cursor
-from cbdsl.editor.names import document_named, section
 
 _SECTIONS = ("controllers", "use")
 

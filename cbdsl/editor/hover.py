@@ -9,9 +9,9 @@ from textwrap import dedent
 
 from cbdsl.diagnostics.lines import lines_of
 from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.completions import document_named, is_composed, robot_resources, section
 from cbdsl.editor.cursor import Cursor
 from cbdsl.editor.keys import keys
-from cbdsl.editor.names import document_named, is_composed, robot_resources, section
 from cbdsl.types.casts import CASTS
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource

@@ -11,8 +11,8 @@ from cbdsl.diagnostics.lines import lines_of
 from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.documents.kinds import KINDS
 from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.completions import document_named, is_composed, section
 from cbdsl.editor.cursor import Cursor, cursor
-from cbdsl.editor.names import document_named, is_composed, section
 
 # Sections of policies that name their program's controllers.
 _LEARNED = ("predicates", "policy", "values", "transitions")

@@ -19,13 +19,13 @@ from cbdsl.documents.ownership import is_declared, is_own
 from cbdsl.editor.addresses import Addresses
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.coloring import KINDS_OF_WORDS, colored_words
+from cbdsl.editor.completions import choices
 from cbdsl.editor.cursor import Cursor, cursor
 from cbdsl.editor.definition import definition
 from cbdsl.editor.fixes import fix
 from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
-from cbdsl.editor.messages import MessageStream
-from cbdsl.editor.names import choices
+from cbdsl.editor.message_stream import MessageStream
 from cbdsl.editor.positions import Positions
 from cbdsl.editor.rename import Renaming, is_name, renaming
 from cbdsl.yaml_text.reader import formatted_text

@@ -13,7 +13,7 @@ from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.decisions import Decisions
 from cbdsl.learning.epsilon_greedy import choose
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.knowledge import model_documents, policy_document
+from cbdsl.learning.knowledge_documents import model_documents, policy_document
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.prior import learned_density
 from cbdsl.learning.q_learning import QLearning

@@ -34,7 +34,7 @@ from cbdsl.documents.schema import (
 )
 from cbdsl.learning.allocation_tree import Tally, TriedContext, grow_tallies, rankings
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.knowledge import curve_of
+from cbdsl.learning.knowledge_documents import curve_of
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.attempts import attempts

@@ -8,7 +8,7 @@ import numpy as np
 
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.numeric.affordance import AffordanceModel, deviation_of
+from cbdsl.numeric.affordance_model import AffordanceModel, deviation_of
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.types.resource import AFFORDS, AffordanceProbability, Origin, Resource

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cbdsl.numeric.arrays import Floats
 from cbdsl.reporting.landscape import Landscape
-from cbdsl.reporting.learned import InternalModel, Joint
+from cbdsl.reporting.learned_files import InternalModel, Joint
 
 _PLOT = 360.0
 _TALLEST, _LOWEST = 300.0, 120.0

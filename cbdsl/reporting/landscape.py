@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.learned import InternalModel
+from cbdsl.reporting.learned_files import InternalModel
 
 #: Number of evaluated angles of a joint.
 POINTS = 181

@@ -25,7 +25,7 @@ from cbdsl.reporting.drawing.policy_transitions import (
 from cbdsl.reporting.drawing.svg import svg
 from cbdsl.reporting.interquartile import Band
 from cbdsl.reporting.landscape import Landscape
-from cbdsl.reporting.learned import InternalModel, Learned
+from cbdsl.reporting.learned_files import InternalModel, Learned
 from cbdsl.reporting.markup import Markup, html, letters, table, terms
 from cbdsl.reporting.template import filled
 from cbdsl.reporting.trial_groups import Measured, TrialGroup, measured, trial_groups

@@ -6,7 +6,7 @@ import numpy as np
 
 from cbdsl.kinematics.quaternion import product, quaternion_about, turned
 from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.model import DrawnLink
+from cbdsl.reporting.drawn_links import DrawnLink
 
 
 def placed(link: DrawnLink, positions: Floats) -> tuple[Floats, Floats]:

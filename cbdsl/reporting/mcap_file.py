@@ -25,9 +25,9 @@ from mcap.writer import Writer
 
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.transition import title_of
+from cbdsl.reporting.drawn_links import DrawnLink, read_links
 from cbdsl.reporting.link_pose import placed
 from cbdsl.reporting.mcap_schemas import SCHEMAS
-from cbdsl.reporting.model import DrawnLink, read_links
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.storage.atomic_file import replace_file
 

@@ -17,7 +17,7 @@ from cbdsl.reporting.interquartile import (
     mean,
     running_mean,
 )
-from cbdsl.reporting.learned import Learned
+from cbdsl.reporting.learned_files import Learned
 
 #: Numbers of episodes in the smoothing window.
 WINDOWS = (1, 5, 10)

@@ -26,4 +26,6 @@ def _problems(driver: Driver) -> Iterator[Problem]:
         yield ("options", option), f"kind ros2 has no option '{option}'"
 
 
-ROS2 = DriverKind("ros2", "topics of ROS 2, by DDS", _problems, "cbdsl.backends.ros2.link:Ros2Link")
+ROS2 = DriverKind(
+    "ros2", "topics of ROS 2, by DDS", _problems, "cbdsl.backends.ros2.ros2_link:Ros2Link"
+)

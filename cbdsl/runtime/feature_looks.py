@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from cbdsl.runtime.action_levels import Active
-from cbdsl.runtime.context import ContextReader
+from cbdsl.runtime.context_reader import ContextReader
 
 
 class LookingProgram(Protocol):

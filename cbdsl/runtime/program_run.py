@@ -12,7 +12,7 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition, title_of
 from cbdsl.runtime.action_levels import ActionLevels, Active
-from cbdsl.runtime.context import ContextReader
+from cbdsl.runtime.context_reader import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.controller_runs import ControllerRuns
 from cbdsl.runtime.feature_looks import FeatureLooks, LookingProgram

@@ -11,7 +11,7 @@ from cbdsl.documents.policy import Provenance
 from cbdsl.learning.experience import EPISODES, Experience
 from cbdsl.storage.journal import Journal
 from cbdsl.training.episode_runner import EpisodeRunner
-from cbdsl.training.knowledge import model_file, write_knowledge
+from cbdsl.training.knowledge_files import model_file, write_knowledge
 from cbdsl.training.task_files import require_free, require_room, trial_journal
 from cbdsl.training.task_loop import run_items
 from cbdsl.training.task_observer import TaskObserver

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from cbdsl.types.resource_type import ResourceType
 
 if TYPE_CHECKING:
-    from cbdsl.numeric.affordance import AffordanceModel
+    from cbdsl.numeric.affordance_model import AffordanceModel
 
 #: Prefix of the names of probabilities that a catalog predicts.
 AFFORDS = "affords."

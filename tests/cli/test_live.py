@@ -17,7 +17,7 @@ import pytest
 
 from cbdsl.cli import live as module
 from cbdsl.reporting.live.live_view import LiveView
-from cbdsl.reporting.live.message import Message
+from cbdsl.reporting.live.page_message import Message
 from tests.cli.test_main import cb
 
 REACH = ("run", "sixaxis_reach", "--backend", "kinematic", "--seed", "25", "--json")

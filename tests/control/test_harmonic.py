@@ -15,7 +15,7 @@ from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Potential
-from cbdsl.control.registry import build
+from cbdsl.control.potential_registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller, Field, Quiescence

@@ -9,7 +9,7 @@ from cbdsl.control.manipulability import of_jacobian
 from cbdsl.numeric.arrays import Floats
 from tests.control.chain import Chain
 from tests.control.evaluation import Evaluation, evaluate
-from tests.control.test_registry import curved, manipulator
+from tests.control.test_potential_registry import curved, manipulator
 
 
 def planar(chain: Chain, q: Floats) -> Evaluation:

@@ -26,7 +26,7 @@ from cbdsl.types.potential import POTENTIALS, Condition
 from tests.control.chain import Chain
 from tests.control.evaluation import Signal, evaluate, gradient
 from tests.control.test_localizability import ahead, headings
-from tests.control.test_registry import bent, curved, feedback_type, manipulator
+from tests.control.test_potential_registry import bent, curved, feedback_type, manipulator
 
 CONDITIONS = ("analytic", "polar", "admissible", "morse")
 CAMERAS = ahead(0.35)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from cbdsl.control.registry import build
+from cbdsl.control.potential_registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Frame, Kinematics
@@ -21,7 +21,7 @@ from cbdsl.types.resource_type import HEADING, TYPES, ResourceType, configuratio
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 from tests.control.evaluation import Signal, evaluate, gradient
-from tests.control.test_registry import controller
+from tests.control.test_potential_registry import controller
 
 LIBRARY = Library(ROOT)
 ROBOTS = {

@@ -14,12 +14,12 @@ from cbdsl.cli.assignments import read_assignments
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.coloring import colored_words
+from cbdsl.editor.completions import choices
 from cbdsl.editor.cursor import cursor
 from cbdsl.editor.definition import definition
 from cbdsl.editor.fixes import fixed
 from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
-from cbdsl.editor.names import choices
 from cbdsl.editor.rename import renaming
 from cbdsl.reporting.live.requests import Requests
 from cbdsl.reporting.live.server import RequestError

@@ -52,8 +52,8 @@ def _xacro(data: bytes) -> None:
 
 def _xacro_expression(data: bytes) -> None:
     from cbdsl.robot.xacro.budget import StepBudget
-    from cbdsl.robot.xacro.expression import evaluate
     from cbdsl.robot.xacro.functions import ModelFunction, Namespace, functions
+    from cbdsl.robot.xacro.xacro_expression import evaluate
 
     try:
         value = evaluate(data.decode("utf-8", "ignore"), functions({}), StepBudget())

@@ -17,7 +17,7 @@ from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.affordance import deviation_of
+from cbdsl.numeric.affordance_model import deviation_of
 from cbdsl.program.catalog_models import models_of
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner

@@ -11,7 +11,7 @@ from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
 from cbdsl.program.binding import density_source
 from cbdsl.reporting.density_svg import density_svgs
 from cbdsl.reporting.landscape import Landscape
-from cbdsl.reporting.learned import InternalModel, Joint
+from cbdsl.reporting.learned_files import InternalModel, Joint
 from cbdsl.sensing.density import DensitySampler
 
 # Some beyond the limits, none so far that only a steep tail is left within them.

@@ -12,12 +12,12 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
 from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.completions import choices
 from cbdsl.editor.cursor import cursor
 from cbdsl.editor.hover import hover
-from cbdsl.editor.names import choices
 from cbdsl.program.dry_run import controllers
 from cbdsl.reporting.density_svg import density_svgs
-from cbdsl.reporting.learned import InternalModel, Joint
+from cbdsl.reporting.learned_files import InternalModel, Joint
 from cbdsl.runtime.recording import triple
 from cbdsl.types.resource_type import POSE, WRENCH, configuration
 from cbdsl.yaml_text.library import Library

@@ -13,8 +13,8 @@ import pytest
 
 from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.checking.program import check_program
-from cbdsl.runtime.composer import Composer
 from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.program_composer import Composer
 from cbdsl.sensing.observation import Observation
 from cbdsl.yaml_text.library import Library
 from tests.robots.small_robot import Hinge, SmallRobot, chain, write_robot

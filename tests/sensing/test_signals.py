@@ -5,7 +5,7 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.affordance import AffordanceModel
+from cbdsl.numeric.affordance_model import AffordanceModel
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.sensor_faults import SensorError

@@ -10,7 +10,8 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.cameras import light, mesh
+from cbdsl.backends.cameras import light
+from cbdsl.backends.cameras import primitive_mesh as mesh
 from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.solids import POSITION, ROTATION

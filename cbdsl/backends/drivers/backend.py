@@ -13,12 +13,12 @@ from cbdsl.backends.drivers.clock import Clock
 from cbdsl.backends.drivers.link import DriverLink, Endpoint, open_links
 from cbdsl.backends.drivers.person import RefusingPerson
 from cbdsl.backends.drivers.real_time import RealTime
+from cbdsl.backends.drivers.safety_supervisor import SafetySupervisor, State
 from cbdsl.backends.drivers.sample import Command, ImageSample, RegionsSample, Sample
 from cbdsl.backends.drivers.setup import describe_setup
-from cbdsl.backends.drivers.supervisor import SafetySupervisor, State
 from cbdsl.backends.drivers.survey import survey_problems
 from cbdsl.backends.drivers.views import with_views
-from cbdsl.backends.staging.context import choose_context
+from cbdsl.backends.staging.episode_start import choose_context
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

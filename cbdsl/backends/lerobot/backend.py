@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.lerobot.robot import METHODS, LeRobot, robot_name
+from cbdsl.backends.lerobot.robot_interface import METHODS, LeRobot, robot_name
 from cbdsl.backends.lerobot.sensors import Sensors
-from cbdsl.backends.staging.context import choose_context
+from cbdsl.backends.staging.episode_start import choose_context
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from cbdsl.backends.lerobot.robot import LeRobot, robot_name
+from cbdsl.backends.lerobot.robot_interface import LeRobot, robot_name
 
 #: Radians of a degree.
 DEGREES = math.pi / 180

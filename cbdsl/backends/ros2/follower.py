@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.backends.ros2 import messages as msg
+from cbdsl.backends.ros2 import dds_types as msg
 from cbdsl.numeric.arrays import Floats
 
 # Silence after which a writer loses its ownership of a controller, s.

@@ -14,8 +14,8 @@ from cbdsl.backends.drivers.joint_limits import joint_limits
 from cbdsl.backends.drivers.limiter import JointLimits
 from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.drivers.watchdog import Watchdog, WatchdogPhase
-from cbdsl.backends.ros2 import messages as msg
-from cbdsl.backends.ros2.node import RosNode, guarded
+from cbdsl.backends.ros2 import dds_types as msg
+from cbdsl.backends.ros2.ros_node import RosNode, guarded
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument

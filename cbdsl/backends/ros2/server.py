@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.backend import Backend, BackendError, embody
 from cbdsl.backends.drivers.real_time import RealTime
-from cbdsl.backends.ros2 import messages as msg
-from cbdsl.backends.ros2.faults import Faults
+from cbdsl.backends.ros2 import dds_types as msg
 from cbdsl.backends.ros2.follower import Follower
-from cbdsl.backends.ros2.node import RosNode
+from cbdsl.backends.ros2.injected_faults import Faults
 from cbdsl.backends.ros2.regions_text import write_regions
+from cbdsl.backends.ros2.ros_node import RosNode
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

@@ -11,8 +11,8 @@ from typing import TypeVar
 import numpy as np
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.staging.conflict import Conflict, find_conflict
 from cbdsl.backends.staging.scenario import Movement, PlacedThing, Scenario, SceneObject
+from cbdsl.backends.staging.scene_conflict import Conflict, find_conflict
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.span import draw
 from cbdsl.documents.context import Context, Motion, PlaceSection, Presentation

@@ -9,7 +9,7 @@ import numpy as np
 
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome, FeatureForm
 from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
-from cbdsl.numeric.affordance import AffordanceModel, deviation_of
+from cbdsl.numeric.affordance_model import AffordanceModel, deviation_of
 from cbdsl.numeric.arrays import Floats
 
 

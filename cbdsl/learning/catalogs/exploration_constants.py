@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from cbdsl.documents.document import Count, Section, quantity
-from cbdsl.numeric.affordance import Measure
+from cbdsl.numeric.affordance_model import Measure
 
 
 class ExplorationConstants(Section):

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from cbdsl.numeric.affordance import AffordanceModel
+from cbdsl.numeric.affordance_model import AffordanceModel
 from cbdsl.numeric.arrays import Floats
 
 # Share of a Gaussian's samples within the recognition distance.

@@ -23,7 +23,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.reporting.lerobot.frames import Frames, frame_rate, frames_of
+from cbdsl.reporting.lerobot.dataset_frames import Frames, frame_rate, frames_of
 from cbdsl.reporting.lerobot.statistics import Statistics
 from cbdsl.reporting.lerobot.video import video_info, write_video
 from cbdsl.reporting.recorded import Recorded

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.lerobot.frames import Frames
+from cbdsl.reporting.lerobot.dataset_frames import Frames
 
 Row = dict[str, Any]
 

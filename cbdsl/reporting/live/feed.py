@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Condition
 
-from cbdsl.reporting.live.message import Message
+from cbdsl.reporting.live.page_message import Message
 
 
 class FullError(Exception):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.bundle import Bundle
-from cbdsl.reporting.model import read_links
+from cbdsl.reporting.drawn_links import read_links
 from cbdsl.reporting.page import drawn_link
 from cbdsl.reporting.template import filled
 from cbdsl.robot.joints import Joints

@@ -11,7 +11,7 @@ from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram
 from cbdsl.reporting.live.server import RequestError
 from cbdsl.reporting.live.transport import IdleError, Transport
-from cbdsl.runtime.composer import Composer, ComposerError
+from cbdsl.runtime.program_composer import Composer, ComposerError
 
 # Speeds beyond these are an input error, simulated seconds per second.
 _SLOWEST, _FASTEST = 0.01, 100.0

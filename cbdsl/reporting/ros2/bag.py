@@ -7,7 +7,7 @@ from typing import Any
 
 from mcap.writer import Writer
 
-from cbdsl.reporting.ros2.message import NANO, TYPES
+from cbdsl.reporting.ros2.ros_messages import NANO, TYPES
 
 # Quality of service of topics whose last message late subscribers get, too: keep last 1, reliable,
 # transient local, as the recorder of ROS 2 Humble writes it.

@@ -25,10 +25,12 @@ from typing import Any
 import numpy as np
 
 from cbdsl.kinematics.quaternion import inverse, turned
-from cbdsl.reporting.model import DrawnLink, read_links
+from cbdsl.reporting.drawn_links import DrawnLink, read_links
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.ros2.bag import Bag
-from cbdsl.reporting.ros2.frames import (
+from cbdsl.reporting.ros2.markers import markers
+from cbdsl.reporting.ros2.ros_messages import TYPES, header, make, stamp, vector
+from cbdsl.reporting.ros2.transforms import (
     UNTURNED,
     WORLD,
     fixed_frames,
@@ -36,8 +38,6 @@ from cbdsl.reporting.ros2.frames import (
     optical_frame,
     world_turns,
 )
-from cbdsl.reporting.ros2.markers import markers
-from cbdsl.reporting.ros2.message import TYPES, header, make, stamp, vector
 from cbdsl.storage.atomic_file import replace_file
 
 Stamped = tuple[float, str, Any]

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.reporting.ros2.frames import object_frame
-from cbdsl.reporting.ros2.message import TYPES, header, make, quaternion, vector
+from cbdsl.reporting.ros2.ros_messages import TYPES, header, make, quaternion, vector
+from cbdsl.reporting.ros2.transforms import object_frame
 
 _MARKER: Any = TYPES.types["visualization_msgs/msg/Marker"]
 _NO_DATA = np.zeros(0, dtype=np.uint8)

@@ -20,7 +20,7 @@ import numpy as np
 from cbdsl.documents.contents import contents
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.mjcf.body_frame import BodyFrame, moved, placed, turned
-from cbdsl.robot.mjcf.model import MjcfJoint, MjcfModel
+from cbdsl.robot.mjcf.mjcf_model import MjcfJoint, MjcfModel
 from cbdsl.robot.robot_xml import MOST_BYTES, xml_root
 from cbdsl.robot.urdf import UrdfError
 

@@ -23,8 +23,8 @@ from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.robot_xml import MOST_BYTES, refuse_entities
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.xacro.budget import BudgetError, StepBudget
-from cbdsl.robot.xacro.expression import ExpressionError, evaluate
 from cbdsl.robot.xacro.functions import functions
+from cbdsl.robot.xacro.xacro_expression import ExpressionError, evaluate
 
 _MOST_YAML_BYTES = 200_000
 _ELEMENT_STEPS = 100  # for an element, in addition to its texts

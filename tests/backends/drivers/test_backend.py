@@ -16,8 +16,8 @@ from cbdsl.backends.backend import AttendedBackend, BackendError
 from cbdsl.backends.drivers.backend import DrivenBackend
 from cbdsl.backends.drivers.link import Endpoint
 from cbdsl.backends.drivers.person import Consent, RefusingPerson
+from cbdsl.backends.drivers.safety_supervisor import State
 from cbdsl.backends.drivers.sample import DescriptionSample, FaultSample, JointSample, StopSample
-from cbdsl.backends.drivers.supervisor import State
 from cbdsl.documents.stage import StageDocument
 from tests.backends.drivers.conftest import (
     LOWER,

@@ -168,7 +168,7 @@ class Trial:
             time.sleep(0.005)
 
     def _serve(self, *, restarted: bool = False) -> None:
-        from cbdsl.backends.ros2.faults import Faults, InjectedFault
+        from cbdsl.backends.ros2.injected_faults import Faults, InjectedFault
         from cbdsl.backends.ros2.server import RobotServer, simulated_robot
 
         document = self._standing() if restarted else self._robot
@@ -256,7 +256,7 @@ class Trial:
 
     def _command(self) -> None:
         """Command the robot as a second program would."""
-        from cbdsl.backends.ros2.link import Ros2Link
+        from cbdsl.backends.ros2.ros2_link import Ros2Link
 
         link = Ros2Link(self._robot, self._robot.drivers, None)
         link.claim()
@@ -346,7 +346,7 @@ def _kill(child: int) -> None:
 
 def warm() -> None:
     """Import and compile everything before the first fork, without a thread of DDS."""
-    from cbdsl.backends.ros2 import guard, link, server  # noqa: F401
+    from cbdsl.backends.ros2 import guard, server  # noqa: F401
     from cbdsl.checking.program import check_program
     from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.runtime.episode import Runner

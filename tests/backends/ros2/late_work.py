@@ -15,7 +15,7 @@ from typing import Any
 from numba.core import event
 
 from cbdsl.backends.drivers.backend import DrivenBackend
-from cbdsl.backends.drivers.supervisor import State
+from cbdsl.backends.drivers.safety_supervisor import State
 from cbdsl.backends.ros2.server import Moment, RobotServer
 
 

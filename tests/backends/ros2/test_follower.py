@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 pytest.importorskip("cyclonedds")
 
-from cbdsl.backends.ros2 import messages as msg
+from cbdsl.backends.ros2 import dds_types as msg
 from cbdsl.backends.ros2.follower import Follower
 
 NOW = 1.7e9

@@ -17,9 +17,9 @@ from cbdsl.api.run_request import read_request
 from cbdsl.backends.backend import embody
 from cbdsl.backends.drivers.sample import Command
 from cbdsl.backends.drivers.views import with_views
-from cbdsl.backends.ros2.link import Ros2Link
-from cbdsl.backends.ros2.messages import JointState
-from cbdsl.backends.ros2.node import RosNode
+from cbdsl.backends.ros2.dds_types import JointState
+from cbdsl.backends.ros2.ros2_link import Ros2Link
+from cbdsl.backends.ros2.ros_node import RosNode
 from cbdsl.backends.ros2.server import RobotServer, simulated_robot
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner

@@ -16,7 +16,7 @@ from cbdsl.learning.catalogs.pair_exploration import PairExploration
 from cbdsl.learning.catalogs.pair_recognition import recognise
 from cbdsl.learning.catalogs.stack_plan import pairs_of, plan_stack, plan_stacks
 from cbdsl.learning.catalogs.thing_graph import support_graph, thing_graph
-from cbdsl.numeric.affordance import AffordanceModel
+from cbdsl.numeric.affordance_model import AffordanceModel
 
 
 def support(pairs: Mapping[tuple[str, str], float]) -> Any:

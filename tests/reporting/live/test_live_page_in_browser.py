@@ -23,8 +23,8 @@ from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.requests import Requests
 from cbdsl.reporting.live.server import LiveServer
 from cbdsl.reporting.live.transport import Transport
-from cbdsl.runtime.composer import Composer
 from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.program_composer import Composer
 from tests.conftest import ROOT
 from tests.reporting.browser import CHROMIUM, Page, browser
 from tests.reporting.conftest import Shown

@@ -16,7 +16,7 @@ from cbdsl.reporting.live.live_view import LiveView
 from cbdsl.reporting.live.requests import Requests
 from cbdsl.reporting.live.server import RequestError
 from cbdsl.reporting.live.transport import Transport
-from cbdsl.runtime.composer import Composer
+from cbdsl.runtime.program_composer import Composer
 from tests.conftest import ROOT
 from tests.reporting.live.conftest import Watched
 

@@ -15,7 +15,7 @@ import pytest
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.reporting.live.feed import Feed
-from cbdsl.reporting.live.message import message
+from cbdsl.reporting.live.page_message import message
 from cbdsl.reporting.live.requests import Requests
 from cbdsl.reporting.live.server import TOKEN, LiveServer
 from cbdsl.reporting.live.transport import Transport

@@ -7,7 +7,7 @@ import numpy as np
 
 from cbdsl.documents.document import Document, Section, quantity
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.knowledge import policy_document
+from cbdsl.learning.knowledge_documents import policy_document
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition

@@ -13,7 +13,7 @@ pytest.importorskip("cyclonedds")
 
 from cyclonedds.idl import IdlStruct
 
-from cbdsl.backends.ros2 import messages as msg
+from cbdsl.backends.ros2 import dds_types as msg
 
 STAMP = msg.Time(1_700_000_000, 250_000_000)
 HEADER = msg.Header(STAMP, "palm")

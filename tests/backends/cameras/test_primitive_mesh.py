@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from cbdsl.backends.cameras import mesh
+from cbdsl.backends.cameras import primitive_mesh as mesh
 
 MESHES = [(mesh.ball, 4 * np.pi / 3), (mesh.box, 8.0), (mesh.cylinder, 2 * np.pi)]
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from cbdsl.reporting.link_shape import LinkShape
 from cbdsl.reporting.link_shape import Numbers as _Numbers
-from cbdsl.reporting.mesh import read_mesh
+from cbdsl.reporting.page_mesh import read_mesh
 from cbdsl.reporting.skeleton import skeleton
 from cbdsl.robot.meshes.mesh_file import find_mesh
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from cbdsl.runtime.composer import Composer, ComposerError
+from cbdsl.runtime.program_composer import Composer, ComposerError
 from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
 from tests.runtime.conftest import Play

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cbdsl.control.potential import Potential, Rule
-from cbdsl.control.registry import build
+from cbdsl.control.potential_registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.control.spring import spring
 from cbdsl.kinematics.kinematics import Frame

@@ -8,7 +8,7 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.model import Gaussian
 from cbdsl.documents.policy import Provenance
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.knowledge import curve_of, model_documents, policy_document
+from cbdsl.learning.knowledge_documents import curve_of, model_documents, policy_document
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.program.transition import Transition
 from cbdsl.yaml_text.library import Library

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.backends.cameras import mesh as primitives
-from cbdsl.reporting.mesh import read_mesh
+from cbdsl.backends.cameras import primitive_mesh as primitives
+from cbdsl.reporting.page_mesh import read_mesh
 from cbdsl.robot.meshes.mesh_file import find_mesh
 from cbdsl.robot.meshes.mesh_reader import Mesh
 from cbdsl.robot.meshes.simplified_mesh import simplified

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cbdsl.numeric.affordance import MEASURES, AffordanceModel
+from cbdsl.numeric.affordance_model import MEASURES, AffordanceModel
 from cbdsl.numeric.sample_statistics import SampleStatistics
 
 SAMPLES = st.integers(1, 5).flatmap(

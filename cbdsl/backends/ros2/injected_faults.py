@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.ros2 import messages as msg
+from cbdsl.backends.ros2 import dds_types as msg
 
 #: Faults by name, each with its meaning.
 KINDS = {

@@ -10,10 +10,10 @@ import numpy as np
 
 from cbdsl.kinematics.quaternion import product, quaternion_about
 from cbdsl.numeric.arrays import Floats
+from cbdsl.reporting.drawn_links import DrawnLink
 from cbdsl.reporting.link_pose import placed
-from cbdsl.reporting.model import DrawnLink
 from cbdsl.reporting.recorded import Recorded
-from cbdsl.reporting.ros2.message import header, make, quaternion, vector
+from cbdsl.reporting.ros2.ros_messages import header, make, quaternion, vector
 
 #: Root of all frames.
 WORLD = "world"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.staging.context import choose_context, starting_posture
+from cbdsl.backends.staging.episode_start import choose_context, starting_posture
 from cbdsl.documents.context import Context
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

@@ -22,9 +22,9 @@ from cbdsl.backends.drivers.sample import (
     StopSample,
     WrenchSample,
 )
-from cbdsl.backends.ros2 import messages as msg
-from cbdsl.backends.ros2.node import Remote, RosNode, absolute, guarded
+from cbdsl.backends.ros2 import dds_types as msg
 from cbdsl.backends.ros2.regions_text import read_regions
+from cbdsl.backends.ros2.ros_node import Remote, RosNode, absolute, guarded
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 

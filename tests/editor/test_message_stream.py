@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.editor.messages import MOST_BYTES, MessageStream
+from cbdsl.editor.message_stream import MOST_BYTES, MessageStream
 from tests.editor.client import COMMAND, Client
 
 BODY = b'{"jsonrpc": "2.0", "method": "x"}'
