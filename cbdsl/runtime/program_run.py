@@ -11,12 +11,14 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition, title_of
+from cbdsl.runtime.action_clock import ActionClock
 from cbdsl.runtime.action_levels import ActionLevels, Active
 from cbdsl.runtime.context_reader import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.controller_runs import ControllerRuns
 from cbdsl.runtime.feature_looks import FeatureLooks, LookingProgram
 from cbdsl.runtime.lost_objects import LostObjects
+from cbdsl.runtime.member_state import MemberState
 from cbdsl.runtime.policies.own_policy import own_policy
 from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy
 from cbdsl.sensing.signals import Signals
@@ -75,9 +77,9 @@ class ProgramRun:
         self._of_child: Sequence[Active] | None = None
         self._of_action = ""
         self._all_active: Sequence[Active] = ()
-        # Codes of the predicates at the last reading, and the state read from them.
-        self._noted, self._reading = b"", ""
-        self._plan, self._slots = plan, slice(first, first + len(self.runs))
+        slots = slice(first, first + len(self.runs))
+        self._members = MemberState(program, self._levels, self.children, plan, slots)
+        self._clock = ActionClock(program, period)
 
     def begin(
         self,
@@ -120,7 +122,7 @@ class ProgramRun:
         self._of_action = ""
         self._composed: Sequence[Active] | None = None
         self._features: Features = NO_FEATURES
-        self._ticks = self._idle_ticks = self._all_ticks = 0
+        self._clock.restart()
 
     def activate(self) -> None:
         """Start from the beginning unless it is running."""
@@ -136,7 +138,7 @@ class ProgramRun:
 
     def _look_on(self, look: LookingProgram) -> None:
         """Advance the search; choose an action once all searches have ended."""
-        self._all_ticks += 1
+        self._clock.advance_search()
         if not self._looks.advance(look):
             self._choose(changed=True)
 
@@ -243,10 +245,10 @@ class ProgramRun:
             self._withdraw()
         elif self._action is not None:
             self._act(self._action)
-        limit = self.program.episode_time
-        if limit is not None and self.predicate == "0" and self._all_ticks * self._period >= limit:
+        if self.predicate == "0" and self._clock.is_episode_over:
             is_done = self.rewarded and not self.program.success
-            self._end("1" if is_done else "-", f"the {limit:g} s of {self._title} were over")
+            limit = f"the {self.program.episode_time:g} s of {self._title}"
+            self._end("1" if is_done else "-", f"{limit} were over")
         self._end_without_objects()
 
     def _end_without_objects(self) -> None:
@@ -260,10 +262,8 @@ class ProgramRun:
 
     def _withdraw(self) -> None:
         """Wait until the background is at rest, then choose again."""
-        self._ticks += 1
-        self._all_ticks += 1
-        is_over = self._ticks * self._period > self.program.transition_time
-        if is_over or all(run.predicate != "0" for run in self.background):
+        self._clock.advance()
+        if self._clock.is_over or all(run.predicate != "0" for run in self.background):
             self._withdraws = False
             self._choose(changed=True)
 
@@ -273,10 +273,9 @@ class ProgramRun:
             child.activate()
         if child is not None:
             child.advance()
-        self._ticks += 1
-        self._all_ticks += 1
+        self._clock.advance()
         self._restart_quiescence(action)
-        state = self._read_state(action)
+        state = self._members.read(action)
         # A program limits its own transitions. It may also end again with its last predicate
         # within one tick, and then it is over although the state has not changed.
         if child is None or action.composition is not None:
@@ -294,13 +293,10 @@ class ProgramRun:
 
     def _is_overdue(self, action: Action, state: str) -> bool:
         """Return whether an action has used up its time, in total or without activity."""
-        if self._ticks * self._period > self.program.transition_time:
+        if self._clock.is_over:
             return True
-        if self.program.idle_time is None:
-            return False
         strives = "0" in state or any(run.seeking for run in self._levels.stacks[action.name])
-        self._idle_ticks = 0 if strives else self._idle_ticks + 1
-        return self._idle_ticks * self._period > self.program.idle_time
+        return self._clock.is_idle(strives=strives)
 
     def _restart_quiescence(self, action: Action) -> None:
         """Restart the quiescence of controllers that wait for a search while it goes on."""
@@ -308,24 +304,6 @@ class ProgramRun:
             if seeker.seeking:
                 for run in waiting:
                     run.restart_quiescence()
-
-    def _read_state(self, action: Action) -> str:
-        """Return the members' predicates while ``action`` runs."""
-        noted = self._plan.predicates[self._slots].tobytes()
-        if noted != self._noted or action.program is not None:
-            self._noted, self._reading = noted, self._read_members(action)
-        return self._reading
-
-    def _read_members(self, action: Action) -> str:
-        """Return the predicates, read from each member."""
-        state = ["X"] * len(self.program.members)
-        if action.program is not None:
-            own = self.children[action.name].predicate
-            is_waiting = action.composition is not None and own == "X"
-            state[self.program.members.index(action.part)] = "-" if is_waiting else own
-        for lead in self._levels.leads.get(action.name, ()):
-            state[lead.place] = lead.predicate
-        return "".join(state)
 
     def _transit(self, state: str) -> None:
         assert self._action is not None
@@ -340,7 +318,7 @@ class ProgramRun:
                 self.state,
                 self._action.name,
                 state,
-                self._ticks,
+                self._clock.ticks,
                 len(rewarding),
                 rewarding,
                 self._action.allocation,
@@ -420,8 +398,8 @@ class ProgramRun:
         before, self._action = self._action, self._actions[choice.action, choice.allocation]
         name = self._action.name
         self._features = {k: value for k, value in features.items() if not math.isnan(value)}
-        self._noted = b""
-        self._ticks = self._idle_ticks = 0
+        self._members.forget()
+        self._clock.begin_action()
         if before is not None:
             self._leave(before, self._action)
         if self._action.program is not None and self._action.composition is None:
@@ -441,7 +419,8 @@ class ProgramRun:
         for run in self.background:
             run.deactivate()
             run.activate()
-        self._action, self._withdraws, self._ticks = None, True, 0
+        self._action, self._withdraws = None, True
+        self._clock.begin_action()
 
     def _leave(self, before: Action, after: Action) -> None:
         child = self.children.get(before.name)
@@ -457,7 +436,7 @@ class ProgramRun:
             return f"{self._title}: {choice.reason}"
         if changed:
             return f"{self._title} has no action for state {self.state}"
-        seconds = self._ticks * self._period
+        seconds = self._clock.seconds
         assert self._action is not None
         return f"{self._action.name} changed nothing in {seconds:.0f} s (state {self.state})"
 

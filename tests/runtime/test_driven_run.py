@@ -12,12 +12,14 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.schema import NO_FEATURES
 from cbdsl.program.transition import Transition
 from cbdsl.runtime import actuation as actuation_module
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.explanation import named_runs
+from cbdsl.runtime.policies.policy import Choice
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
@@ -209,7 +211,7 @@ def test_levels_are_the_same_object_while_the_same_act(drive: Drive, checked: Ch
     first = driven.run.active()
     assert driven.run.active() is first
     child = next(each for name, each in driven.run.children.items() if name == "searchtrack")
-    driven.run._begin_action("searchtrack", True)
+    driven.run._begin_action(Choice("searchtrack"), NO_FEATURES, True)
     with_child = driven.run.active()
     assert with_child is not first and driven.run.active() is with_child
     assert with_child[: len(child.active())] == tuple(child.active())
