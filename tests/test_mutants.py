@@ -57,7 +57,7 @@ def test_samples_are_drawn_from_all_packages_and_repeat() -> None:
 def test_nearest_tests_come_first() -> None:
     (package,) = suites_of("cbdsl/control/law.py", "package")
     assert package[0] == "tests/control/test_law.py"
-    assert package[1] == "tests/control/test_harmonic.py"  # imports it, too
+    assert package[1] == "tests/control/potentials/test_harmonic.py"  # imports it, too
     assert set(package) == {f"tests/control/{file.name}" for file in CONTROL.glob("test_*.py")}
     (journal,) = suites_of("cbdsl/storage/journal.py", "packages")
     assert Path(journal[0]).parts[1] == "runtime"

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
-from cbdsl.control.localizability import seen_by as localizability_potential
-from cbdsl.control.manipulability import of_jacobian as manipulability_potential
 from cbdsl.control.potential import Potential, Rule
-from cbdsl.control.range import between as range_potential
-from cbdsl.control.spring import spring as spring_potential
+from cbdsl.control.potentials.localizability import seen_by as localizability_potential
+from cbdsl.control.potentials.manipulability import of_jacobian as manipulability_potential
+from cbdsl.control.potentials.range import between as range_potential
+from cbdsl.control.potentials.spring import spring as spring_potential
 from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.kinematics.rotation import log as rotation_vector
 from cbdsl.numeric.arrays import Floats

@@ -173,7 +173,7 @@ def _locate(kind: type[Document], name: str, program_file: Path, library: Librar
 
 def _stages_for(robot: str, program_file: Path, library: Library) -> str:
     """Return the names of the stages for a robot."""
-    from cbdsl.checking.lookup.documents import for_robot
+    from cbdsl.checking.lookup.document_search import for_robot
     from cbdsl.documents.stage import StageDocument
 
     names = for_robot(StageDocument, robot, program_file, library)

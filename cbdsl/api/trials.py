@@ -13,12 +13,12 @@ from cbdsl.learning.experience import EPISODES
 from cbdsl.storage.journal import DamagedJournalError, Journal, JournalError
 from cbdsl.training.action_work import FinishedAction
 from cbdsl.training.episode_runner import BackendEpisodeRunner
-from cbdsl.training.local_workers import run_on_workers
 from cbdsl.training.provenance import TrialSetting, provenance_of, versions
 from cbdsl.training.task_files import exploration_journal, trial_journal
 from cbdsl.training.task_observer import ItemListener, TaskObserver
 from cbdsl.training.trial import Trial, used_programs
 from cbdsl.training.trial_work import identity_of, open_journal, run_trial
+from cbdsl.training.workers.local_workers import run_on_workers
 
 __all__ = [
     "EPISODES",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.types.allotment import ALLOTMENTS, PROGRAM, WHOLE, allotment
 

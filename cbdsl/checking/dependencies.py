@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
-from cbdsl.checking.context import Steps
 from cbdsl.checking.knowledge.model import model_resources
-from cbdsl.checking.lookup.documents import find_document, first_stage, for_robot
+from cbdsl.checking.lookup.document_search import find_document, first_stage, for_robot
+from cbdsl.checking.program_context import Steps
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics

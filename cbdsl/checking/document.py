@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cbdsl.checking.cause_order import causes_first
-from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.diagnostics import Diagnostics

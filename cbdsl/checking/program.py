@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cbdsl.checking.actions import Actions
 from cbdsl.checking.allotments import check_allotments
 from cbdsl.checking.cause_order import causes_first
-from cbdsl.checking.compositions import Compositions
-from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.axes import check_contradictions
 from cbdsl.checking.dependencies import Dependencies
-from cbdsl.checking.ends import check_ends, read_ends
-from cbdsl.checking.guards import check_guards
 from cbdsl.checking.knowledge.states import check_states
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.program_context import ProgramContext, Steps
+from cbdsl.checking.rules.actions import Actions
+from cbdsl.checking.rules.compositions import Compositions
+from cbdsl.checking.rules.guards import check_guards
+from cbdsl.checking.rules.outcome_states import check_ends, read_ends
+from cbdsl.checking.rules.suspicious import check_suspicious
+from cbdsl.checking.rules.unused import check_unused
 from cbdsl.checking.session import Session
-from cbdsl.checking.suspicious import check_suspicious
-from cbdsl.checking.unused import check_unused
 from cbdsl.checking.used_programs import Budget, UsedPrograms
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from cbdsl.checking.allotments import exchangeable
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
-from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.member_exchange import MemberExchange
 from cbdsl.checking.prior_looks import look_of
 from cbdsl.checking.session import Session

@@ -6,11 +6,11 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from cbdsl.checking.context import Steps
 from cbdsl.checking.dependencies import Dependencies
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
-from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.program_context import Steps
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
 from cbdsl.diagnostics.diagnostics import Diagnostics

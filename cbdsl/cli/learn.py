@@ -13,7 +13,7 @@ import typer
 
 from cbdsl.api.learn_request import LearnRequest
 from cbdsl.api.run_request import read_request
-from cbdsl.checking.reward import check_rewarded
+from cbdsl.checking.rules.reward import check_rewarded
 from cbdsl.cli.assignments import read_assignments
 from cbdsl.cli.learning_tasks import one_by_one, side_by_side
 from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait, live_options

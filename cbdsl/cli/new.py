@@ -9,7 +9,7 @@ from typing import Annotated, NoReturn
 import typer
 
 from cbdsl.api.propose_robot import propose_robot
-from cbdsl.checking.lookup.documents import for_robot
+from cbdsl.checking.lookup.document_search import for_robot
 from cbdsl.cli.terminal import print_problem
 from cbdsl.cli.validation import check_paths
 from cbdsl.diagnostics.errors import UsageError

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.onset import ONSET, OnsetForm
+from cbdsl.control.conditions.onset import ONSET, OnsetForm
+from cbdsl.control.conditions.predicate import PREDICATE, ROOM, reset, room_of
 from cbdsl.control.potential import Potential, address_of
-from cbdsl.control.predicate import PREDICATE, ROOM, reset, room_of
 from cbdsl.control.slot import SLOT, reset_slot
 from cbdsl.numeric.arrays import Floats, Integers, Records
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.control.onset import restart_onset
-from cbdsl.control.predicate import reset
+from cbdsl.control.conditions.onset import restart_onset
+from cbdsl.control.conditions.predicate import reset
 from cbdsl.numeric.arrays import Floats, Records
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.numeric.vector import fill, norm

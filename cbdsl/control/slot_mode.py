@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.control.onset import note_load, restart_onset
+from cbdsl.control.conditions.onset import note_load, restart_onset
+from cbdsl.control.conditions.predicate import note_undefined
 from cbdsl.control.plan import PlanArrays
-from cbdsl.control.predicate import note_undefined
 from cbdsl.control.slot import IDLE, SEARCH, TRACK
 from cbdsl.kinematics.forward import place_point
 from cbdsl.numeric.arrays import Floats, Integers, Records

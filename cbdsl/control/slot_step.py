@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cbdsl.control.conditions.rate import displace
 from cbdsl.control.potential import Rule, call_at
-from cbdsl.control.rate import displace
 from cbdsl.control.slot import TRACK
 from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.numeric.compiled import compiled

@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from cbdsl.control.conditions.predicate import note, require_settled
 from cbdsl.control.hessian import has_hessian, write_hessian
 from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.plan import PlanArrays
 from cbdsl.control.potential import Rule
-from cbdsl.control.predicate import note, require_settled
 from cbdsl.control.reference import NEEDS_HESSIANS, NOT_FINITE, move
 from cbdsl.control.slot import IDLE, TRACK, error_bound
 from cbdsl.control.slot_mode import decide

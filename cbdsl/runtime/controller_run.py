@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cbdsl.control.conditions.predicate import PREDICATES, restart, settings_of
+from cbdsl.control.conditions.rate import bounds_of
 from cbdsl.control.plan import ControllerPlan, SlotForm
 from cbdsl.control.potential_registry import build
-from cbdsl.control.predicate import PREDICATES, restart, settings_of
-from cbdsl.control.rate import bounds_of
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import SignalError, require_finite
 from cbdsl.control.slot import error_bound

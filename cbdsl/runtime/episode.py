@@ -12,8 +12,8 @@ import numpy as np
 
 from cbdsl.backends.backend import Backend
 from cbdsl.backends.backend_calls import BackendCalls
-from cbdsl.control.multigrid import ConvergenceError
 from cbdsl.control.plan import ControllerPlan
+from cbdsl.control.potentials.multigrid import ConvergenceError
 from cbdsl.control.signal import SignalError
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument

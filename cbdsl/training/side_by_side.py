@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
-from cbdsl.training.local_workers import run_on_workers
-from cbdsl.training.supervisor import Supervisor
 from cbdsl.training.task import Task
+from cbdsl.training.workers.local_workers import run_on_workers
+from cbdsl.training.workers.supervisor import Supervisor
 
 J = TypeVar("J", bound=Task)
 
@@ -30,6 +30,6 @@ def run_all(
     if scheduler is None:
         run_on_workers(tasks, workers, supervisor)
         return
-    from cbdsl.training.cluster import run_on_cluster
+    from cbdsl.training.workers.cluster import run_on_cluster
 
     run_on_cluster(tasks, scheduler, supervisor)

@@ -108,7 +108,7 @@ _BUILT_IN = (
         navigation=Navigation(
             _MET, _MET, _MET, _MET, "bounded errors, turned by less than half a turn"
         ),
-        implementation="cbdsl.control.spring:build",
+        implementation="cbdsl.control.potentials.spring:build",
     ),
     *(
         PotentialType(
@@ -122,7 +122,7 @@ _BUILT_IN = (
             navigation=Navigation(
                 _NOT_MET, _NOT_MET, _MET, _NOT_MET, "bounds, beside which all values are minima"
             ),
-            implementation=f"cbdsl.control.bound:{builder}",
+            implementation=f"cbdsl.control.potentials.bound:{builder}",
         )
         for name, builder in (("at_most", "build_upper"), ("at_least", "build_lower"))
     ),
@@ -137,7 +137,7 @@ _BUILT_IN = (
         navigation=Navigation(
             _MET, _NOT_MET, _NOT_MET, _NOT_MET, "tips away from the point, and not turned from it"
         ),
-        implementation="cbdsl.control.look_at:build",
+        implementation="cbdsl.control.potentials.look_at:build",
         factors=1,
         compares="position",
         task="orientation",
@@ -151,7 +151,7 @@ _BUILT_IN = (
         zero_minimum=True,
         residual=True,
         navigation=Navigation(_MET, _MET, _MET, _MET, "between the joint limits"),
-        implementation="cbdsl.control.range:build",
+        implementation="cbdsl.control.potentials.range:build",
     ),
     PotentialType(
         "manipulability",
@@ -162,7 +162,7 @@ _BUILT_IN = (
         zero_minimum=False,
         residual=False,
         navigation=Navigation(_MET, _ROBOT, _MET, _ROBOT, "postures that are not singular"),
-        implementation="cbdsl.control.manipulability:build",
+        implementation="cbdsl.control.potentials.manipulability:build",
     ),
     PotentialType(
         "localizability",
@@ -175,7 +175,7 @@ _BUILT_IN = (
         navigation=Navigation(
             _MET, _NOT_MET, _NOT_MET, _NOT_MET, "lines of sight that meet in front of the cameras"
         ),
-        implementation="cbdsl.control.localizability:build",
+        implementation="cbdsl.control.potentials.localizability:build",
         factors=2,
     ),
     PotentialType(
@@ -189,7 +189,7 @@ _BUILT_IN = (
         navigation=Navigation(
             _MET, _MET, _NOT_MET, _NOT_MET, "free space that is connected with the goal"
         ),
-        implementation="cbdsl.control.harmonic:build",
+        implementation="cbdsl.control.potentials.harmonic:build",
         factors=1,
         field=True,
     ),

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.cli import main as command
-from cbdsl.control import multigrid
+from cbdsl.control.potentials import multigrid
 from cbdsl.training.knowledge_files import learned_documents
 from cbdsl.yaml_text.writer import write
 from tests.cli.test_run import STUCK

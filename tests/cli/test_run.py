@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import BACKENDS
-from cbdsl.control import multigrid
+from cbdsl.control.potentials import multigrid
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.runtime.recording import Recording
 from cbdsl.runtime.tick import Tick

@@ -11,8 +11,8 @@ import pytest
 from cbdsl.control.hessian import has_hessian, write_hessian
 from cbdsl.control.plan import ControllerPlan, SlotForm
 from cbdsl.control.potential import Potential
+from cbdsl.control.potentials.spring import along_axes, spring
 from cbdsl.control.slot import SLOT
-from cbdsl.control.spring import along_axes, spring
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.kinematics.rotation import exp

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.level import Level
+from cbdsl.control.potentials.spring import spring
 from cbdsl.control.signal import SignalError
-from cbdsl.control.spring import spring
 from cbdsl.numeric.arrays import Floats
 from tests.control.chain import Chain
 from tests.control.evaluation import evaluate

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.control.load_guard import LOAD_GUARD
-from cbdsl.control.spring import spring
+from cbdsl.control.potentials.spring import spring
 from cbdsl.control.tick import MOVED
 from cbdsl.types.resource_type import POSITION
 from tests.control.test_tick import ALL, JOINTS, Bench, Case, made

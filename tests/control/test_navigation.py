@@ -13,19 +13,19 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from cbdsl.control.bound import bound
-from cbdsl.control.localizability import seen_by
-from cbdsl.control.look_at import look_at
-from cbdsl.control.manipulability import of_jacobian
-from cbdsl.control.range import between
+from cbdsl.control.potentials.bound import bound
+from cbdsl.control.potentials.localizability import seen_by
+from cbdsl.control.potentials.look_at import look_at
+from cbdsl.control.potentials.manipulability import of_jacobian
+from cbdsl.control.potentials.range import between
+from cbdsl.control.potentials.spring import spring
 from cbdsl.control.signal import SignalError
-from cbdsl.control.spring import spring
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats
 from cbdsl.types.potential import POTENTIALS, Condition
 from tests.control.chain import Chain
 from tests.control.evaluation import Signal, evaluate, gradient
-from tests.control.test_localizability import ahead, headings
+from tests.control.potentials.test_localizability import ahead, headings
 from tests.control.test_potential_registry import bent, curved, feedback_type, manipulator
 
 CONDITIONS = ("analytic", "polar", "admissible", "morse")

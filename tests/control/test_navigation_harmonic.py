@@ -10,13 +10,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from cbdsl.control.field import HarmonicField
-from cbdsl.control.grid import Grid
-from cbdsl.control.harmonic import Harmonic
 from cbdsl.control.obstacle import Obstacle
+from cbdsl.control.potentials.field import HarmonicField
+from cbdsl.control.potentials.grid import Grid
+from cbdsl.control.potentials.harmonic import Harmonic
 from cbdsl.numeric.arrays import Floats
 from cbdsl.types.potential import POTENTIALS, Condition
-from tests.control.test_harmonic import prepared
+from tests.control.potentials.test_harmonic import prepared
 
 LOWER, UPPER = -np.ones(2), np.ones(2)
 GOAL = np.array([-0.5, 0.0])

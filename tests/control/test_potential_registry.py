@@ -9,8 +9,8 @@ import pytest
 
 from cbdsl.control.potential import Potential, Rule
 from cbdsl.control.potential_registry import build
+from cbdsl.control.potentials.spring import spring
 from cbdsl.control.setting import Setting
-from cbdsl.control.spring import spring
 from cbdsl.kinematics.kinematics import Frame
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Controller, Quiescence

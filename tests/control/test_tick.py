@@ -10,17 +10,17 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from cbdsl.control.conditions.predicate import PREDICATE, PREDICATES, settings_of
+from cbdsl.control.conditions.rate import bounds_of, displace
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.load_guard import LOAD_GUARD
-from cbdsl.control.manipulability import of_jacobian
 from cbdsl.control.plan import ControllerPlan, Search, SlotForm
 from cbdsl.control.potential import Potential, Rule, interpreted, potential
-from cbdsl.control.predicate import PREDICATE, PREDICATES, settings_of
-from cbdsl.control.range import between
-from cbdsl.control.rate import bounds_of, displace
+from cbdsl.control.potentials.manipulability import of_jacobian
+from cbdsl.control.potentials.range import between
+from cbdsl.control.potentials.spring import spring
 from cbdsl.control.slot import IDLE, SEARCH, TRACK
 from cbdsl.control.slot_step import _stride
-from cbdsl.control.spring import spring
 from cbdsl.control.stack import Stack
 from cbdsl.control.tick import MOVED, RESTED, UNSOUND, ActingArrays, TickArrays, tick
 from cbdsl.kinematics.forward import JOINT
@@ -33,9 +33,9 @@ from cbdsl.sensing.table.reading import Reading
 from cbdsl.sensing.table.refresh import WRITTEN
 from cbdsl.sensing.table.table import Form, SignalTable
 from cbdsl.types.resource_type import FORCE, ORIENTATION, POSITION, ResourceType, configuration
+from tests.control.conditions.test_predicate import Monitor
+from tests.control.conditions.test_rate import TICK, controller
 from tests.control.evaluation import Signal, evaluate
-from tests.control.test_predicate import Monitor
-from tests.control.test_rate import TICK, controller
 
 ALL = 9  # joints
 JOINTS = np.array([5, 2, 0, 3, 7])  # the joints that the slots move

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numba import njit
 
+from cbdsl.control.conditions.predicate import settings_of
 from cbdsl.control.plan import ControllerPlan, SlotForm
 from cbdsl.control.potential import (
     Potential,
@@ -17,7 +18,6 @@ from cbdsl.control.potential import (
     interpreted,
     potential,
 )
-from cbdsl.control.predicate import settings_of
 from cbdsl.numeric.compiled import compiled
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.program import check_program
-from cbdsl.checking.reward import check_rewarded
+from cbdsl.checking.rules.reward import check_rewarded
 from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
 from cbdsl.checking.suppression import apply_suppressions

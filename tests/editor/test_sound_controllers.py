@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.checking import compositions
+from cbdsl.checking.rules import compositions
 from cbdsl.editor.buffers import Buffers
 from tests.conftest import ROOT
 from tests.editor.test_random_edits import PROGRAMS, edited

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from cbdsl.control.localizability import seen_by
+from cbdsl.control.potentials.localizability import seen_by
 from cbdsl.kinematics.kinematics import Frame
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats

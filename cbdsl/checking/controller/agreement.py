@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.comparison import Comparison, compare, compared_with
+from cbdsl.checking.controller.controller_options import check_options, misplaced
 from cbdsl.checking.controller.influence import is_measured, movers, moves
-from cbdsl.checking.controller.options import check_options, misplaced
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics

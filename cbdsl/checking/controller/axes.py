@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.knowledge.impossible import is_always_defined
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.documents import program as written
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller

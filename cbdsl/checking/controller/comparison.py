@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.axes import SPATIAL
 from cbdsl.checking.controller.references import (
     HERE,
@@ -15,6 +14,7 @@ from cbdsl.checking.controller.references import (
     read_relative,
 )
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.program.controller import AlongNormals, Literal, Reference, Relative
 from cbdsl.types.potential import PotentialType

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.context import ProgramContext, Steps
-from cbdsl.checking.controller.options import ControllerSettings
+from cbdsl.checking.controller.controller_options import ControllerSettings
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.types.resource import FingerLoad, NetForces, NetLoad, Resource
 from cbdsl.types.unit import QuantityError, parse_quantity

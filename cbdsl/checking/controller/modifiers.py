@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents import program as written
 from cbdsl.program.controller import Modifier

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.program.controller import Literal
 from cbdsl.types.resource import Centroid, Resource, Separation, Tip

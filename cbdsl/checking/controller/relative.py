@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.load_noise import least_force
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.documents import program as written
 from cbdsl.program.controller import Reference, Relative
 from cbdsl.types.potential import POTENTIALS

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.reach import check_reach
-from cbdsl.checking.robot.constants import check_signs
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.robot.limits import limit_details
+from cbdsl.checking.robot.robot_constants import check_signs
 from cbdsl.diagnostics.counting import count
 from cbdsl.documents import program as written
 from cbdsl.program.controller import AlongNormals, Literal, Reference

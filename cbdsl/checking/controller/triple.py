@@ -5,23 +5,23 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.agreement import Agreement
 from cbdsl.checking.controller.axes import check_axes, fill_axes, read_axes
 from cbdsl.checking.controller.comparison import Comparison, read_comparison
-from cbdsl.checking.controller.effector_units import in_task_units
-from cbdsl.checking.controller.field import ControllerSpec, check_field
-from cbdsl.checking.controller.influence import acting_chains
-from cbdsl.checking.controller.modifiers import read_modifiers
-from cbdsl.checking.controller.options import (
+from cbdsl.checking.controller.controller_options import (
     LOOK_AT,
     MANIPULABILITY,
     ControllerSettings,
     settings_of,
 )
+from cbdsl.checking.controller.effector_units import in_task_units
+from cbdsl.checking.controller.field_options import ControllerSpec, check_field
+from cbdsl.checking.controller.influence import acting_chains
+from cbdsl.checking.controller.modifiers import read_modifiers
 from cbdsl.checking.controller.relative import check_relative
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents import program as written
 from cbdsl.program.controller import (

@@ -7,7 +7,7 @@ from pathlib import Path
 from cbdsl.checking.knowledge.impossible import check_possible
 from cbdsl.checking.knowledge.model import examine_model
 from cbdsl.checking.knowledge.states import check_states
-from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostics import Diagnostics

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.checking.knowledge.catalog import check_affordance
-from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.counting import count

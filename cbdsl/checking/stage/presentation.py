@@ -7,7 +7,7 @@ from collections.abc import Collection
 from graphlib import CycleError, TopologicalSorter
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
-from cbdsl.checking.stage.mesh import extents_of
+from cbdsl.checking.stage.mesh_files import extents_of
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.context import Context, PlaceSection, Presentation
 from cbdsl.documents.form import BoxForm, ComposedForm, MeshForm, OpenBoxForm

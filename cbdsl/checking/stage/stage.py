@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cbdsl.checking.controller.reach import farthest_tip
-from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.limits import limit_details
 from cbdsl.checking.session import Session
-from cbdsl.checking.stage.mesh import check_meshes, extents_of
+from cbdsl.checking.stage.mesh_files import check_meshes, extents_of
 from cbdsl.checking.stage.presentation import check_presentations, idle_keys
 from cbdsl.checking.stage.scene import check_scenes
 from cbdsl.diagnostics.diagnostic import Place

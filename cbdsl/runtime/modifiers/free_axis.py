@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def bind(form: SlotForm, axis: str, setting: SlotSetting) -> SlotForm:
     """Return the slot of a spring that lets the tip turn about an axis."""
-    from cbdsl.control.spring import spring
+    from cbdsl.control.potentials.spring import spring
 
     kind = setting.controller.feedback.type
     turned = spring(kind.name, kind.size, axis)

@@ -22,7 +22,7 @@ def _read(section: OnsetSection, _: Call) -> Onset:
 
 def bind(form: SlotForm, onset: Onset, setting: SlotSetting) -> SlotForm:
     """Return the slot of a controller that waits for a load change along its displacement."""
-    from cbdsl.control.onset import OnsetForm
+    from cbdsl.control.conditions.onset import OnsetForm
 
     source, signals = setting.controller.feedback.source, setting.signals
     assert isinstance(source, (NetLoad, FingerLoad))

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.control.spring import spring
+from cbdsl.control.potentials.spring import spring
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.pair_names import pair_resource, parse_pair
 from cbdsl.robot.resources import resources

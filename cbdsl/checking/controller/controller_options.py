@@ -1,0 +1,151 @@
+"""Options of a controller: whether they apply to its feedback, and their units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple, TypeVar
+
+from cbdsl.checking.program_context import ProgramContext, Steps
+from cbdsl.checking.robot.limits import is_of_another_kind
+from cbdsl.checking.robot.settings import check_settings
+from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.documents import program as written
+from cbdsl.documents.robot import TaskSettings
+from cbdsl.program.controller import Quiescence
+from cbdsl.types.casts import FEATURES
+from cbdsl.types.modifier import declared
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource import FingerForces, Resource, palms_of
+from cbdsl.types.resource_type import TYPES, ResourceType
+
+MANIPULABILITY = "manipulability"
+LOOK_AT = "look_at"
+
+
+class ControllerSettings(NamedTuple):
+    """Settings of one controller; its own settings override the robot's.
+
+    ``tip_stiffness`` has the meaning of the field of ``Controller``.
+    """
+
+    gain: float
+    speed: float | None
+    acceleration: float | None
+    quiescence: Quiescence
+    tip_stiffness: float | None = None
+
+
+class Misplaced(NamedTuple):
+    """Option that does not apply where it is written.
+
+    Attributes:
+        path: Path of the option below its controller.
+        purpose: Purpose of the option.
+        instead: Actual feedback or potential, as a clause.
+    """
+
+    path: Steps
+    purpose: str
+    instead: str
+
+
+def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterator[Misplaced]:
+    """Yield the options that do not apply to a feedback or to the potential."""
+    instead = f"the feedback is '{feedback.name}', {feedback.type}"
+    for modifier, _ in declared(document):
+        if not modifier.suits(feedback, document.potential):
+            yield Misplaced((modifier.name,), modifier.purpose, instead)
+    if document.manipulator is not None and document.potential != MANIPULABILITY:
+        potential = f"the potential is {document.potential}"
+        yield Misplaced(("manipulator",), f"the potential {MANIPULABILITY}", potential)
+    # Only fingers flex.
+    seek = document.seek
+    if palms_of(feedback.source) is not None and seek is not None and seek.until is not None:
+        yield Misplaced(("seek", "until"), "forces of fingers", instead)
+
+
+def check_options(
+    context: ProgramContext,
+    steps: Steps,
+    document: written.ControllerSection,
+    feedback: Resource,
+    diagnostics: Diagnostics,
+) -> None:
+    """Check that options apply to a feedback, and have its units.
+
+    Args:
+        context: Program context.
+        steps: Path of the controller.
+        document: Controller section.
+        feedback: Feedback of the controller.
+        diagnostics: Diagnostics so far.
+    """
+    for option in misplaced(document, feedback):
+        place = context.source.key(*steps, *option.path)
+        details = {"name": option.path[-1], "purpose": option.purpose, "instead": option.instead}
+        diagnostics.add("CB513", place, **details)
+    check_settings(_task(document, feedback), context.source, steps, diagnostics, of_tips=True)
+    if isinstance(feedback.source, FingerForces) and document.seek is not None:
+        _check_end(context, (*steps, "seek", "until"), feedback.source, diagnostics)
+
+
+def _check_end(
+    context: ProgramContext, steps: Steps, source: FingerForces, diagnostics: Diagnostics
+) -> None:
+    """Check that the end of a search has the unit of the joints that close the fingers."""
+    model, robot = context.body.model, context.body.document
+    if model is None or not context.source.holds(*steps):
+        return
+    node = context.source.node(steps)
+    for cell in robot.load_cells[source.hand].values():
+        joint = model.joints.get(cell.joint)
+        if joint is not None and is_of_another_kind(node.value, joint.unit):
+            diagnostics.add("CB590", node.place, name=cell.joint, unit=joint.unit)
+            return
+
+
+def settings_of(
+    context: ProgramContext, steps: Steps, document: written.ControllerSection, feedback: Resource
+) -> ControllerSettings | None:
+    """Return the controller's settings, completed by the robot's; ``None`` if some are missing."""
+    if feedback.type.name in FEATURES:
+        return None  # not a feedback, as reported elsewhere
+    if document.potential not in POTENTIALS:
+        return None  # unknown task, as reported elsewhere
+    robot = context.body.document
+    task = _task(document, feedback).name
+    general = robot.control.tasks.get(task)
+    candidates: list[written.ControllerSection | TaskSettings] = [document]
+    if general is not None:
+        candidates.append(general)
+    gain = _first(settings.gain for settings in candidates)
+    quiescence = _first(settings.quiescence for settings in candidates)
+    if gain is None or quiescence is None:
+        if not TYPES.keys() >= robot.control.tasks.keys():
+            return None  # one of the tasks is misspelt, as reported elsewhere
+        lacking = {"a gain": gain, "a quiescence": quiescence}
+        setting = " and ".join(name for name, value in lacking.items() if value is None)
+        details = {"robot": robot.name, "setting": setting, "task": task}
+        context.add("CB511", context.source.key(*steps), **details)
+        return None
+    return ControllerSettings(
+        gain,
+        _first(settings.speed for settings in candidates),
+        _first(settings.acceleration for settings in candidates),
+        Quiescence(quiescence.rate, quiescence.window, quiescence.within, quiescence.tolerance),
+    )
+
+
+def _task(document: written.ControllerSection, feedback: Resource) -> ResourceType:
+    """Return the type that a controller's settings are for."""
+    potential = POTENTIALS.get(document.potential)
+    name = potential.task if potential else None
+    return feedback.type if name is None else TYPES[name]
+
+
+T = TypeVar("T")
+
+
+def _first(values: Iterable[T | None]) -> T | None:
+    """Return the first value that is set."""
+    return next((value for value in values if value is not None), None)

@@ -1,0 +1,164 @@
+"""Context of the checked program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from typing import Any
+
+from cbdsl.checking.lookup.missing_resources import MissingResources
+from cbdsl.checking.lookup.parsing import parse_at
+from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.checking.sound_controllers import SoundControllers
+from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.language.expression import Expression, Span
+from cbdsl.robot.instance_names import (
+    InstanceName,
+    instance_names,
+    is_meant_as_instance,
+    parse_instance,
+)
+from cbdsl.robot.mark_names import MarkName, parse_mark
+from cbdsl.robot.pair_names import PairName, parse_pair
+from cbdsl.types.resource import Resource
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+Steps = tuple[Step, ...]
+
+
+class ProgramContext:
+    """One program, its robot and its scope, as each check of it needs them.
+
+    Args:
+        loaded: Program's document.
+        body: Robot, or ``None`` if it cannot be used.
+        scope: Values of its parameters.
+        diagnostics: Diagnostics so far.
+        is_unknown: Predicate of names of resources that an error elsewhere makes unknown.
+        sound: Controllers without diagnostics in the last check of the program.
+
+    Attributes:
+        loaded: Program's document.
+        body: Robot.
+        has_body: True if there is a robot; without it no resource is known.
+        scope: Values of its parameters.
+        diagnostics: Diagnostics so far.
+        controllers: Program's controllers and compositions.
+        programs: Programs that it uses.
+        used: Names of controllers and programs that the document refers to.
+        sound: Controllers without diagnostics in the last check of the program.
+    """
+
+    def __init__(
+        self,
+        loaded: Loaded[ProgramDocument],
+        body: CheckedRobot | None,
+        scope: Scope,
+        diagnostics: Diagnostics,
+        is_unknown: Callable[[str], bool],
+        sound: SoundControllers,
+    ) -> None:
+        self.loaded = loaded
+        self.has_body = body is not None
+        self._body = body
+        self.scope = scope
+        self.diagnostics = diagnostics
+        self.controllers = loaded.source.declared(loaded.document.controllers, "controllers")
+        self.programs = loaded.source.declared(loaded.document.use, "use")
+        self.used: set[str] = set()
+        robot, known = loaded.document.robot, {} if body is None else body.resources
+        self._missing = MissingResources(robot, known, loaded.source, diagnostics)
+        self._is_unknown = is_unknown
+        self.sound = sound
+
+    @property
+    def body(self) -> CheckedRobot:
+        """Program's robot, which has to exist."""
+        assert self._body is not None, "without a robot nothing asks for its resources"
+        return self._body
+
+    @property
+    def wrong_parameters(self) -> Collection[str]:
+        """Parameters whose values have been reported."""
+        return self._missing.parameters
+
+    @property
+    def document(self) -> ProgramDocument:
+        """Program's document."""
+        return self.loaded.document
+
+    @property
+    def source(self) -> SourceMap:
+        """Source map of the program."""
+        return self.loaded.source
+
+    def add(self, code: str, place: Place, **details: Any) -> None:
+        """Add a diagnostic."""
+        self.diagnostics.add(code, place, **details)
+
+    def parse(self, text: str, steps: Steps) -> Expression | None:
+        """Return the composition at a path, or ``None`` if the text is not valid."""
+        return parse_at(text, self.source, steps, self.diagnostics)
+
+    def at(self, steps: Steps, span: Span) -> Place:
+        """Return the place of a span of a composition."""
+        return self.source.inside(steps, span.start, span.end)
+
+    def substitute(self, text: str, steps: Steps, scope: Scope, offset: int = 0) -> str | None:
+        """Return a text at a path with its parameters replaced, or ``None``."""
+        return scope.substitute(text, self.source, steps, self.diagnostics, offset)
+
+    def resource(self, text: str, steps: Steps, scope: Scope) -> Resource | None:
+        """Return the resource that a text at a path names, or ``None``."""
+        name = self.substitute(text, steps, scope)
+        if name is None:
+            return None
+        resource = self.body.resources.get(name)
+        if resource is not None or self._is_unknown(name):
+            return resource
+        pair = parse_pair(name, self.body.resources)
+        if pair is not None:
+            return self._pair(name, pair, steps)
+        mark = parse_mark(name, self.body.resources)
+        if mark is not None:
+            return self._mark(name, mark, steps)
+        instance = parse_instance(name, self.body.resources)
+        if instance is None or not is_meant_as_instance(instance.instance):
+            self._missing.report(text, name, steps, scope)
+            return None
+        return self._instance(name, instance, steps)
+
+    def _pair(self, name: str, pair: PairName, steps: Steps) -> Resource | None:
+        """Return the resource of a pair of channels, or ``None`` if both are the same."""
+        if pair.is_of_one:
+            self.add("CB566", self.source.place(*steps), name=name)
+            return None
+        return pair.resource(name)
+
+    def _mark(self, name: str, parsed: MarkName, steps: Steps) -> Resource | None:
+        """Return the heading to a mark of one hue, if its object can have such a mark."""
+        robot, place = self.body.document, self.source.place(*steps)
+        resource = parsed.resource(name, robot)
+        if resource is None:
+            details = {"name": parsed.base.name, "hue": parsed.hue}
+            self.add("CB567", place, names=parsed.hues(robot), given=parsed.hue, **details)
+        return resource
+
+    def _instance(self, name: str, parsed: InstanceName, steps: Steps) -> Resource | None:
+        """Return the resource of an instance of a channel, if there can be such an instance."""
+        robot, given = self.body.document, parsed.instance
+        allowed, base = instance_names(robot), parsed.base.name
+        if given in allowed:
+            return parsed.resource(name)
+        hint = (
+            f"; {robot.vision.regions.instances} things of a channel are kept apart"
+            if allowed
+            else "; only two cameras tell the things of a channel apart"
+        )
+        place = self.source.place(*steps)
+        details = {"name": base, "instance": given, "hint": hint}
+        self.add("CB565", place, names=allowed, given=given, **details)
+        return None

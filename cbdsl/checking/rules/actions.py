@@ -1,0 +1,152 @@
+"""Actions of a program, and the policy that chooses from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cbdsl.checking.lookup.parsing import ends_within_a_call
+from cbdsl.checking.program_context import ProgramContext, Steps
+from cbdsl.checking.rules.compositions import Compositions
+from cbdsl.language.expression import Expression, Term
+from cbdsl.program.checked import Action, CheckedProgram
+
+
+class Actions:
+    """Actions that the policy of one program chooses from.
+
+    Args:
+        context: Program context.
+        compositions: Builder of the primitives of its controllers.
+        programs: Programs that it uses, by name; ``None`` for a program with errors.
+
+    Attributes:
+        members: Actions of a single term; a state has one predicate for each.
+        are_read: True if each action could be read, and occurs once.
+        lack_a_member: True if the policy chooses an action of a single term that the list lacks.
+    """
+
+    def __init__(
+        self,
+        context: ProgramContext,
+        compositions: Compositions,
+        programs: Mapping[str, CheckedProgram | None],
+    ) -> None:
+        self._context, self._compositions, self._programs = context, compositions, programs
+        self.lack_a_member = False
+        self._written = self._read()
+        expressions = [expression for expression, _ in self._written]
+        self.members = tuple(str(e.terms[0]) for e in expressions if len(e.terms) == 1)
+        written = context.document.actions
+        self.are_read = context.source.is_whole("actions") and len(expressions) == len(written)
+
+    @property
+    def are_complete(self) -> bool:
+        """True if the list is complete, so that an action outside it is missing.
+
+        An action that cannot be read, or cannot be meant as written, may be the missing one.
+        """
+        return self.are_read and all(self._is_possible(action) for action, _ in self._written)
+
+    @property
+    def places(self) -> dict[str, Steps]:
+        """Paths of the actions in the document, by name."""
+        return {str(expression): steps for expression, steps in self._written}
+
+    def _read(self) -> list[tuple[Expression, Steps]]:
+        """Return the actions that can be parsed, with their paths."""
+        actions: dict[str, tuple[Expression, Steps]] = {}
+        is_cut = False
+        for i, text in enumerate(self._context.document.actions):
+            steps: Steps = ("actions", i)
+            if is_cut:  # part of the previous call, which has been reported
+                is_cut = ")" not in text
+                continue
+            is_cut = ends_within_a_call(text)
+            expression = self._context.parse(text, steps)
+            if expression is None:
+                continue
+            if str(expression) in actions:
+                place = self._context.source.place(*steps)
+                self._context.add("CB607", place, name=str(expression))
+            actions.setdefault(str(expression), (expression, steps))
+        return list(actions.values())
+
+    def check(self) -> list[Action | None]:
+        """Return the actions in their order, with ``None`` for actions with errors."""
+        return [self._action(expression, steps) for expression, steps in self._written]
+
+    def _action(self, expression: Expression, steps: Steps) -> Action | None:
+        term = expression.terms[0]
+        if len(expression.terms) == 1 and self._is_program(term):
+            return self._program_action(term, steps)
+        composition = self._compositions.composition(expression, steps)
+        return None if composition is None else Action(str(expression), composition)
+
+    def _is_program(self, term: Term) -> bool:
+        document = self._context.document
+        return term.name in document.use and term.name not in document.controllers
+
+    def _program_action(self, term: Term, steps: Steps) -> Action | None:
+        self._context.used.add(term.name)
+        if term.arguments:
+            self._compositions.wrong_arity(term, steps, ())
+        program = self._programs[term.name]
+        return None if program is None else Action(term.name, program=program)
+
+    def only_composed(self) -> bool:
+        """Report controllers that occur in composed actions only, so that no state shows them."""
+        lacking = [
+            (term, steps)
+            for expression, steps in self._written
+            for term in expression.terms
+            if str(term) not in self.members and term.name in self._context.document.controllers
+        ]
+        for term, steps in lacking:
+            self._context.add("CB608", self._context.at(steps, term.span), name=str(term))
+        return bool(lacking)
+
+    def policy(self) -> dict[str, str]:
+        """Return the document's policy: canonical action by state pattern."""
+        policy, known, are_complete = {}, self.places, self.are_complete
+        for pattern, text in self._context.document.policy.items():
+            steps: Steps = ("policy", pattern)
+            expression = self._context.parse(text, steps)
+            if expression is None:
+                continue
+            is_known = str(expression) in known
+            if not is_known and (are_complete or not self.is_declared(expression)):
+                self._lacks(expression, steps)
+            policy[pattern] = str(expression)
+        return policy
+
+    def _lacks(self, expression: Expression, steps: Steps) -> None:
+        """Report an action of the policy that the list of actions lacks."""
+        source, name = self._context.source, str(expression)
+        names = [str(action) for action, _ in self._written if self._is_possible(action)]
+        if not self._is_possible(expression):
+            self._context.add("CB613", source.place(*steps), names=names, name=name)
+            return
+        # The name is valid: propose to add it instead of another name.
+        related = [(source.key("actions"), "the actions: add it if it is meant")]
+        details = {"given": "", "name": name, "names": names, "related": related}
+        self._context.add("CB613", source.place(*steps), **details)
+        self.lack_a_member |= len(expression.terms) == 1
+
+    def _is_possible(self, expression: Expression) -> bool:
+        """Return whether an action can be meant as written, even if its controllers have errors."""
+        document, terms = self._context.document, expression.terms
+        if not self.is_declared(expression) or expression in self._compositions.repetitive:
+            return False
+        if any(self._is_program(term) for term in terms):
+            return len(terms) == 1 and not terms[0].arguments
+        are_called = all(
+            len(term.arguments)
+            == len(getattr(document.controllers.get(term.name), "parameters", ()))
+            for term in terms
+        )
+        return are_called and len(set(map(str, terms))) == len(terms)
+
+    def is_declared(self, expression: Expression) -> bool:
+        """Return whether all names are declared controllers or programs, even with errors."""
+        known = (self._context.controllers, self._context.programs)
+        return all(any(term.name in section for section in known) for term in expression.terms)

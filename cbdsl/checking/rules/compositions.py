@@ -1,0 +1,251 @@
+"""Compositions: from terms to primitives, each one controller or several composed into one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from cbdsl.checking.controller.triple import check_triple
+from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.program_context import ProgramContext, Steps
+from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.documents import program as written
+from cbdsl.language.expression import Expression, Term
+from cbdsl.program.controller import Composition, Controller, Primitive
+from cbdsl.yaml_text.unknown import Unknown
+
+# Bound on nested compositions, below Python's recursion limit.
+_DEEPEST = 64
+
+
+class Compositions:
+    """Builder of the primitives of one program, each once.
+
+    Attributes:
+        repetitive: Compositions in which a controller occurs twice.
+        missing: Names without a declaration.
+    """
+
+    def __init__(self, context: ProgramContext) -> None:
+        self.repetitive: set[Expression] = set()
+        self.missing: set[str] = set()
+        self._context = context
+        self._built: dict[str, tuple[Controller, ...] | None] = {}
+
+    def check_all(self) -> None:
+        """Check each controller that can be checked by itself, used or not."""
+        for key, document in self._context.document.controllers.items():
+            if isinstance(document, str):
+                self._composite(key, document, ())
+            elif not document.parameters:
+                self._triple(key, key, document, {}, {})
+
+    def check_rewards(self) -> None:
+        """Check that rewarded parts belong to their composition, and can earn rewards."""
+        document, source = self._context.document, self._context.source
+        for key, parts in document.rewards.items():
+            written = self._context.controllers.get(key)
+            # Unreadable compositions, and names that an action lacks, are reported elsewhere.
+            if isinstance(written, Unknown) or key in self.missing:
+                continue
+            if not isinstance(written, str):
+                names = [
+                    name for name, each in document.controllers.items() if isinstance(each, str)
+                ]
+                problem = f"'{key}' is not a composition below 'controllers'"
+                place = source.key("rewards", key)
+                self._context.add("CB482", place, name=key, names=names, problem=problem)
+                continue
+            controllers = self._built.get(key)
+            if controllers is None:
+                continue
+            self._check_earning(key, parts, {each.name: each.rewarded for each in controllers})
+
+    def _check_earning(self, key: str, parts: Sequence[str], rewarded: Mapping[str, bool]) -> None:
+        """Check the parts of a composition that its reward depends on.
+
+        Args:
+            key: Name of the composition.
+            parts: Names of the parts.
+            rewarded: True for controllers of the composition that read the environment, by name.
+        """
+        for i, part in enumerate(parts):
+            if part not in rewarded:
+                self._refuse_part(key, i, part, f"is not a part of '{key}'", list(rewarded))
+        if parts and not any(rewarded.get(part, True) for part in parts):
+            names = [name for name, is_rewarded in rewarded.items() if is_rewarded]
+            self._refuse_part(key, 0, parts[0], "reads nothing of the environment", names)
+
+    def _refuse_part(self, key: str, i: int, part: str, why: str, names: Sequence[str]) -> None:
+        place = self._context.source.place("rewards", key, i)
+        self._context.add("CB482", place, name=part, names=names, problem=f"'{part}' {why}")
+
+    def checked(self) -> list[tuple[str, Controller]]:
+        """Return the controllers without errors, each with its key in the document."""
+        return [
+            (name.split("(")[0], controllers[0])
+            for name, controllers in self._built.items()
+            if controllers is not None and controllers[0].name == name
+        ]
+
+    def composition(self, expression: Expression, steps: Steps) -> Composition | None:
+        """Return a composition of primitives, or ``None`` if it has errors."""
+        primitives = [self.primitive(term, steps) for term in expression.terms]
+        whole = [primitive for primitive in primitives if primitive is not None]
+        repeats = self._repeats(expression, primitives, steps)
+        return None if repeats or len(whole) < len(primitives) else Composition(tuple(whole))
+
+    def primitive(self, term: Term, steps: Steps) -> Primitive | None:
+        """Return the primitive that a term names, or ``None`` if it has errors."""
+        controllers = self._controllers(term, steps, ())
+        if controllers is None:
+            return None
+        return Primitive(str(term), controllers, self._context.document.rewards.get(term.name, ()))
+
+    def _controllers(
+        self, term: Term, steps: Steps, stack: tuple[str, ...]
+    ) -> tuple[Controller, ...] | None:
+        document = self._context.controllers.get(term.name)
+        if document is None or isinstance(document, Unknown):
+            if document is None:
+                self._missing(term, steps)
+            return None
+        self._context.used.add(term.name)
+        parameters = () if isinstance(document, str) else document.parameters
+        if len(parameters) != len(term.arguments):
+            self.wrong_arity(term, steps, parameters)
+            return None
+        if isinstance(document, str):
+            return self._composite(term.name, document, stack)
+        arguments = [
+            self._context.substitute(a.text, steps, self._context.scope, a.span.start - 1)
+            for a in term.arguments
+        ]
+        pairs = zip(parameters, arguments, strict=True)
+        known = {name: argument for name, argument in pairs if argument is not None}
+        if len(known) < len(arguments):
+            return None
+        places = dict(zip(parameters, self._places(term, steps), strict=True))
+        return self._triple(term.name, str(term), document, known, places)
+
+    def _places(self, term: Term, steps: Steps) -> Iterator[Place]:
+        """Yield the places of the values of a call's arguments."""
+        for argument in term.arguments:
+            name = argument.text.removeprefix("$")
+            passed_on = self._context.scope.place(name) if name != argument.text else None
+            yield passed_on or self._context.at(steps, argument.span)
+
+    def _triple(
+        self,
+        key: str,
+        name: str,
+        document: written.ControllerSection,
+        arguments: Mapping[str, str],
+        places: Mapping[str, Place],
+    ) -> tuple[Controller, ...] | None:
+        if name not in self._built:
+            controller = None if arguments else self._recalled(name, document)
+            if controller is None:
+                scope = self._context.scope.inside(arguments, places)
+                controller = self._checked(key, name, document, scope)
+            self._built[name] = None if controller is None else (controller,)
+        return self._built[name]
+
+    def _recalled(self, name: str, document: written.ControllerSection) -> Controller | None:
+        """Return a controller that had no diagnostics when the program was last checked."""
+        context = self._context
+        return context.sound.recall(name, document, context.body) if context.has_body else None
+
+    def _checked(
+        self, key: str, name: str, document: written.ControllerSection, scope: Scope
+    ) -> Controller | None:
+        context = self._context
+        before = context.diagnostics.added
+        controller = check_triple(context, key, name, document, scope)
+        is_clean = context.diagnostics.added == before and not context.loaded.diagnostics
+        if controller is not None and is_clean and key == name:
+            context.sound.remember(name, document, context.body, controller)
+        return controller
+
+    def _composite(
+        self, key: str, text: str, stack: tuple[str, ...]
+    ) -> tuple[Controller, ...] | None:
+        if key in stack:
+            cycle = " ◁ ".join((*stack[stack.index(key) :], key))
+            place = self._context.source.key("controllers", key)
+            self._context.add("CB405", place, name=key, cycle=cycle.replace("◁", "→"))
+            return None
+        if len(stack) == _DEEPEST:
+            place = self._context.source.key("controllers", key)
+            self._context.add("CB119", place, bound=_DEEPEST)
+            return None
+        if key not in self._built:
+            self._built[key] = self._flatten(key, text, (*stack, key))
+        return self._built[key]
+
+    def _flatten(
+        self, key: str, text: str, stack: tuple[str, ...]
+    ) -> tuple[Controller, ...] | None:
+        steps: Steps = ("controllers", key)
+        expression = self._context.parse(text, steps)
+        if expression is None:
+            return None
+        parts = [self._controllers(term, steps, stack) for term in expression.terms]
+        whole = [part for part in parts if part is not None]
+        primitives = [None if part is None else Primitive("", part) for part in parts]
+        # Without this check, a few lines of repetitions could stand for billions of controllers.
+        if self._repeats(expression, primitives, steps) or len(whole) < len(parts):
+            return None
+        return tuple(controller for part in whole for controller in part)
+
+    def _repeats(
+        self, expression: Expression, primitives: list[Primitive | None], steps: Steps
+    ) -> bool:
+        """Report controllers that occur twice, and return whether there are any."""
+        seen: dict[str, Term] = {}
+        repeats = False
+        for term, primitive in zip(expression.terms, primitives, strict=True):
+            for controller in primitive.controllers if primitive is not None else ():
+                if controller.name in seen:
+                    self._repeat(controller.name, (seen[controller.name], term), steps)
+                    self.repetitive.add(expression)
+                    repeats = True
+                seen[controller.name] = term
+        return repeats
+
+    def _repeat(self, name: str, terms: tuple[Term, Term], steps: Steps) -> None:
+        """Report a controller that two terms contain."""
+        source = self._context.source
+        held = {term.name: source.place("controllers", term.name) for term in terms}
+        related = [(at, f"'{key}' holds it") for key, at in held.items() if key not in name]
+        place = self._context.at(steps, terms[1].span)
+        self._context.add("CB407", place, related=related, name=name)
+
+    def _missing(self, term: Term, steps: Steps) -> None:
+        """Report a term without a controller of its name, unless its declaration may be lost."""
+        document, place = self._context.document, self._context.at(steps, term.span)
+        if term.name in document.use:
+            self._context.used.add(term.name)
+            self._context.add("CB406", place, name=term.name)
+        elif term.name not in self._context.programs and not self._was_overwritten():
+            names = [*document.controllers, *document.use]
+            self.missing.add(term.name)
+            self._context.add("CB404", place, names=names, name=term.name)
+
+    def _was_overwritten(self) -> bool:
+        """Return whether a controller or program is declared twice, maybe instead of another."""
+        source, faults = self._context.source, self._context.loaded.diagnostics
+        left_out = set(source.broken.keys(("controllers", "use")))
+        return any(fault.code == "CB107" and fault.given in left_out for fault in faults)
+
+    def wrong_arity(self, term: Term, steps: Steps, parameters: tuple[str, ...]) -> None:
+        """Report a call with too many or too few arguments."""
+        given = len(term.arguments)
+        names = f" ({', '.join(parameters)})" if parameters else ""
+        self._context.add(
+            "CB403",
+            self._context.at(steps, term.span),
+            name=term.name,
+            wanted=count(len(parameters), "argument") + names,
+            found=f"{given or 'none'} {'is' if given <= 1 else 'are'}",
+        )

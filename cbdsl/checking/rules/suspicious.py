@@ -1,0 +1,201 @@
+"""Warnings about programs that can run but hardly as intended."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from cbdsl.checking.knowledge.impossible import check_possible, reads_what_is_known
+from cbdsl.checking.program_context import ProgramContext, Steps
+from cbdsl.checking.robot.pace import check_gain, check_window
+from cbdsl.checking.rules.wait_cycles import check_waiting
+from cbdsl.documents import program as written
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
+from cbdsl.program.dry_run import StackLevel, levels
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import is_visual
+from cbdsl.types.state import ANY
+
+# Rounding of half a turn and of a whole turn in rad.
+_ROUNDING = 1e-3
+
+
+def check_suspicious(
+    context: ProgramContext,
+    program: CheckedProgram,
+    controllers: Iterable[tuple[str, Controller]],
+    actions: Mapping[str, Steps],
+) -> None:
+    """Warn of suspicious parts that can be found without running a program.
+
+    Args:
+        context: Context of the program's document.
+        program: Checked program.
+        controllers: Controllers of the program, with their keys in the document.
+        actions: Paths of its actions in the document, by name.
+    """
+    checked = list(controllers)
+    for key, controller in checked:
+        document = context.document.controllers[key]
+        assert isinstance(document, written.ControllerSection), "compositions are no controllers"
+        _ControllerCheck(context, key, document, controller).all()
+    check_waiting(context, checked)
+    _hasty(context, checked, program)
+    _start(context, program)
+    _background(context, program)
+    _used(context, program)
+    for action in program.actions:
+        if action.name in program.policy.values():
+            _levels(context, program, action, actions[action.name])
+    # With a wrong priority, a controller may lead wrongly and thus seem to be always defined.
+    if not context.diagnostics.holds(("CB709",)):
+        check_possible(program.policy, program, context.source, context.diagnostics)
+
+
+class _ControllerCheck:
+    def __init__(
+        self,
+        context: ProgramContext,
+        key: str,
+        document: written.ControllerSection,
+        controller: Controller,
+    ) -> None:
+        self._context = context
+        self._steps = ("controllers", key)
+        self._document = document
+        self._controller = controller
+
+    def all(self) -> None:
+        self._against_itself()
+        self._zero_share()
+        self._pace()
+        self._whole_turns()
+
+    def _whole_turns(self) -> None:
+        """Warn of references that a joint without limits reaches by a shorter way."""
+        controller, body = self._controller, self._context.body
+        circular = body.circular(controller.feedback)
+        is_relative = isinstance(controller.reference, Relative)
+        match controller.reference:
+            case Relative(offset=angles) | Literal(values=angles):
+                pass
+            case _:
+                return
+        most = math.pi if is_relative else 2.0 * math.pi
+        joints = body.effector_joints(controller.feedback)
+        for i, (joint, angle) in enumerate(zip(joints, angles, strict=False)):
+            if circular[i : i + 1] != (True,) or abs(angle) <= most + _ROUNDING:
+                continue
+            place = self._context.source.place(*self._steps, "reference")
+            short = math.remainder(angle, 2.0 * math.pi)
+            details = {"joint": joint, "written": f"{math.degrees(angle):.6g}"}
+            self._context.add("CB723", place, short=f"{math.degrees(short):.3g}", **details)
+
+    def _against_itself(self) -> None:
+        controller, source = self._controller, self._context.source
+        reference = controller.reference
+        if isinstance(reference, Resource) and _are_same(reference, controller.feedback):
+            place = source.place(*self._steps, "reference")
+            self._context.add("CB708", place, name=reference.name)
+
+    def _zero_share(self) -> None:
+        """Warn of quiescence at a share of a reference of norm 0, which no residual can reach."""
+        controller, source = self._controller, self._context.source
+        if not controller.rewarded or controller.quiescence.within is None:
+            return
+        if _is_zero(controller):
+            own = (*self._steps, "quiescence", "within")
+            steps = own if source.holds(*own) else (*self._steps, "reference")
+            self._context.add("CB711", source.place(*steps), name=controller.name)
+
+    def _pace(self) -> None:
+        context, controller = self._context, self._controller
+        robot, source = context.body.document, context.source
+        if self._document.gain is not None and POTENTIALS[controller.potential].residual:
+            check_gain(controller.gain, robot, source, self._steps, context.diagnostics)
+        window = controller.quiescence.window
+        if self._document.quiescence is not None:
+            seen = is_visual(controller.feedback.source)
+            seen = seen and bool(robot.cameras)
+            check_window(window, seen, robot, source, self._steps, context.diagnostics)
+
+
+def _are_same(one: Resource, other: Resource) -> bool:
+    """Return whether two names mean the same signal; equal fields of different sources do not."""
+    return type(one.source) is type(other.source) and one.source == other.source
+
+
+def _is_zero(controller: Controller) -> bool:
+    match controller.reference:
+        case Literal(values=values):
+            return not any(values)
+        case AlongNormals(force=force):
+            return force == 0
+        case Relative(offset=offset):
+            return not any(offset)
+    return False
+
+
+def _hasty(
+    context: ProgramContext, controllers: Iterable[tuple[str, Controller]], program: CheckedProgram
+) -> None:
+    """Warn of controllers whose window of quiescence is at least as long as an action lasts."""
+    source, longest, limit = context.source, program.transition_time, ("limits", "transition_time")
+    slow = [(c.quiescence.window, key, c.name) for key, c in controllers]
+    slow = sorted((each for each in slow if each[0] >= longest), reverse=True)
+    # If the limit is in the document, the limit is too short: report it once.
+    for window, key, name in slow[:1] if source.holds(*limit) else slow:
+        own = ("controllers", key, "quiescence", "window")
+        place = source.place(*(limit if source.holds(*limit) else own))
+        details = {"longest": f"{longest:g}", "window": f"{window:g}"}
+        context.add("CB714", place, name=name, **details)
+
+
+def _start(context: ProgramContext, program: CheckedProgram) -> None:
+    """Warn if no pattern of the policy matches the start, where no predicate is active."""
+    patterns = [pattern for pattern in program.policy if not pattern.strip("X" + ANY)]
+    # A missing policy may be learned; an empty one has no start.
+    if context.source.holds("policy") and not patterns:
+        state = "X" * len(program.members)
+        context.add("CB706", context.source.key("policy"), state=state)
+
+
+def _background(context: ProgramContext, program: CheckedProgram) -> None:
+    name = str(program.background)
+    if program.background is not None and name in (action.name for action in program.actions):
+        context.add("CB716", context.source.place("background"), name=name)
+
+
+def _used(context: ProgramContext, program: CheckedProgram) -> None:
+    for action in program.actions:
+        if action.program is not None and not action.program.policy:
+            place = context.source.place("use", action.name, "program")
+            context.add("CB705", place, name=action.program.name)
+
+
+def _levels(context: ProgramContext, program: CheckedProgram, action: Action, steps: Steps) -> None:
+    """Warn of controllers whose joints a controller above them always takes completely."""
+    own = [level for level in levels(program, action) if not level.background]
+    idle: dict[str, list[str]] = {}
+    for i, level in enumerate(own):
+        joints = frozenset(level.controller.joints)
+        above = next((other for other in own[:i] if _takes_all(other, joints)), None)
+        if above is not None:
+            idle.setdefault(above.controller.name, []).append(level.controller.name)
+    for name, below in idle.items():
+        names = " and ".join(f"'{each}'" for each in below)
+        context.add("CB709", context.source.place(*steps), above=name, names_below=names)
+
+
+def _takes_all(above: StackLevel, joints: frozenset[str]) -> bool:
+    """Return whether a level always fixes all of some joints, because it is never undefined."""
+    controller = above.controller
+    return (
+        above.rows == len(controller.joints)
+        and joints.issubset(controller.joints)
+        and controller.feedback.type.name == "configuration"
+        and POTENTIALS[controller.potential].residual
+        and reads_what_is_known(controller)
+    )

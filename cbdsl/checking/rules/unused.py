@@ -1,0 +1,40 @@
+"""Warnings about declarations without effect, and about names with two meanings."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from cbdsl.checking.program_context import ProgramContext
+
+
+def check_unused(context: ProgramContext, used: Collection[str]) -> None:
+    """Warn of unused controllers, programs and parameters, and of hidden names.
+
+    Args:
+        context: Program context.
+        used: Controllers and programs that some action or the background refers to.
+    """
+    document, source = context.document, context.source
+    for section in ("controllers", "use"):
+        for name in getattr(document, section):
+            if name not in used:
+                context.add("CB701", source.key(section, name), name=name)
+    for name in document.parameters:
+        if name not in context.scope.used:
+            context.add("CB702", source.key("parameters", name), name=name)
+    _hidden(context)
+
+
+def _hidden(context: ProgramContext) -> None:
+    document, source = context.document, context.source
+    for name in document.controllers:
+        if name in document.use:
+            related = [(source.key("use", name), "the program")]
+            place = source.key("controllers", name)
+            context.add("CB703", place, related=related, name=name, other="program")
+    for key, controller in document.controllers.items():
+        for i, name in enumerate(() if isinstance(controller, str) else controller.parameters):
+            if name in document.parameters:
+                related = [(source.key("parameters", name), "the program's parameter")]
+                place = source.place("controllers", key, "parameters", i)
+                context.add("CB703", place, related=related, name=name, other="parameter")

@@ -1,0 +1,30 @@
+"""The range potential against the formula of its source."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.control.potentials.range import between
+from tests.control.evaluation import Signal, evaluate
+
+
+def test_equals_the_cosine_field(rng: np.random.Generator) -> None:
+    lower, upper = -rng.uniform(0.5, 3, 7), rng.uniform(0.5, 3, 7)
+    for q in rng.uniform(lower, upper, (50, 7)):
+        angles = np.pi * (q - (lower + upper) / 2) / (upper - lower)
+        phi = evaluate(between(lower, upper), Signal(q, np.eye(7))).phi
+        assert phi == pytest.approx(7 - np.cos(angles).sum(), abs=1e-14)
+
+
+def test_rows_keep_their_rank_at_the_centre() -> None:
+    lower, upper = -np.ones(5), np.full(5, 2.0)
+    evaluation = evaluate(between(lower, upper), Signal(np.full(5, 0.5), np.eye(5)))
+    assert evaluation.phi == 0.0
+    assert np.linalg.matrix_rank(evaluation.jacobian) == 5
+
+
+@pytest.mark.parametrize("upper", [np.inf, -1.0, np.nan])
+def test_needs_a_range(upper: float) -> None:
+    with pytest.raises(ValueError, match="finite joint limits"):
+        between(-np.ones(2), np.array([1.0, upper]))
