@@ -36,10 +36,6 @@ from cbdsl.numeric.vector import add, copy, dot, fill, norm
 # this, m or rad: far below a link's length, and far above the effect of an encoder's resolution.
 _RESISTED = 1e-3
 
-# Least share of the damping in a Newton step. A flat valley of the error takes a minute with the
-# full damping. Elsewhere the stiffness bounds the step, so that no more damping is needed.
-_LEAST_DAMPED = 0.01
-
 # Added to squared singular values that multipliers are divided by. They grow at a singularity, and
 # with them the stiffness of the levels below: bounded multipliers would let these swing.
 _SOFT = 1e-10
@@ -156,8 +152,7 @@ def newton_step(
         for j in range(len(values)):
             pull += vectors[i, j] * values[j] * along[j]
         weight = max(0.0, 1.0 - stiffness / (threshold * threshold))
-        damped = min(damping * weight, max(stiffness, _LEAST_DAMPED * damping))
-        step = pull / max(stiffness + damped, _FLOOR)
+        step = pull / max(stiffness + damping * weight, _FLOOR)
         for j in range(size):
             add(change, free[j], step * vectors[i, j])
     return change, resisted

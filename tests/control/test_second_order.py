@@ -9,11 +9,9 @@ import pytest
 
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
-from cbdsl.control.second_order import newton_step
 from cbdsl.control.stack import TICKS, Stack
 from cbdsl.kinematics.rotation import exp, log
 from cbdsl.numeric.arrays import Floats
-from cbdsl.numeric.compiled import compiled_once
 from tests.control.chain import Chain
 
 PERIOD = 1 / 60  # s
@@ -180,27 +178,6 @@ def test_stretched_arm_that_cannot_press_harder_rests_at_the_largest_force(share
     assert force == pytest.approx(min(share, 1.0) * largest, rel=1e-3)
     if share > 1.0:
         assert motion(bent=False)[0] > 10 * STILL
-
-
-@compiled_once
-def _step(curvature: Floats, values: Floats, along: Floats, guards: Floats) -> Floats:
-    change, _ = newton_step(curvature, np.eye(len(curvature)), 0, values, along, guards, 1e-9)
-    return change
-
-
-@pytest.mark.parametrize("longer", [1.0, 3.0], ids=["60 Hz", "20 Hz"])
-@pytest.mark.parametrize("stiffness", np.geomspace(1e-5, 1.0, 11))
-def test_newton_step_along_a_flat_valley_is_damped_by_no_more_than_its_stiffness(
-    longer: float, stiffness: float
-) -> None:
-    """The full damping would leave less than a hundredth of the step in the flattest valleys."""
-    guards = np.array([0.01 * longer**2, 0.04 * longer, 1.0])
-    singular, way = 1e-4, 0.01
-    curvature = np.diag([stiffness, 0.0, 0.0])
-    along = np.array([way * (stiffness + singular**2) / singular])
-    share = _step(curvature, np.array([singular]), along, guards)[0] / way
-    assert share <= 1.0 + 1e-9
-    assert share >= stiffness / (stiffness + max(stiffness, 0.01 * guards[0])) - 1e-4
 
 
 def follow(case: Stretched, quantum: float, ticks: int = 1200) -> float:
