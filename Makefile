@@ -14,11 +14,14 @@ SEED ?= 0
 REACH ?= all
 KEEP ?=
 
+# Learned documents to learn again: the stale ones.
+NAMES ?=
+
 # How long each entry point is fuzzed, s, and which: all.
 SECONDS ?= 60
 TARGET ?=
 
-.PHONY: check format lint types layers spelling documents pages tests properties mutants fuzz first-day site constraints dist sbom fix
+.PHONY: check format lint types layers spelling documents pages tests properties mutants relearn fuzz first-day site constraints dist sbom fix
 
 check: format lint types layers spelling documents pages tests
 
@@ -58,6 +61,10 @@ properties:
 # Small faults in control, sensing, runtime and learning that the fast tests have to notice.
 mutants:
 	$(BIN)python -m tests.mutants --sample $(SAMPLE) --seed $(SEED) --reach $(REACH) $(if $(KEEP),--keep $(KEEP))
+
+# Stale knowledge, or the documents that NAMES lists, learned again by the commands in their provenance: hours.
+relearn:
+	$(BIN)python -m tests.relearn $(NAMES)
 
 # Everything that reads text, fed with what reaches new branches: 26 entry points of SECONDS each.
 fuzz:

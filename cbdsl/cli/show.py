@@ -10,6 +10,7 @@ from cbdsl.cli.plugins import warn_of_faults
 from cbdsl.cli.show_allocations import show_allocations
 from cbdsl.cli.show_catalog import show_catalog
 from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
+from cbdsl.cli.show_knowledge import show_knowledge
 from cbdsl.cli.show_mesh import show_mesh
 from cbdsl.cli.show_meta_catalog import show_meta_catalog
 from cbdsl.cli.show_plugins import (
@@ -124,6 +125,7 @@ show.command("policy")(show_policy)
 show.command("mesh")(show_mesh)
 show.command("schema")(show_schema)
 show.command("catalog")(show_catalog)
+show.command("knowledge")(show_knowledge)
 show.command("meta-catalog")(show_meta_catalog)
 
 

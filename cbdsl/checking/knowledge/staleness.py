@@ -1,0 +1,69 @@
+"""Staleness of learned documents: inputs that have changed since the learning."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from cbdsl.checking.knowledge.digest import policy_digest, program_digest
+from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.documents.digest import digest
+from cbdsl.documents.document import Document
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.documents.policy import Identity, PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.schema import SchemaDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.yaml_text.library import Library
+
+#: Kinds of documents whose provenance names a command that learns them again.
+LEARNED: tuple[type[Document], ...] = (
+    PolicyDocument,
+    SchemaDocument,
+    CatalogDocument,
+    MetaCatalogDocument,
+)
+
+
+def changed_inputs(document: Document, path: Path, library: Library) -> Iterator[str]:
+    """Yield the inputs of a learned document that have changed, as text.
+
+    Args:
+        document: Learned document with its provenance.
+        path: File of the document.
+        library: Library that finds its inputs by name.
+    """
+    provenance = getattr(document, "provenance", None)
+    if provenance is None:
+        yield "its provenance is missing"
+        return
+    programs = getattr(provenance, "programs", None)
+    single = getattr(provenance, "program", None)
+    for identity in dict.fromkeys([single] if programs is None else programs.values()):
+        if identity is not None and _program(identity, path, library) != identity.sha256:
+            yield f"program {identity.name}"
+    for name, sha256 in provenance.policies.items():
+        if _policy(name, path, library) != sha256:
+            yield f"policy {name}"
+    robot, joined = provenance.robot, getattr(provenance, "joined", ())
+    if _digest(RobotDocument, robot, path, library) != robot.sha256:
+        yield f"robot {robot.name}"
+    for stage in dict.fromkeys([provenance.stage, *(each.stage for each in joined)]):
+        if _digest(StageDocument, stage, path, library) != stage.sha256:
+            yield f"stage {stage.name}"
+
+
+def _program(identity: Identity, path: Path, library: Library) -> str | None:
+    file = library.find(ProgramDocument, identity.name, path)
+    return None if file is None else program_digest(file, library).sha256
+
+
+def _policy(name: str, path: Path, library: Library) -> str | None:
+    file = library.find(PolicyDocument, name, path)
+    return None if file is None else policy_digest(name, path, library)
+
+
+def _digest(kind: type[Document], identity: Identity, path: Path, library: Library) -> str | None:
+    file = library.find(kind, identity.name, path)
+    return None if file is None else digest(library.read(file, kind).document)

@@ -1,0 +1,72 @@
+"""Learned documents are stale after a change of a program, policy, robot or stage."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.knowledge.staleness import changed_inputs
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.schema import SchemaDocument
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+from tests.relearn import commands, learned
+
+CHANGES = {
+    "program pick_and_place": ("programs/pick_and_place.yaml", "speed: 4 cm/s", "speed: 5 cm/s"),
+    "policy pick_and_place": ("knowledge/policies/pick_and_place.yaml", "transport ◁", "place ◁"),
+    "robot dexter": ("robots/dexter.yaml", "rate: 15 Hz", "rate: 14 Hz"),
+    "stage things_and_far_pads": ("programs/stages/things_and_far_pads.yaml", "[", "[ 0.5, "),
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in ("programs", "knowledge", "robots"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def changed(folder: Path) -> list[str]:
+    path = folder / "knowledge" / "schemas" / "pick_and_place.yaml"
+    library = Library(folder)
+    document = library.read(path, SchemaDocument).document
+    return list(changed_inputs(document, path, library))
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_changed_inputs_names_a_changed_document(folder: Path, name: str) -> None:
+    file, old, new = CHANGES[name]
+    before = changed(folder)
+    text = (folder / file).read_text("utf-8")
+    assert old in text
+    if name.startswith("stage"):
+        text = text.replace("share: ", "share: 1", 1)
+    else:
+        text = text.replace(old, new, 1)
+    (folder / file).write_text(text, "utf-8")
+    assert name in changed(folder)
+    assert name not in before
+
+
+def test_changed_inputs_without_a_provenance_says_so(folder: Path) -> None:
+    path = folder / "knowledge" / "policies" / "reachtouch.yaml"
+    library = Library(folder)
+    document = library.read(path, PolicyDocument).document.model_copy(update={"provenance": None})
+    assert list(changed_inputs(document, path, library)) == ["its provenance is missing"]
+
+
+def test_learned_lists_policies_before_the_documents_that_use_them() -> None:
+    keys = list(learned())
+    for key, each in learned().items():
+        assert all(keys.index(used) < keys.index(key) for used in each.uses if used in keys)
+
+
+def test_commands_of_a_joined_exploration_begin_without_the_joined_programs() -> None:
+    first, second = commands(learned()["catalogs/basketball_and_pad"].data)
+    assert "--join" in second and "--join" not in first
+    assert not any(word.startswith("pick_and_place") for word in first)
+    assert first[first.index("--actions") + 1] == "100"
+    assert "searchtrack" in first
