@@ -57,6 +57,8 @@ def serve_robot(
     from cbdsl.backends.ros2.server import RobotServer, simulated_robot
     from cbdsl.robot.control_rate import with_control_rate
 
+    if trace is not None:
+        _require_writable(trace)
     document, urdf = read_robot(robot)
     document = with_control_rate(document, rate)
     set_up = read_stage(stage, document)
@@ -76,6 +78,20 @@ def serve_robot(
         server.close()
         if trace is not None:
             moments.write(trace, injected.begun)
+
+
+def _require_writable(trace: Path) -> None:
+    """Refuse a file for the motion before the robot is served, and not after it.
+
+    Raises:
+        UsageError: The path is a folder, or its folder does not exist.
+    """
+    from cbdsl.diagnostics.errors import UsageError
+
+    if trace.is_dir():
+        raise UsageError(f"--trace {trace}: this is a folder; name a file, such as motion.npz")
+    if not trace.parent.is_dir():
+        raise UsageError(f"--trace {trace}: there is no folder {trace.parent}")
 
 
 def _introduction(

@@ -92,7 +92,9 @@ def serve(
 def doctor(
     robot: Robot,
     *,
-    seconds: Annotated[float, typer.Option("--seconds", min=0.1, help="Time to listen, s.")] = 3.0,
+    seconds: Annotated[
+        float, typer.Option("--seconds", min=0.1, max=3600, help="Time to listen, s.")
+    ] = 3.0,
     cameras: Cameras = None,
     interface: Interface = None,
     as_json: Json = False,

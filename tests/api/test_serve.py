@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.api.serve import Pace
+from cbdsl.api.serve import Pace, serve_robot
+from cbdsl.diagnostics.errors import UsageError
 
 PERIOD = 0.01
 
@@ -38,3 +41,11 @@ def test_pace_of_a_real_time_simulation_is_not_reported(ticks: int, slowness: fl
 def test_pace_notices_a_pause(pause: float) -> None:
     _, lines = served([PERIOD] * 700 + [pause] + [PERIOD] * 700)
     assert len(lines) == 1
+
+
+@pytest.mark.parametrize(("place", "words"), [(".", "a folder"), ("none/a.npz", "no folder")])
+def test_trace_that_cannot_be_written_is_refused_before_the_robot_is_read(
+    place: str, words: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UsageError, match=words):
+        serve_robot("no robot of this name", trace=tmp_path / place)

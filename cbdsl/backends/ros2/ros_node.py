@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Iterator
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -187,6 +188,7 @@ class _Domain:
 
     def __init__(self, number: int, interface: str) -> None:
         self.number, self.interface = number, interface
+        _require_interface(interface)
         try:
             self._domain = Domain(number, configuration(interface))
         except DDSException:
@@ -194,6 +196,17 @@ class _Domain:
                 f"DDS cannot use the network interface '{interface}'; 'ip link' lists the "
                 "interfaces, and CYCLONEDDS_URI may have more settings"
             ) from None
+
+
+def _require_interface(interface: str) -> None:
+    """Refuse a network interface that this computer does not have.
+
+    Raises:
+        BackendError: There is none of this name.
+    """
+    known = [name for _, name in socket.if_nameindex()]
+    if interface not in known:
+        raise BackendError.unknown("network interface", interface, known)
 
 
 def _domain(number: int, interface: str) -> _Domain:
@@ -230,7 +243,7 @@ def domain_id() -> int:
         BackendError: It is not a number from 0 to 232.
     """
     text = os.environ.get("ROS_DOMAIN_ID") or "0"
-    if not (text.isdecimal() and int(text) <= 232):
+    if not (text.isascii() and text.isdecimal() and len(text) <= 3 and int(text) <= 232):
         raise BackendError(f"ROS_DOMAIN_ID is '{text}'; it has to be a number from 0 to 232")
     return int(text)
 
