@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("cyclonedds")
 
-from cbdsl.backends.backend import BackendError
+from  import BackendError
 from cbdsl.backends.ros2.node import RosNode, domain_id
 
 
