@@ -6,8 +6,8 @@ import pytest
 
 pytest.importorskip("cyclonedds")
 
-from  import BackendError
-from cbdsl.backends.ros2.node import RosNode, domain_id
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.ros2.ros_node import RosNode, domain_id
 
 
 @pytest.mark.parametrize(
