@@ -10,9 +10,9 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from cbdsl.backends.distributions import require_unmixed
 from cbdsl.backends.engines import MODULES, remedy
 from cbdsl.backends.quiet import quiet_stderr
-from cbdsl.diagnostics.distributions import require_unmixed
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

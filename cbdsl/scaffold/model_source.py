@@ -138,7 +138,7 @@ class ModelReader:
     def _read_mjcf(self, name: str, folder: Path) -> ModelSource:
         from importlib.util import find_spec
 
-        from cbdsl.diagnostics.distributions import require_unmixed
+        from cbdsl.backends.distributions import require_unmixed
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.robot.mjcf.bounded_conversion import convert_bounded
 

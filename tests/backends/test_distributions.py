@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.backends.backend import BackendError, find_backend
-from cbdsl.diagnostics.distributions import require_unmixed
+from cbdsl.backends.distributions import require_unmixed
 from cbdsl.diagnostics.errors import UsageError
 
 
