@@ -39,7 +39,11 @@ def objects() -> StageDocument:
         ("die", "too small for the fingers"),
         ("softball", ""),
         ("matchbox", ""),
-        ("cereal_box", ""),
+        ("cereal_box", "too heavy for the hand if it is full"),
+        ("canister", "too heavy for the hand if it is full"),
+        ("paperback", "too flat for its width"),
+        ("hammer", "too long for one hand"),
+        ("screwdriver", ""),
     ],
 )
 @pytest.mark.parametrize("seed", [61_000, 61_001])

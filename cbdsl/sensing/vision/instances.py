@@ -39,10 +39,9 @@ _NEARLY = 0.9
 # with the same moments; a rectangle fills 0.955 of it.
 _LONG = 1.3
 _FILLED = 0.92
-# Rows of any number of equal discs fill at least 0.866 of that ellipse. A longer region that fills
-# less is a single slender object with parts of different widths, such as a hammer.
+# Two touching discs of any sizes are at most 2.24 times as long as wide. A longer region is one
+# slender object, such as a hammer. A straight row of three touching discs is taken for one, too.
 _SLENDER = 3.0
-_ROW = 0.86
 # A region of another channel that is larger than an object by this factor is behind it.
 _BACKGROUND = 5.0
 
@@ -487,14 +486,13 @@ class Instances:
 
 
 def is_compact(region: Region) -> bool:
-    """Return whether a region is a single one, and not merged round ones."""
+    """Return whether a region is a single one, and not two merged round ones."""
     columns, mixed, rows = region.moments
     middle, half = (columns + rows) / 2, math.hypot((columns - rows) / 2, mixed)
     longer, shorter = middle + half, max(middle - half, 0.0)
     ellipse = 4 * math.pi * math.sqrt(longer * shorter)
-    if region.area >= _FILLED * ellipse or longer < _LONG**2 * shorter:
-        return True
-    return region.area < _ROW * ellipse and longer >= _SLENDER**2 * shorter
+    merged = _LONG**2 * shorter <= longer < _SLENDER**2 * shorter
+    return region.area >= _FILLED * ellipse or not merged
 
 
 def _is_near(position: Floats, places: Sequence[Floats]) -> bool:

@@ -1,14 +1,14 @@
-"""Whether ``deliver`` places everyday objects, or refuses them before an arm moves."""
+"""Whether ``deliver`` places everyday objects, or refuses them before an arm moves.
+
+The objects of the stage ``other_objects`` have other sizes than those that its bounds suit.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cbdsl import load, simulate
 from cbdsl_reproduction.judges.claim_judges import ClaimWatch, delivered
 from cbdsl_reproduction.judges.judge import (
     ANY,
@@ -19,74 +19,82 @@ from cbdsl_reproduction.judges.judge import (
     Judge,
     JudgedCondition,
 )
+from cbdsl_reproduction.judges.watch import Watch, watched
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from cbdsl import EpisodeResult
 
 # Largest turn of an arm's joint without motion, rad.
 _STILL = 0.05
-_PROGRAM, _STAGE = "deliver", "everyday_objects"
+#: Objects that are placed, and objects that are refused, by stage.
+_PLACED = {
+    "everyday_objects": (
+        "block", "matchbox", "carton", "soup_can", "tuna_can", "bottle", "jar", "mug",
+        "tennis_ball", "softball", "screwdriver",
+    ),
+    "other_objects": ("tin", "cube", "soap", "shampoo", "handball", "candle", "chisel"),
+}  # fmt: skip
+_REFUSED = {
+    "everyday_objects": (
+        "die", "cereal_box", "parcel", "book", "paperback", "paint_can", "canister", "bowl",
+        "tray", "golf_ball", "medicine_ball", "play_ball", "hammer",
+    ),
+    "other_objects": ("marble", "plate", "crate", "detergent", "rod"),
+}  # fmt: skip
 
 
-class _Stillness:
-    """Largest turn of the arms' joints in an episode."""
+class _Delivery(Watch):
+    """Truth about the object, and the largest turn of the arms' joints."""
 
-    def __init__(self) -> None:
+    def begin(self) -> None:
+        """Forget the previous episode."""
         self._first: NDArray[np.float64] | None = None
-        self.turn = 0.0
+        self._turn = 0.0
+        self._claim = ClaimWatch(self.truth, [self.condition.context or ""])
 
     def note(self, tick: Any) -> None:
         """Take in a control tick."""
+        self._claim.note(tick)
         joints = tick.signals.joints
         arms = [k for arm in ("left_arm", "right_arm") for k in joints.of(arm)]
         now = tick.observation.positions[arms]
         if self._first is None:
             self._first = now.copy()
-        self.turn = max(self.turn, float(np.abs(now - self._first).max()))
+        self._turn = max(self._turn, float(np.abs(now - self._first).max()))
+
+    def conclude(self, result: EpisodeResult) -> EpisodeVerdict:
+        """Return whether the object was placed, or refused before motion."""
+        is_success = result.outcome == "success"
+        fault = delivered(self._claim) if is_success else ""
+        outcomes = {
+            "placed": is_success and not fault,
+            "refused before motion": result.outcome == "failure" and self._turn < _STILL,
+            "false success": bool(fault),
+        }
+        return EpisodeVerdict(result.seed, outcomes, result.sim_seconds, fault or result.ending)
 
 
-def _measure(
-    condition: JudgedCondition, body: BodyChoice, seeds: Sequence[int]
-) -> Iterator[EpisodeVerdict]:
-    """Yield the verdict on each episode with each object."""
-    request = load(_PROGRAM, stage=condition.stage)
-    with simulate(request, backend=body.backend, cameras=body.cameras) as simulated:
-        for context, shown in request.stage.contexts.items():
-            for seed in seeds:
-                names = [*(shown.placed or ()), *request.stage.things]
-                watch, still = ClaimWatch(simulated.truth, names), _Stillness()
-
-                def note(tick: Any, watch: ClaimWatch = watch, still: _Stillness = still) -> None:
-                    watch.note(tick)
-                    still.note(tick)
-
-                result = simulated.robot.run(seed, context=context, on_tick=note)
-                is_success = result.outcome == "success"
-                fault = delivered(watch) if is_success else ""
-                is_refused = result.outcome == "failure" and still.turn < _STILL
-                outcomes = {
-                    "placed": is_success and not fault,
-                    "refused before motion": is_refused,
-                    "placed or refused": (is_success and not fault) or is_refused,
-                    "false success": bool(fault),
-                }
-                ending = fault or result.ending
-                yield EpisodeVerdict(seed, outcomes, result.sim_seconds, ending, context=context)
+def _conditions() -> tuple[JudgedCondition, ...]:
+    """Return each object of both stages."""
+    most, conditions = Aim(0.9), []
+    for objects, aims in (
+        (_PLACED, {"placed": most, "refused before motion": ANY, "false success": NONE}),
+        (_REFUSED, {"placed": ANY, "refused before motion": most, "false success": NONE}),
+    ):
+        conditions += [
+            JudgedCondition(name, "deliver", aims, stage, name)
+            for stage, names in objects.items()
+            for name in names
+        ]
+    return tuple(conditions)
 
 
 JUDGE = Judge(
     "everyday",
     "everyday objects placed on a pad, or refused before motion",
-    (
-        JudgedCondition(
-            "all objects",
-            _PROGRAM,
-            {
-                "placed": ANY,
-                "refused before motion": ANY,
-                "placed or refused": Aim(0.9),
-                "false success": NONE,
-            },
-            _STAGE,
-        ),
-    ),
-    _measure,
+    _conditions(),
+    watched(_Delivery),
     BodyChoice("mujoco", "ideal"),
 )
