@@ -1,6 +1,6 @@
 """Whether ``deliver`` places everyday objects, or refuses them before an arm moves.
 
-The objects of the stage ``other_objects`` have other sizes than those that its bounds suit.
+The stage ``other_objects`` has objects of sizes for which no bound was chosen.
 """
 
 from __future__ import annotations
