@@ -62,7 +62,10 @@ class Schema(NamedTuple):
         )
 
     def untried(self, features: Mapping[str, float]) -> tuple[str, ...]:
-        """Return the components whose values are undefined, or unlike all that were tried.
+        """Return the components whose values are unlike all that were tried.
+
+        Undefined components are left out: a velocity, for example, is undefined in the first two
+        images of an object, and the tree need not ask for it.
 
         Args:
             features: Features by name, in SI.
@@ -70,13 +73,15 @@ class Schema(NamedTuple):
         return tuple(
             name
             for name, (low, high) in self.tried.items()
-            if not _within(features.get(name, math.nan), low, high)
+            if not math.isnan(value := features.get(name, math.nan))
+            and not _within(value, low, high)
         )
 
     def reward_given(self, features: Mapping[str, float]) -> float | None:
         """Return Pr(reward | pi, f), or ``None`` if it is unknown.
 
-        It is unknown without a tree, and where a feature is undefined or was never tried.
+        It is unknown without a tree, where the tree asks for an undefined feature, and where a
+        feature is unlike all that were tried.
 
         Args:
             features: Features by name, in SI.

@@ -25,7 +25,7 @@ KNOWN = {"distance": 0.7, "volume": 0.0015}
         ({"distance": 1.7}, None),
         ({"distance": 0.3}, None),
         ({"volume": 0.01}, None),
-        ({"volume": math.nan}, None),
+        ({"volume": math.nan}, 0.97),
         ({"distance": math.nan}, None),
     ],
 )

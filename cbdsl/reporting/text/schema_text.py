@@ -29,7 +29,7 @@ def _lines(schema: SchemaDocument) -> Iterator[str]:
         yield f"\nReward is likely? Below {schema.least_reward:g} nothing is begun"
         yield from _tree(schema.reward, "  ")
         if schema.tried:
-            yield "  unknown if undefined, or outside of these ranges by a tenth; then it is tried"
+            yield "  unknown, and tried, outside of these ranges by a tenth of them:"
         for name, (low, high) in schema.tried.items():
             yield f"    {name} from {low:g} to {high:g}"
     yield "\nWhich resources first?"

@@ -108,7 +108,7 @@ class SchemaPolicy(Policy):
 
     def _unknown(self, features: Features) -> str:
         """Return a note if the probability of reward was unknown, or nothing."""
-        untried = self._schema.untried(features) if are_defined(features) else ()
+        untried = self._schema.untried(features)
         if not untried:
             return ""
         return f"; reward was unknown here ({', '.join(untried)} outside of all learned contexts)"

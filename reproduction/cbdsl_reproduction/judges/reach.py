@@ -1,7 +1,8 @@
 """Whether a schema knows the limits of reach, on all sides and before any arm moves.
 
 The shipped schema of REACHTOUCH runs. If it begins, it tries all allocations, and it was right if
-one is rewarded. If it refuses, each allocation runs alone, and it was right if none is rewarded.
+one is rewarded. If it refuses at rest, each allocation runs alone, and it was right if none is
+rewarded.
 An object that no camera finds does not count.
 """
 
@@ -46,8 +47,10 @@ def verdict_on(
     refused = alone is not None
     reachable = any(alone.values()) if alone is not None else result.rewarded
     seen = refused or result.rewarded or _UNSEEN not in result.ending
+    # A refusal after a motion of the arms came too late.
+    begun = not refused or moved > _STILL
     outcomes = {
-        "right": reachable is not refused if seen else None,
+        "right": (result.rewarded if begun else not reachable) if seen else None,
         "refused": refused if seen else None,
         "moved before a refusal": refused and moved > _STILL if seen else None,
         "not found": not seen,
