@@ -7,7 +7,7 @@ from drawn_experience import experience
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl_reproduction.arcs import ActionArc, DrawnArc, diagram_of
+from cbdsl_reproduction.chapter_4.arcs import ActionArc, DrawnArc, diagram_of
 
 STEPS = st.tuples(*(st.sampled_from(each) for each in (["XX", "X0"], ["a", "b"], ["X0", "X1"])))
 

@@ -13,8 +13,9 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.documents.model import ModelDocument
 from cbdsl.yaml_text.library import Library
-from cbdsl_reproduction.background_documents import write_backgrounds
-from cbdsl_reproduction.background_model import (
+from cbdsl_reproduction.chapter_4.posture_panels import PosturePanels
+from cbdsl_reproduction.chapter_5.background_documents import write_backgrounds
+from cbdsl_reproduction.chapter_5.background_model import (
     ChannelSearch,
     KeptSearches,
     Posture,
@@ -23,7 +24,6 @@ from cbdsl_reproduction.background_model import (
     quantities,
     tracked_postures,
 )
-from cbdsl_reproduction.posture_panels import PosturePanels
 from cbdsl_reproduction.quantity import Verdict
 from tests.conftest import ROOT
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cbdsl.documents.stage import StageDocument
-from cbdsl_reproduction.barcode import SIZE, Barcode, barcodes
+from cbdsl_reproduction.chapter_3.barcode import SIZE, Barcode, barcodes
 
 
 def test_every_barcode_fills_its_width_and_ends_with_a_bar() -> None:

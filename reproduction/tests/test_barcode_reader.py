@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from cbdsl_reproduction.barcode import SIZE, Barcode, barcodes
-from cbdsl_reproduction.barcode_reader import classify, find_pattern, intervals, mismatch
+from cbdsl_reproduction.chapter_3.barcode import SIZE, Barcode, barcodes
+from cbdsl_reproduction.chapter_3.barcode_reader import classify, find_pattern, intervals, mismatch
 
 BARCODES = [
     pytest.param(barcode, of_class, id=f"{frequency}-{barcode.name}")

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from cbdsl_reproduction.barcode import SIZE, barcodes
-from cbdsl_reproduction.barcode_reader import find_pattern
-from cbdsl_reproduction.barcode_trial import FOCAL_LENGTH, BarcodeTrial
-from cbdsl_reproduction.camera_rig import FINENESS, CameraRig, Placement, camera_rig
-from cbdsl_reproduction.fig_3_6 import LENSES
+from cbdsl_reproduction.chapter_3.barcode import SIZE, barcodes
+from cbdsl_reproduction.chapter_3.barcode_reader import find_pattern
+from cbdsl_reproduction.chapter_3.barcode_trial import FOCAL_LENGTH, BarcodeTrial
+from cbdsl_reproduction.chapter_3.camera_rig import FINENESS, CameraRig, Placement, camera_rig
+from cbdsl_reproduction.chapter_3.fig_3_6 import LENSES
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import zxingcpp
 
-from cbdsl_reproduction import code39
+from cbdsl_reproduction.chapter_3 import code39
 
 
 def _drawn(stripes: tuple[float, ...], narrow: int = 4, quiet: int = 60) -> np.ndarray:

@@ -9,7 +9,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
-from cbdsl_reproduction.contact_place import contact_places, on_ball
+from cbdsl_reproduction.chapter_5.contact_place import contact_places, on_ball
 
 RADIUS = 0.012
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl.learning.experience import Experience
-from cbdsl_reproduction.arcs import ActionArc, diagram_of
+from cbdsl_reproduction.chapter_4.arcs import ActionArc, diagram_of
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from tests.conftest import Checked
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cbdsl_reproduction.chapter_3.fig_3_5 import _force_errors, run
+from cbdsl_reproduction.chapter_3.inspection import InspectionRun
 from cbdsl_reproduction.experiment import RunSettings
-from cbdsl_reproduction.fig_3_5 import _force_errors, run
-from cbdsl_reproduction.inspection import InspectionRun
 from cbdsl_reproduction.quantity import Verdict
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from cbdsl_reproduction.chapter_3.fig_3_6 import run
 from cbdsl_reproduction.experiment import RunSettings
-from cbdsl_reproduction.fig_3_6 import run
 
 
 @pytest.mark.slow

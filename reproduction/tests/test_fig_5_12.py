@@ -6,9 +6,15 @@ from pathlib import Path
 
 from cbdsl.learning.experience import Experience
 from cbdsl.program.transition import Transition
-from cbdsl_reproduction import fig_5_12
+from cbdsl_reproduction.chapter_5 import fig_5_12
+from cbdsl_reproduction.chapter_5.fig_5_12 import (
+    PASSIVE,
+    PROBING,
+    SEEKING,
+    quantities,
+    reparameterised,
+)
 from cbdsl_reproduction.experiment import RunSettings
-from cbdsl_reproduction.fig_5_12 import PASSIVE, PROBING, SEEKING, quantities, reparameterised
 from cbdsl_reproduction.quantity import Verdict
 
 

@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.fig_5_2 import run, seeds_of
-from cbdsl_reproduction.kept_trials import KeptTrials
-from cbdsl_reproduction.motion_episodes import (
+from cbdsl_reproduction.chapter_5.fig_5_2 import run, seeds_of
+from cbdsl_reproduction.chapter_5.motion_episodes import (
     NOTHING,
     SHAKEN,
     MotionEpisode,
     motion_digest,
     run_motion_episodes,
 )
+from cbdsl_reproduction.experiment import Result, RunSettings
+from cbdsl_reproduction.kept_trials import KeptTrials
 from cbdsl_reproduction.quantity import Quantity, Verdict
 
 TRIALS = 20

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile, ImpedanceTest
+from cbdsl_reproduction.chapter_7.fig_7_13 import run
 from cbdsl_reproduction.experiment import RunSettings
-from cbdsl_reproduction.fig_7_13 import run
 from cbdsl_reproduction.impedance_trials import ImpedanceTrial, impedance_digest
 from cbdsl_reproduction.kept_trials import KeptTrials
 from cbdsl_reproduction.quantity import Verdict

@@ -13,9 +13,9 @@ from cbdsl_reproduction.affordance_trials import (
     attempt,
     run_affordances,
 )
+from cbdsl_reproduction.chapter_7.fig_7_17 import AFFORDED, run
 from cbdsl_reproduction.constellation_trials import ConstellationTrial, constellation_digest
 from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.fig_7_17 import AFFORDED, run
 from cbdsl_reproduction.growing_stack_trials import (
     CONTEXT,
     ORDER,

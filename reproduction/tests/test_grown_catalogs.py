@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.training.action_runner import ActionRunner
+from cbdsl_reproduction.chapter_7.grown_catalogs import FIGURES, joined_after
 from cbdsl_reproduction.experiment import RunSettings
-from cbdsl_reproduction.grown_catalogs import FIGURES, joined_after
 from cbdsl_reproduction.registry import EXPERIMENTS
 from cbdsl_reproduction.report import data
 from cbdsl_reproduction.trial_runner import TrialRunner, trial_runner

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.catalog import AffordanceSection
-from cbdsl_reproduction.action_counts import tally
 from cbdsl_reproduction.bar_chart import Bar, BarChart
-from cbdsl_reproduction.catalogs import FIGURES, _afforded, _counts, _habituation, _shares
-from cbdsl_reproduction.habituation import (
+from cbdsl_reproduction.chapter_6.action_counts import tally
+from cbdsl_reproduction.chapter_6.catalogs import FIGURES, _afforded, _counts, _habituation, _shares
+from cbdsl_reproduction.chapter_6.habituation import (
     change_chart,
     negligible_after,
     reward_chart,

@@ -9,9 +9,9 @@ import pytest
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.learning.experience import Experience
 from cbdsl.program.transition import Transition
-from cbdsl_reproduction import hand_transfer
+from cbdsl_reproduction.chapter_7 import hand_transfer
+from cbdsl_reproduction.chapter_7.hand_transfer import AssimilatedTrial, quantities
 from cbdsl_reproduction.experiment import RunSettings
-from cbdsl_reproduction.hand_transfer import AssimilatedTrial, quantities
 from cbdsl_reproduction.quantity import Verdict
 
 SCHEMA = SchemaDocument.model_validate(

@@ -13,14 +13,14 @@ from cbdsl.documents.form import BoxForm
 from cbdsl.documents.model import Gaussian, Kernel
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl_reproduction.experiment import RunSettings
-from cbdsl_reproduction.internal_models import (
+from cbdsl_reproduction.chapter_4.internal_models import (
     Expectation,
     Known,
     anywhere,
     marginal,
     prominences,
 )
+from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.series import COARTICULATED
 from cbdsl_reproduction.trial_runner import LearnedTrial, shipped_dexter, trial_runner
 

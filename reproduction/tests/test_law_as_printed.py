@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl_reproduction import law_as_printed
+from cbdsl_reproduction.chapter_3 import law_as_printed
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.quantity import Verdict
 

@@ -9,9 +9,9 @@ from dataclasses import replace
 import pytest
 from drawn_experience import experience
 
-from cbdsl_reproduction.checks import Check, Schedule
+from cbdsl_reproduction.chapter_4.checks import Check, Schedule
+from cbdsl_reproduction.chapter_4.learned_in import learned_in, learned_in_quantities
 from cbdsl_reproduction.claim import near
-from cbdsl_reproduction.learned_in import learned_in, learned_in_quantities
 from cbdsl_reproduction.series import COARTICULATED
 
 HELD_OUT = 20

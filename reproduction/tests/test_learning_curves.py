@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from drawn_experience import experience
 
-from cbdsl_reproduction.learning_curves import per_transition, settled_at
+from cbdsl_reproduction.chapter_4.learning_curves import per_transition, settled_at
 
 
 @pytest.mark.parametrize("jump", [5, 12, 25])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl_reproduction.lens import Lens
+from cbdsl_reproduction.chapter_3.lens import Lens
 
 
 def _edge(times: int) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl_reproduction.posture_density import PostureDensity
+from cbdsl_reproduction.chapter_4.posture_density import PostureDensity
 
 LIMITS = {"pan": (-1.7, 1.7), "tilt": (-1.0, 1.5)}
 

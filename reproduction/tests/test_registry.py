@@ -20,8 +20,8 @@ ALL = [pytest.param(each, id=each.name) for each in EXPERIMENTS.values()]
 def test_every_experiment_is_registered_once() -> None:
     (folder,) = map(Path, cbdsl_reproduction.__path__)
     measuring = {
-        file.stem
-        for file in folder.glob("*.py")
+        ".".join(file.relative_to(folder).with_suffix("").parts)
+        for file in folder.rglob("*.py")
         if re.search(
             r"^def run\(settings: RunSettings(, name: str)?\) -> Result:",
             file.read_text("utf-8"),
@@ -33,6 +33,15 @@ def test_every_experiment_is_registered_once() -> None:
     assert lines == len(EXPERIMENTS), "two have one name"
     alone = [each.module for each in EXPERIMENTS.values() if not each.learns]
     assert len(set(alone)) == len(alone)
+
+
+@pytest.mark.parametrize("experiment", ALL)
+def test_experiment_of_a_chapter_is_in_its_folder(experiment: Experiment) -> None:
+    folder = re.match(r"chapter_(\d)\.", experiment.module)
+    if folder is not None:
+        first = re.search(r"(?:Section|Sections|Table|Figure) (\d)", experiment.section)
+        # Transition diagrams of Chapter 4 serve Chapter 7, too.
+        assert first is not None and int(first[1]) >= int(folder[1])
 
 
 @pytest.mark.parametrize("experiment", ALL)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.types.decision_tree import Leaf, Split, Tree
-from cbdsl_reproduction import schema_trees
+from cbdsl_reproduction.chapter_5 import schema_trees
+from cbdsl_reproduction.chapter_5.schema_trees import Question, Trees, quantities
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.quantity import Verdict
-from cbdsl_reproduction.schema_trees import Question, Trees, quantities
 
 SIDES: Tree[tuple[str, ...]] = Split("place.y", 0.0, Leaf(("left_arm",)), Leaf(("right_arm",)))
 GOOD = Trees(

@@ -13,7 +13,7 @@ from cbdsl.cli.learn import learn
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library, shipped
-from cbdsl_reproduction.transition_diagrams import DRAWN, DrawnPolicy
+from cbdsl_reproduction.chapter_4.transition_diagrams import DRAWN, DrawnPolicy
 
 POLICIES = [
     pytest.param(each, id=each.series.name) for policies in DRAWN.values() for each in policies

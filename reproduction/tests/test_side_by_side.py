@@ -9,7 +9,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Schema
 from cbdsl.yaml_text.library import Library, shipped
-from cbdsl_reproduction.side_by_side import side_by_side
+from cbdsl_reproduction.chapter_5.side_by_side import side_by_side
 
 
 def flat() -> CheckedProgram:

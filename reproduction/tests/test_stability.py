@@ -6,9 +6,9 @@ import pytest
 from drawn_experience import experience
 
 from cbdsl.training.trial import Trial
+from cbdsl_reproduction.chapter_4.stability import stable_after, stable_quantity
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.series import SEQUENTIAL
-from cbdsl_reproduction.stability import stable_after, stable_quantity
 from tests.training.toy import ToyEpisodeRunner, toy_trial
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cbdsl_reproduction.chapter_3.table_3_2 import DEPTHS, localizability, measured_period, run
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.quantity import Verdict
-from cbdsl_reproduction.table_3_2 import DEPTHS, localizability, measured_period, run
 
 
 def test_every_period_and_ratio_is_reproduced() -> None:

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl_reproduction.chapter_7.table_7_1 import STACKS, run
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.kept_trials import KeptTrials
 from cbdsl_reproduction.quantity import Quantity, Verdict
 from cbdsl_reproduction.stack_trials import StackTrial, stack_digest
-from cbdsl_reproduction.table_7_1 import STACKS, run
 
 FLAT = "purple_box_on_blue_box"
 

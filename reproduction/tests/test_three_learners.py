@@ -11,12 +11,17 @@ from drawn_experience import experience
 
 from cbdsl.learning.experience import Experience
 from cbdsl.program.transition import Transition
-from cbdsl_reproduction import three_learners
+from cbdsl_reproduction.chapter_5 import three_learners
+from cbdsl_reproduction.chapter_5.retries import retries
+from cbdsl_reproduction.chapter_5.three_learners import (
+    LearnerTrials,
+    dip_length,
+    quantities_of,
+    stable_at,
+)
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
 from cbdsl_reproduction.quantity import Quantity, Verdict
-from cbdsl_reproduction.retries import retries
-from cbdsl_reproduction.three_learners import LearnerTrials, dip_length, quantities_of, stable_at
 
 TRIALS, EPISODES, FIRST = 100, 200, 25
 

@@ -12,12 +12,12 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.documents.model import ModelDocument
 from cbdsl.yaml_text.library import Library
-from cbdsl_reproduction.cross_sections import CrossSections
+from cbdsl_reproduction.chapter_5.cross_sections import CrossSections
+from cbdsl_reproduction.chapter_5.touch_map import bandwidth, gather, run
+from cbdsl_reproduction.chapter_5.touch_trials import SOURCES, Place, TouchTrial, touch_digest
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.kept_trials import KeptTrials
 from cbdsl_reproduction.quantity import Verdict
-from cbdsl_reproduction.touch_map import bandwidth, gather, run
-from cbdsl_reproduction.touch_trials import SOURCES, Place, TouchTrial, touch_digest
 from tests.conftest import ROOT
 
 WANTED = 40

@@ -5,10 +5,15 @@ from __future__ import annotations
 import pytest
 from drawn_experience import experience
 
-from cbdsl_reproduction.arcs import DrawnArc
-from cbdsl_reproduction.checks import Check
+from cbdsl_reproduction.chapter_4.arcs import DrawnArc
+from cbdsl_reproduction.chapter_4.checks import Check
+from cbdsl_reproduction.chapter_4.transition_diagrams import (
+    DrawnPolicy,
+    _quantities,
+    _typical,
+    orders_alike,
+)
 from cbdsl_reproduction.series import REACHTOUCH
-from cbdsl_reproduction.transition_diagrams import DrawnPolicy, _quantities, _typical, orders_alike
 from tests.conftest import Checked
 
 FOUND = [("XXX", "reach ◁ touch", "X0-"), ("X0-", "reach ◁ touch", "X11")]

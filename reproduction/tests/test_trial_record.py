@@ -10,13 +10,13 @@ import pytest
 
 from cbdsl.learning.allocation_tree import TriedContext
 from cbdsl_reproduction.affordance_trials import AffordanceTrial
+from cbdsl_reproduction.chapter_5.motion_episodes import MotionEpisode
+from cbdsl_reproduction.chapter_5.schema_trees import AssimilationTrial
+from cbdsl_reproduction.chapter_5.touch_trials import TouchTrial
 from cbdsl_reproduction.constellation_trials import ConstellationTrial
 from cbdsl_reproduction.growing_stack_trials import GrowingStack
 from cbdsl_reproduction.impedance_trials import ImpedanceTrial
-from cbdsl_reproduction.motion_episodes import MotionEpisode
-from cbdsl_reproduction.schema_trees import AssimilationTrial
 from cbdsl_reproduction.stack_trials import StackTrial
-from cbdsl_reproduction.touch_trials import TouchTrial
 from cbdsl_reproduction.trial_record import plain_data, read_record
 
 # Rows as they stand in kept files.

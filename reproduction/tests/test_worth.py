@@ -11,8 +11,8 @@ from drawn_experience import experience
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.training.trial import Trial
+from cbdsl_reproduction.chapter_4.worth import met, shares_of, worth_quantities
 from cbdsl_reproduction.series import REACHTOUCH, SEQUENTIAL
-from cbdsl_reproduction.worth import met, shares_of, worth_quantities
 from tests.conftest import Checked
 from tests.training.toy import toy_trial
 

@@ -36,7 +36,7 @@ def _measure(
 
 
 def _conditions() -> tuple[JudgedCondition, ...]:
-    from cbdsl_reproduction.table_7_1 import STACKS
+    from cbdsl_reproduction.chapter_7.table_7_1 import STACKS
 
     return tuple(
         JudgedCondition(

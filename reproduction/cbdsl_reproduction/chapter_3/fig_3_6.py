@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl_reproduction.barcode import Barcode, barcodes
-from cbdsl_reproduction.barcode_trial import FOCAL_LENGTH, BarcodeTrial
+from cbdsl_reproduction.chapter_3.barcode import Barcode, barcodes
+from cbdsl_reproduction.chapter_3.barcode_trial import FOCAL_LENGTH, BarcodeTrial
+from cbdsl_reproduction.chapter_3.inspection import FINENESS, Inspection, Look, inspection
+from cbdsl_reproduction.chapter_3.lens import Lens
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import Claim, above, below, between
 from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.inspection import FINENESS, Inspection, Look, inspection
-from cbdsl_reproduction.lens import Lens
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
 

@@ -9,7 +9,14 @@ import numpy as np
 
 from cbdsl.api.documents import CatalogDocument
 from cbdsl.api.learning import NOOP
-from cbdsl_reproduction.action_counts import share_of_actions
+from cbdsl_reproduction.chapter_6.action_counts import share_of_actions
+from cbdsl_reproduction.chapter_6.habituation import (
+    actions_of,
+    change_chart,
+    negligible_reward,
+    reward_chart,
+    tries_until_habituated,
+)
 from cbdsl_reproduction.claim import above, at_least
 from cbdsl_reproduction.estimate import chance_of_samples, mean
 from cbdsl_reproduction.experiment import Picture, Result, RunSettings
@@ -18,13 +25,6 @@ from cbdsl_reproduction.exploration_series import (
     TABLE_MODELS,
     THREE_BALLS,
     ExplorationSeries,
-)
-from cbdsl_reproduction.habituation import (
-    actions_of,
-    change_chart,
-    negligible_reward,
-    reward_chart,
-    tries_until_habituated,
 )
 from cbdsl_reproduction.interval import bootstrap_interval
 from cbdsl_reproduction.percentage import clustered_percentage, percentage

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from cbdsl.api.documents import BoxForm, Kernel, ModelDocument, StageDocument, write
 from cbdsl.api.shipped import shipped_document
+from cbdsl_reproduction.chapter_5.cross_sections import CrossSections
+from cbdsl_reproduction.chapter_5.touch_trials import SOURCES, TouchTrial, touch_digest, toucher
 from cbdsl_reproduction.claim import at_least, below, between, near
-from cbdsl_reproduction.cross_sections import CrossSections
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.kept_trials import KeptTrials
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity, computed
-from cbdsl_reproduction.touch_trials import SOURCES, TouchTrial, touch_digest, toucher
 
 Floats = NDArray[np.float64]
 

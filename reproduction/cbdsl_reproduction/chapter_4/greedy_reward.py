@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from cbdsl.api.program import CheckedProgram
 from cbdsl.api.sensing import KernelSample, bind
+from cbdsl_reproduction.chapter_4.learning_curves import per_transition
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import bootstrap_interval
-from cbdsl_reproduction.learning_curves import per_transition
 from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.series import COARTICULATED, SEQUENTIAL, Series
 from cbdsl_reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner, trials

@@ -16,12 +16,12 @@ import numpy as np
 
 from cbdsl.api.sensing import EpisodeListeners, Tick, channel_names
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
-from cbdsl_reproduction.background_documents import write_backgrounds
+from cbdsl_reproduction.chapter_4.posture_panels import PosturePanels
+from cbdsl_reproduction.chapter_5.background_documents import write_backgrounds
 from cbdsl_reproduction.claim import above
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.kept_rows import KeptRows
 from cbdsl_reproduction.percentage import percentage
-from cbdsl_reproduction.posture_panels import PosturePanels
 from cbdsl_reproduction.quantity import Quantity
 
 _PROGRAM, _STAGE, _EFFECTOR = "searchtrack", "furnished", "head"

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from cbdsl.api.control import Frame, localizability_potential
 from cbdsl.api.sensing import Image, heading
-from cbdsl_reproduction.barcode import SIZE, barcodes
-from cbdsl_reproduction.barcode_trial import FOCAL_LENGTH
-from cbdsl_reproduction.camera_rig import FINENESS, CameraRig, Placement, camera_rig
+from cbdsl_reproduction.chapter_3.barcode import SIZE, barcodes
+from cbdsl_reproduction.chapter_3.barcode_trial import FOCAL_LENGTH
+from cbdsl_reproduction.chapter_3.camera_rig import FINENESS, CameraRig, Placement, camera_rig
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import near
 from cbdsl_reproduction.experiment import Result, RunSettings

@@ -9,12 +9,13 @@ from typing import NamedTuple
 from cbdsl.api.drawing import ABOVE
 from cbdsl.api.program import ANY, SUBJECT_TO, CheckedProgram, matches
 from cbdsl.api.trials import Trial
-from cbdsl_reproduction.arcs import ActionArc, DrawnArc, diagram_of
-from cbdsl_reproduction.checks import Check, Schedule, checks, schedule
+from cbdsl_reproduction.chapter_4.arcs import ActionArc, DrawnArc, diagram_of
+from cbdsl_reproduction.chapter_4.checks import Check, Schedule, checks, schedule
+from cbdsl_reproduction.chapter_4.learned_in import learned_in_quantities
+from cbdsl_reproduction.chapter_4.worth import AS_GOOD, shares_of, worth_quantities
 from cbdsl_reproduction.claim import above, at_least, at_most, in_hindsight
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.learned_in import learned_in_quantities
 from cbdsl_reproduction.percentage import clustered_percentage, percentage
 from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.series import (
@@ -28,7 +29,6 @@ from cbdsl_reproduction.series import (
     Series,
 )
 from cbdsl_reproduction.trial_runner import TrialRunner, trial_runner
-from cbdsl_reproduction.worth import AS_GOOD, shares_of, worth_quantities
 
 #: Worth of actions, by state and action.
 Worth = Mapping[str, Mapping[str, float]]

@@ -23,13 +23,13 @@ from cbdsl.api.program import (
 )
 from cbdsl.api.shipped import shipped_program
 from cbdsl.api.trials import EPISODES, Journal, trial_journal, versions
+from cbdsl_reproduction.chapter_5.side_by_side import side_by_side
 from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, HandednessSeries
 from cbdsl_reproduction.learners.concurrent import Concurrent
 from cbdsl_reproduction.learners.context_letters import LETTERS, context_letters
 from cbdsl_reproduction.learners.flat import Flat, FlatPolicy
 from cbdsl_reproduction.learners.handedness_learner import HandednessLearner, replay
 from cbdsl_reproduction.learners.staged import Staged
-from cbdsl_reproduction.side_by_side import side_by_side
 from cbdsl_reproduction.source_features import with_source_features
 from cbdsl_reproduction.trial_runner import TrialRunner
 

@@ -13,8 +13,8 @@ from cbdsl_reproduction.affordance_trials import (
     attempt,
     run_affordances,
 )
-from cbdsl_reproduction.blob_panels import BlobPanels
 from cbdsl_reproduction.catalog_hierarchy import CatalogNode
+from cbdsl_reproduction.chapter_7.blob_panels import BlobPanels
 from cbdsl_reproduction.claim import Claim, above, at_least, below
 from cbdsl_reproduction.constellation_trials import (
     ConstellationTrial,

@@ -15,8 +15,8 @@ from cbdsl.api.sensing import Image
 from cbdsl.api.shipped import shipped_robot
 from cbdsl.api.simulation_fixture import REFERENCE
 from cbdsl.api.trials import SimulatedBackend, embody_simulated
-from cbdsl_reproduction.barcode import SIZE
-from cbdsl_reproduction.barcode_trial import FOCAL_LENGTH
+from cbdsl_reproduction.chapter_3.barcode import SIZE
+from cbdsl_reproduction.chapter_3.barcode_trial import FOCAL_LENGTH
 
 #: Factor by which a picture has more pixels than the source's cameras, along each axis.
 FINENESS = 4

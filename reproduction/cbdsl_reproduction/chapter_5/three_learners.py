@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.api.learning import Experience
+from cbdsl_reproduction.chapter_4.learning_curves import per_transition
+from cbdsl_reproduction.chapter_5.handedness import HandednessTrials
+from cbdsl_reproduction.chapter_5.retries import retry_diagram, retry_quantities
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import Claim, above, below, near
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.handedness import HandednessTrials
 from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
 from cbdsl_reproduction.interval import TAIL, resampled_interval
-from cbdsl_reproduction.learning_curves import per_transition
 from cbdsl_reproduction.quantity import Quantity
-from cbdsl_reproduction.retries import retry_diagram, retry_quantities
 from cbdsl_reproduction.trial_runner import TrialRunner, trial_runner
 
 Floats = NDArray[np.float64]

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl_reproduction.chapter_4.learning_curves import per_transition
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import near
 from cbdsl_reproduction.estimate import estimate
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import interquartile_interval, interquartile_mean, interval_of
-from cbdsl_reproduction.learning_curves import per_transition
 from cbdsl_reproduction.series import PICKANDPLACE, Series
 from cbdsl_reproduction.trial_runner import TrialRunner, trial_runner
 

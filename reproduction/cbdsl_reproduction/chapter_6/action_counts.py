@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from cbdsl.api.documents import CatalogDocument
 from cbdsl.api.learning import NOOP
 from cbdsl_reproduction.bar_chart import Bar, BarChart
+from cbdsl_reproduction.chapter_6.habituation import actions_of
 from cbdsl_reproduction.claim import Claim
-from cbdsl_reproduction.habituation import actions_of
 from cbdsl_reproduction.percentage import clustered_percentage
 from cbdsl_reproduction.quantity import Quantity
 

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from cbdsl_reproduction.barcode import barcodes
+from cbdsl_reproduction.chapter_3.barcode import barcodes
+from cbdsl_reproduction.chapter_3.inspection import InspectionRun, Look, inspection
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above, at_least, in_hindsight, near
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.inspection import InspectionRun, Look, inspection
 from cbdsl_reproduction.interval import TAIL, resampled_interval
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity

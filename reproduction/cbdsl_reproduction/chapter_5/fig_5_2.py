@@ -11,11 +11,8 @@ from numpy.typing import NDArray
 
 from cbdsl.api.control import Kinematics
 from cbdsl.api.shipped import shipped_robot
-from cbdsl_reproduction.claim import at_least, at_most, below
-from cbdsl_reproduction.estimate import mean_of
-from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.kept_trials import kept_trials
-from cbdsl_reproduction.motion_episodes import (
+from cbdsl_reproduction.chapter_4.posture_density import PostureDensity
+from cbdsl_reproduction.chapter_5.motion_episodes import (
     EFFECTOR,
     NOTHING,
     SHAKEN,
@@ -23,8 +20,11 @@ from cbdsl_reproduction.motion_episodes import (
     motion_digest,
     run_motion_episodes,
 )
+from cbdsl_reproduction.claim import at_least, at_most, below
+from cbdsl_reproduction.estimate import mean_of
+from cbdsl_reproduction.experiment import Result, RunSettings
+from cbdsl_reproduction.kept_trials import kept_trials
 from cbdsl_reproduction.percentage import percentage
-from cbdsl_reproduction.posture_density import PostureDensity
 from cbdsl_reproduction.quantity import Quantity
 
 Floats = NDArray[np.float64]

@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.api.learning import Experience
+from cbdsl_reproduction.chapter_4.checks import Check, checks, schedule
+from cbdsl_reproduction.chapter_4.learned_in import learned_in_quantities
+from cbdsl_reproduction.chapter_4.stability import stable_after, stable_quantity
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.checks import Check, checks, schedule
 from cbdsl_reproduction.claim import Claim, above, near
 from cbdsl_reproduction.estimate import estimate
 from cbdsl_reproduction.experiment import Result, RunSettings
@@ -20,10 +22,8 @@ from cbdsl_reproduction.interval import (
     interquartile_mean,
     interval_of,
 )
-from cbdsl_reproduction.learned_in import learned_in_quantities
 from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.series import COARTICULATED, SEQUENTIAL, Series
-from cbdsl_reproduction.stability import stable_after, stable_quantity
 from cbdsl_reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner
 
 Floats = NDArray[np.float64]

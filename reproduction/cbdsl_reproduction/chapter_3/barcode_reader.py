@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.api.sensing import Image, bin_mask
-from cbdsl_reproduction.barcode import Barcode
+from cbdsl_reproduction.chapter_3.barcode import Barcode
 
 Floats = NDArray[np.float64]
 

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from cbdsl.api.documents import CatalogDocument
 from cbdsl.api.drawing import Layer
-from cbdsl_reproduction.action_counts import action_bars, share_of_actions, tally
 from cbdsl_reproduction.catalog_hierarchy import CatalogNode
+from cbdsl_reproduction.chapter_6.action_counts import action_bars, share_of_actions, tally
+from cbdsl_reproduction.chapter_6.habituation import actions_of, reward_chart, rewards
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import Claim, above, at_least, at_most, below, near
 from cbdsl_reproduction.estimate import mean_of
@@ -22,7 +23,6 @@ from cbdsl_reproduction.exploration_series import (
     TABLE_PLACED,
     ExplorationSeries,
 )
-from cbdsl_reproduction.habituation import actions_of, reward_chart, rewards
 from cbdsl_reproduction.hierarchy import Hierarchy
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cbdsl.api.documents import BoxForm, StageDocument
-from cbdsl_reproduction import code39
+from cbdsl_reproduction.chapter_3 import code39
 
 #: Edge of every pattern, m.
 SIZE = 0.1

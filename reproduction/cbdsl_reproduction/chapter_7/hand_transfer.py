@@ -19,6 +19,9 @@ from cbdsl.api.learning import ASSIMILATE, Accommodate, Assimilate, AssimilateCo
 from cbdsl.api.program import CheckedProgram, SchemaPolicy, state_values
 from cbdsl.api.shipped import shipped_program
 from cbdsl.api.trials import EPISODES, Journal, Trial, identity_of
+from cbdsl_reproduction.chapter_4.learning_curves import per_transition
+from cbdsl_reproduction.chapter_5.schema_trees import SchemaPicture
+from cbdsl_reproduction.chapter_5.three_learners import dip_length
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import above, below
 from cbdsl_reproduction.estimate import mean_of
@@ -29,11 +32,8 @@ from cbdsl_reproduction.interval import (
     interquartile_mean,
     resampled_interval,
 )
-from cbdsl_reproduction.learning_curves import per_transition
 from cbdsl_reproduction.quantity import Quantity
-from cbdsl_reproduction.schema_trees import SchemaPicture
 from cbdsl_reproduction.series import PICKANDPLACE, Series
-from cbdsl_reproduction.three_learners import dip_length
 from cbdsl_reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner
 
 Floats = NDArray[np.float64]

@@ -10,11 +10,17 @@ import numpy as np
 from cbdsl.api.documents import CatalogDocument
 from cbdsl.api.drawing import Layer, catalog_icon
 from cbdsl.api.learning import NOOP
-from cbdsl_reproduction.action_counts import (
+from cbdsl_reproduction.chapter_6.action_counts import (
     action_bars,
     share_of_actions,
     tallies,
     tally,
+)
+from cbdsl_reproduction.chapter_6.habituation import (
+    actions_of,
+    change_chart,
+    negligible_reward,
+    reward_chart,
 )
 from cbdsl_reproduction.claim import Claim, above, at_least, at_most, below
 from cbdsl_reproduction.estimate import chance_of_samples, mean
@@ -24,12 +30,6 @@ from cbdsl_reproduction.exploration_series import (
     RED_BALL,
     TABLE,
     ExplorationSeries,
-)
-from cbdsl_reproduction.habituation import (
-    actions_of,
-    change_chart,
-    negligible_reward,
-    reward_chart,
 )
 from cbdsl_reproduction.interval import bootstrap_interval
 from cbdsl_reproduction.percentage import clustered_percentage, percentage

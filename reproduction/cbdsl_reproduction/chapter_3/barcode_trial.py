@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cbdsl.api.sensing import Image
-from cbdsl_reproduction.barcode import Barcode
-from cbdsl_reproduction.barcode_reader import classify
-from cbdsl_reproduction.lens import Lens
+from cbdsl_reproduction.chapter_3.barcode import Barcode
+from cbdsl_reproduction.chapter_3.barcode_reader import classify
+from cbdsl_reproduction.chapter_3.lens import Lens
 
 #: Focal length of the source's cameras, px at 640 x 480.
 FOCAL_LENGTH = 837.0

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from cbdsl_reproduction.checks import Check
+from cbdsl_reproduction.chapter_4.checks import Check
 from cbdsl_reproduction.claim import Claim, below
 from cbdsl_reproduction.estimate import chance_of_samples, median
 from cbdsl_reproduction.interval import median_interval
