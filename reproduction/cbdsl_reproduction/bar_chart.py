@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from html import escape
 from typing import NamedTuple
 
-_WIDTH, _ROW, _LEFT, _TOP, _RIGHT = 610, 30, 170, 54, 120
-_FULL, _REST, _INK = "#0072b2", "#b5e0cf", "#222222"
+from cbdsl_reproduction.figure import BLUE, drawing
+
+_REST = "#b5e0cf"
 
 
 class Bar(NamedTuple):
@@ -48,40 +48,18 @@ class BarChart:
 
     def svg(self) -> str:
         """Return the picture as the text of an SVG file."""
-        longest = max((bar.first + bar.second for bar in self.bars), default=1.0) or 1.0
-        scale, height = (_WIDTH - _LEFT - _RIGHT) / longest, _TOP + _ROW * len(self.bars) + 10
-        parts = [
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" '
-            f'font-family="sans-serif" font-size="12">',
-            f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>',
-            _text(20, 20, self.title, weight="bold"),
-            f'<rect x="20" y="32" width="12" height="12" fill="{_FULL}"/>',
-            _text(38, 42, self.first),
-        ]
-        if self.second:
-            parts += [
-                f'<rect x="150" y="32" width="12" height="12" fill="{_REST}"/>',
-                _text(168, 42, self.second),
-            ]
-        for row, bar in enumerate(self.bars):
-            label = f"{bar.first:.3g} + {bar.second:.3g}" if self.second else f"{bar.first:.3g}"
-            parts += _drawn(bar, label, _TOP + row * _ROW, scale)
-        return "\n".join([*parts, "</svg>", ""])
-
-
-def _drawn(bar: Bar, label: str, y: float, scale: float) -> list[str]:
-    first, second = bar.first * scale, bar.second * scale
-    return [
-        _text(_LEFT - 8, y + 18, bar.name, "end"),
-        f'<rect x="{_LEFT}" y="{y + 4}" width="{first:.1f}" height="20" fill="{_FULL}"/>',
-        f'<rect x="{_LEFT + first:.1f}" y="{y + 4}" width="{second:.1f}" height="20" '
-        f'fill="{_REST}"/>',
-        _text(_LEFT + first + second + 6, y + 18, label),
-    ]
-
-
-def _text(x: float, y: float, text: str, anchor: str = "start", weight: str = "normal") -> str:
-    return (
-        f'<text x="{x:.1f}" y="{y:g}" text-anchor="{anchor}" font-weight="{weight}" '
-        f'fill="{_INK}">{escape(text)}</text>'
-    )
+        names = [bar.name for bar in self.bars]
+        first, second = [bar.first for bar in self.bars], [bar.second for bar in self.bars]
+        with drawing(6.4, 0.9 + 0.3 * len(self.bars), self.title) as draft:
+            rows = range(len(self.bars))
+            draft.axes.barh(rows, first, color=BLUE, label=self.first)
+            if self.second:
+                draft.axes.barh(rows, second, left=first, color=_REST, label=self.second)
+            for row, bar in enumerate(self.bars):
+                text = f"{bar.first:.3g} + {bar.second:.3g}" if self.second else f"{bar.first:.3g}"
+                draft.axes.text(bar.first + bar.second, row, f" {text}", va="center")
+            draft.axes.set_yticks(rows, names, parse_math=False)
+            draft.axes.invert_yaxis()
+            draft.axes.margins(x=0.15)
+            draft.figure.legend(loc="outside lower left", ncols=2)
+        return draft.svg
