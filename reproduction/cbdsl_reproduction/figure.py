@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import StringIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 #: Colours that are distinguishable without colour vision (Okabe and Ito).
 BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#cc79a7"
 
-_STYLE = {
+_STYLE: Any = {
     "svg.fonttype": "none",  # text stays text
     "svg.hashsalt": "cbdsl",
     "font.family": "sans-serif",
@@ -53,17 +53,15 @@ def drawing(width: float, height: float, title: str) -> Iterator[Drawing]:
         title: Title of the axes.
     """
     import matplotlib as mpl
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     with mpl.rc_context(_STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
-        canvas = FigureCanvasSVG(figure)
         draft = Drawing(figure, figure.add_subplot())
         draft.axes.set_title(title, parse_math=False)
         yield draft
         text = StringIO()
-        canvas.print_svg(text, metadata={"Date": None, "Creator": None})
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
     # Pages embed the picture, without the declaration of a document of its own.
     written = text.getvalue()
     draft.svg = written[written.index("<svg") :]
