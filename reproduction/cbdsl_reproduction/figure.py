@@ -33,7 +33,7 @@ class Drawing:
 
     Args:
         figure: Figure of matplotlib.
-        axes: Its only axes.
+        axes: Axes that hold the picture.
 
     Attributes:
         svg: Picture as the text of an SVG file, once it is complete.
