@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
@@ -103,6 +104,28 @@ class Telling:
         print(json_line(result) if self.as_json else f"  {result.ending}", flush=True)
 
 
+class Tally:
+    """Sums of the episodes so far, which need the same memory for any number of them.
+
+    Attributes:
+        outcomes: Number of episodes by outcome.
+        rewarded: Number of rewarded episodes.
+        sim_seconds, wall_seconds: Simulated and wall time of all episodes, s.
+    """
+
+    def __init__(self) -> None:
+        self.outcomes: Counter[str] = Counter()
+        self.rewarded = 0
+        self.sim_seconds = self.wall_seconds = 0.0
+
+    def add(self, result: EpisodeResult) -> None:
+        """Add an episode."""
+        self.outcomes[result.outcome] += 1
+        self.rewarded += result.rewarded
+        self.sim_seconds += result.sim_seconds
+        self.wall_seconds += result.wall_seconds
+
+
 def run(
     program: Program,
     *,
@@ -172,8 +195,8 @@ def run(
         if not as_json:
             print(_introduction(request, backend, embodied))
             print(*(f"note: {note}\n" for note in notes(request)), sep="", end="")
-        results = _run_all(runner, request, seeds, context, telling)
-    _conclude(request, results)
+        tally = _run_all(runner, request, seeds, context, telling)
+    _conclude(request, tally)
 
 
 def _require_exclusive(two_audiences: bool, two_policies: bool) -> None:
@@ -189,26 +212,25 @@ def _run_all(
     seeds: Sequence[int],
     context: str | None,
     telling: Telling,
-) -> list[EpisodeResult]:
+) -> Tally:
     """Run an episode for each seed, and print a summary at the end."""
-    results: list[EpisodeResult] = []
+    tally = Tally()
     for index, seed in enumerate(seeds):
         if not telling.as_json:
-            print(_heading(seed, index, len(seeds), results))
-        results.append(_episode(runner, request, seed, context, telling))
+            print(_heading(seed, index, len(seeds), tally))
+        tally.add(_episode(runner, request, seed, context, telling))
     if len(seeds) > 1 and not telling.as_json:
-        _summarise(results, states_success=bool(request.program.success))
-    return results
+        _summarise(tally, states_success=bool(request.program.success))
+    return tally
 
 
-def _conclude(request: RunRequest, results: list[EpisodeResult]) -> None:
+def _conclude(request: RunRequest, tally: Tally) -> None:
     """Exit with the code of the outcomes, if the program states success or failure."""
     if not (request.program.success or request.program.failure):
         return
-    outcomes = {result.outcome for result in results}
-    if "failure" in outcomes:
+    if tally.outcomes["failure"]:
         raise typer.Exit(_FAILED)
-    if "" in outcomes:
+    if tally.outcomes[""]:
         raise typer.Exit(_UNDECIDED)
 
 
@@ -282,27 +304,25 @@ def _observers(telling: Telling, recording: Recording | None) -> Iterator[Episod
         yield telling.live
 
 
-def _heading(seed: int, index: int, episodes: int, results: list[EpisodeResult]) -> str:
+def _heading(seed: int, index: int, episodes: int, tally: Tally) -> str:
     """Return the heading of an episode, with the remaining time."""
     if episodes == 1:
         return f"episode with seed {seed}"
     heading = f"episode {index + 1} of {episodes}, seed {seed}"
-    if not results:
+    if not index:
         return heading
-    each = sum(result.wall_seconds for result in results) / len(results)
-    left = each * (episodes - index)
+    left = tally.wall_seconds / index * (episodes - index)
     return f"{heading}, about {left // 60:.0f} min {left % 60:02.0f} s left"
 
 
-def _summarise(results: list[EpisodeResult], *, states_success: bool) -> None:
+def _summarise(tally: Tally, *, states_success: bool) -> None:
     """Print the number of successful episodes, or of rewarded ones without success states."""
     if states_success:
-        count, verb = sum(result.outcome == "success" for result in results), "succeeded"
+        count, verb = tally.outcomes["success"], "succeeded"
     else:
-        count, verb = sum(result.rewarded for result in results), "rewarded"
-    simulated = sum(result.sim_seconds for result in results)
-    wall = sum(result.wall_seconds for result in results)
+        count, verb = tally.rewarded, "rewarded"
+    simulated, wall = tally.sim_seconds, tally.wall_seconds
     print(
-        f"{count} of {len(results)} episodes {verb}; {simulated:.0f} s simulated "
+        f"{count} of {tally.outcomes.total()} episodes {verb}; {simulated:.0f} s simulated "
         f"in {wall:.0f} s, {simulated / wall:.1f} times real time"
     )
