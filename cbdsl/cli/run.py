@@ -104,7 +104,7 @@ class Telling:
         print(json_line(result) if self.as_json else f"  {result.ending}", flush=True)
 
 
-class Tally:
+class EpisodeTally:
     """Sums of the episodes so far, which need the same memory for any number of them.
 
     Attributes:
@@ -212,9 +212,9 @@ def _run_all(
     seeds: Sequence[int],
     context: str | None,
     telling: Telling,
-) -> Tally:
+) -> EpisodeTally:
     """Run an episode for each seed, and print a summary at the end."""
-    tally = Tally()
+    tally = EpisodeTally()
     for index, seed in enumerate(seeds):
         if not telling.as_json:
             print(_heading(seed, index, len(seeds), tally))
@@ -224,7 +224,7 @@ def _run_all(
     return tally
 
 
-def _conclude(request: RunRequest, tally: Tally) -> None:
+def _conclude(request: RunRequest, tally: EpisodeTally) -> None:
     """Exit with the code of the outcomes, if the program states success or failure."""
     if not (request.program.success or request.program.failure):
         return
@@ -304,7 +304,7 @@ def _observers(telling: Telling, recording: Recording | None) -> Iterator[Episod
         yield telling.live
 
 
-def _heading(seed: int, index: int, episodes: int, tally: Tally) -> str:
+def _heading(seed: int, index: int, episodes: int, tally: EpisodeTally) -> str:
     """Return the heading of an episode, with the remaining time."""
     if episodes == 1:
         return f"episode with seed {seed}"
@@ -315,7 +315,7 @@ def _heading(seed: int, index: int, episodes: int, tally: Tally) -> str:
     return f"{heading}, about {left // 60:.0f} min {left % 60:02.0f} s left"
 
 
-def _summarise(tally: Tally, *, states_success: bool) -> None:
+def _summarise(tally: EpisodeTally, *, states_success: bool) -> None:
     """Print the number of successful episodes, or of rewarded ones without success states."""
     if states_success:
         count, verb = tally.outcomes["success"], "succeeded"
