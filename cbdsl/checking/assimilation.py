@@ -23,7 +23,8 @@ from cbdsl.program.controller import Controller, Relative
 from cbdsl.program.schema import Schema
 from cbdsl.program.state_values import state_values
 from cbdsl.robot.resources import FROM
-from cbdsl.types.resource import Centroid, Resource, Separation, StereoPosition, Tip
+from cbdsl.types.resource import Resource, StereoPosition
+from cbdsl.types.source_record import Carrier, owner_of, record_of
 from cbdsl.yaml_text.loaded import Loaded
 
 # First-order dynamics of a seen object (Section 5.3.1.1), by name of the feature.
@@ -175,10 +176,9 @@ def _distances(
 
 def _tipped(effector: Resource, robot: CheckedRobot) -> tuple[str, ...]:
     """Return the effectors whose tips a controller moves."""
-    match effector.source:
-        case Tip(effector=name) | Centroid(group=name) | Separation(group=name):
-            return robot.document.members(name)
-    return ()
+    source = effector.source
+    is_tipped = Carrier.TIPS in record_of(source).carriers
+    return robot.document.members(owner_of(source)) if is_tipped else ()
 
 
 def _compared(controller: Controller) -> tuple[Resource, ...]:

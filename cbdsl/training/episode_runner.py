@@ -17,7 +17,7 @@ from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeObserver, EpisodeObservers
 from cbdsl.runtime.policies.policy import Policy
 from cbdsl.runtime.tick import Tick
-from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Tip
+from cbdsl.types.source_record import owner_of, record_of
 
 
 class EpisodeRunner(Protocol):
@@ -138,7 +138,5 @@ class _LearnedEpisode(EpisodeObserver):
 def moved(controller: Controller) -> str:
     """Return the effector or group whose joints a controller moves."""
     source = controller.effector.source
-    if isinstance(source, (Centroid, Separation)):
-        return source.group
-    assert isinstance(source, (EffectorConfiguration, Tip)), "only these can be moved"
-    return source.effector
+    assert record_of(source).moves, "an effector has joints"
+    return owner_of(source)
