@@ -9,6 +9,7 @@ from cbdsl.learning.accommodate import Accommodate
 from cbdsl.learning.allocation_tree import TriedContext
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.catalogs.action_outcome import NOOP, ActionOutcome
+from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
 from cbdsl.learning.catalogs.exploration import ExplorationStep
 from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
 from cbdsl.learning.catalogs.pair_recognition import recognise
@@ -35,6 +36,7 @@ __all__ = [
     "AffordanceModel",
     "Assimilate",
     "AssimilateConstants",
+    "CatalogConstants",
     "Decisions",
     "Experience",
     "ExplorationConstants",

@@ -9,7 +9,7 @@ import numpy as np
 
 from cbdsl.api.documents import CatalogDocument
 from cbdsl.api.drawing import Layer, catalog_icon
-from cbdsl.api.learning import NOOP
+from cbdsl.api.learning import NOOP, CatalogConstants
 from cbdsl_reproduction.chapter_6.action_counts import (
     action_bars,
     share_of_actions,
@@ -111,7 +111,8 @@ def run(settings: RunSettings, name: str) -> Result:
         action_bars(name, series.label, catalogs),
     ]
     change = change_chart(name, series.label, catalogs)
-    return Result(tuple(quantities), (*pictures, *([change] if change else [])), _NOTES)
+    notes = (*_NOTES, schedule_of(series))
+    return Result(tuple(quantities), (*pictures, *([change] if change else [])), notes)
 
 
 _NOTES = (
@@ -120,6 +121,18 @@ _NOTES = (
     "change so far; relative to the largest of the whole trial, as the source has it, it is "
     "known only at the end, and drawn beside it.",
 )
+
+
+def schedule_of(series: ExplorationSeries) -> str:
+    """Return the time limit of the actions and the exploration schedule of a series, as a note."""
+    usual = CatalogConstants()
+    longest = series.constants.get("longest", f"{usual.longest:g} s")
+    return (
+        f"An action has {longest}; {usual.longest:g} s is the default of cb explore. Softmax "
+        f"begins at a temperature of {usual.temperature:g}, which falls by {usual.decay:g} an "
+        f"action to {usual.coldest:g}; the source has 1 and 0.99."
+    )
+
 
 _ICON_NOTES = (
     "An icon shows the actions that were rewarded, with how often they were. The source draws one "
