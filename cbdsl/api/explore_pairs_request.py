@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, get_args
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
+    from cbdsl.training.explorable_pair import ExplorablePair
+    from cbdsl.training.known_relations import KnownRelations
     from cbdsl.training.pair_task import PairTask
 
 
@@ -29,6 +31,7 @@ class ExplorePairsRequest:
         cameras: Kind of the backend's cameras; the backend's default if ``None``.
         constants: Constants of the exploration by name, as text with units or in SI.
         folder: Folder to search for documents by name; the working folder if ``None``.
+        relations: Relations that name the contacts that the program tests: file or name.
         command: Command that repeats the exploration, for the provenance of the meta-catalog.
     """
 
@@ -44,6 +47,7 @@ class ExplorePairsRequest:
     cameras: str | None = None
     constants: Mapping[str, str] = field(default_factory=dict)
     folder: Path | None = None
+    relations: str | None = None
     command: str = ""
 
     def task(self) -> tuple[RunRequest, PairTask]:
@@ -80,13 +84,48 @@ class ExplorePairsRequest:
             until_habituated=self.until_habituated,
             command=self.command or self._call(),
             path=self.out.absolute(),
+            relations=self._relations(pairs, run),
         )
+
+    def _relations(
+        self, pairs: Mapping[str, ExplorablePair], run: RunRequest
+    ) -> KnownRelations | None:
+        """Return the relations that name contacts.
+
+        Raises:
+            DiagnosticsError: They have errors.
+            UsageError: There is no such document, or the program tests nothing to name.
+        """
+        from cbdsl.api.relations import read_relation_tree, read_relations
+        from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.documents.digest import digest
+        from cbdsl.documents.policy import Identity
+        from cbdsl.training.impedance_gauge import ImpedanceGauge
+        from cbdsl.training.known_relations import KnownRelations
+
+        if self.relations is None:
+            return None
+        program = next(iter(pairs.values())).program
+        if not ImpedanceGauge(program).listens:
+            raise UsageError(f"{self.relations}: '{program.name}' tests no impedance to name")
+        document = read_relations(self.relations, run.library).document
+        tree = read_relation_tree(self.relations, run.library)
+        identity = Identity(name=document.name, sha256=digest(document))
+        return KnownRelations(document.name, tree, identity)
 
     def _call(self) -> str:
         """Return the call in Python that repeats the exploration."""
         words = [f"{self.program!r}", f"{dict(self.things)!r}", f"{self.stage!r}"]
         words.append(f"{self.out.name!r}")
-        for name in ("relation", "actions", "until_habituated", "seed", "backend", "cameras"):
+        for name in (
+            "relation",
+            "actions",
+            "until_habituated",
+            "seed",
+            "backend",
+            "cameras",
+            "relations",
+        ):
             value = getattr(self, name)
             declared = type(self).__dataclass_fields__[name].default
             if name in ("actions", "seed", "backend") or value != declared:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.documents.digest import ProgramDigest
     from cbdsl.documents.document import Section
+    from cbdsl.documents.relations import RelationsDocument
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.training.learning_task import LearningTask
 
@@ -30,7 +31,8 @@ class LearnRequest:
         cameras: Kind of the backend's cameras; the backend's default if ``None``.
         learner: Name of the algorithm.
         constants: Constants of the algorithm by name, as text with units or in SI.
-        policy: Policy whose resources ``assimilate`` learns: file or name.
+        policy: Policy whose resources ``assimilate`` learns, or relations from which
+            ``name_relations`` goes on: file or name.
         sequential: True to leave out actions that are compositions.
         transitions: Maximum number of transitions of an episode; the program's if ``None``.
         transition_time: Maximum time of an action without a change of state, s; the program's if
@@ -95,6 +97,7 @@ class LearnRequest:
             command=self.command or self._call(),
             path=self.out.absolute(),
             cameras=self.cameras,
+            earlier=self._earlier(),
         )
         if self.trials == 1:
             return [first]
@@ -109,7 +112,7 @@ class LearnRequest:
         """
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.documents.document import NAME_PATTERN
-        from cbdsl.learning.learner import ASSIMILATE
+        from cbdsl.learning.learner import ASSIMILATE, NAME_RELATIONS
 
         if self.out.suffix != ".yaml" or not re.match(NAME_PATTERN, self.out.stem):
             raise UsageError(f"{self.out}: a policy is <name>.yaml, of letters, digits and _")
@@ -117,29 +120,77 @@ class LearnRequest:
             raise UsageError(f"{self.out}: is a folder, and a policy is a file")
         if self.learner == ASSIMILATE and self.policy is None:
             raise UsageError("assimilate learns the resources of a policy, and none is named")
-        if self.learner != ASSIMILATE and self.policy is not None:
+        if self.learner not in (ASSIMILATE, NAME_RELATIONS) and self.policy is not None:
             raise UsageError(
-                f"'{self.learner}' learns a policy from scratch; only {ASSIMILATE} starts from "
-                f"'{self.policy}'"
+                f"'{self.learner}' learns a policy from scratch; only {ASSIMILATE} and "
+                f"{NAME_RELATIONS} start from '{self.policy}'"
             )
+        if self.learner == NAME_RELATIONS:
+            self._require_relations()
+
+    def _require_relations(self) -> None:
+        """Check that the program tests impedance, and that the stage names relations."""
+        from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.training.impedance_gauge import ImpedanceGauge
+
+        program, stage = self.run.program, self.run.stage
+        if not ImpedanceGauge(program).listens:
+            raise UsageError(
+                f"'{program.name}' tests no impedance: it uses no program that tracks a net load "
+                "along one axis, such as 'push' or 'twist'"
+            )
+        if not any(context.relation for context in stage.contexts.values()):
+            raise UsageError(
+                f"stage '{stage.name}' names no relation: give its contexts 'relation', such as "
+                "'relation: spherical'"
+            )
+
+    def _earlier(self) -> RelationsDocument | None:
+        """Return the relations from which the learner goes on.
+
+        Raises:
+            DiagnosticsError: They have errors.
+            UsageError: There is no such document, or it is about another program.
+        """
+        from cbdsl.learning.learner import NAME_RELATIONS
+
+        if self.learner != NAME_RELATIONS or self.policy is None:
+            return None
+        from cbdsl.api.relations import read_relations
+        from cbdsl.diagnostics.errors import UsageError
+
+        earlier = read_relations(self.policy, self.run.library).document
+        if earlier.program != self.run.program.name:
+            raise UsageError(
+                f"--from {self.policy}: its tests are those of '{earlier.program}', not of "
+                f"'{self.run.program.name}'"
+            )
+        return earlier
 
     def _program(self) -> tuple[CheckedProgram, ProgramDigest]:
         """Return the program to learn, with all its allocations for a policy, and its digest."""
         from cbdsl.api.run_request import read_policy
         from cbdsl.checking.assimilation import program_to_assimilate
-        from cbdsl.checking.knowledge.digest import policy_digest, program_digest
+        from cbdsl.checking.knowledge.digest import (
+            policy_digest,
+            program_digest,
+            substitute_digests,
+        )
         from cbdsl.checking.session import Session
+        from cbdsl.learning.learner import ASSIMILATE
 
         run = self.run
         digest = program_digest(run.program_file, run.library)
-        if self.policy is None:
+        if self.policy is None or self.learner != ASSIMILATE:
             return run.program, digest
         loaded = read_policy(run.program, self.policy, run.program_file, run.library)
         session = Session(run.library)
         program = program_to_assimilate(run.program_file, loaded, session, run.values)
         own = policy_digest(loaded.document.name, run.program_file, run.library)
         policies = {loaded.document.name: own, **digest.policies}
-        return program, digest._replace(policies=policies)
+        allocations = program.schema.allocations if program.schema is not None else {}
+        programs = substitute_digests(allocations, run.program_file, run.library)
+        return program, digest._replace(policies=policies, programs=programs)
 
     def _limited(self, program: CheckedProgram) -> CheckedProgram:
         """Return the program with the actions and limits of the trials."""

@@ -18,17 +18,16 @@ from cbdsl.learning.catalogs.thing_graph import support_graph
 from cbdsl.learning.constants import AccommodateConstants, Form
 from cbdsl.learning.decisions import Decisions
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.impedance import AXES, DIRECTIONS, KINDS, ImpedanceProfile, ImpedanceTest
+from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
 from cbdsl.learning.learner import ASSIMILATE
 from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.numeric.affordance_model import AffordanceModel
 from cbdsl.program.catalog_models import pair_models
+from cbdsl.types.direction import DIRECTIONS
 
 __all__ = [
     "ASSIMILATE",
-    "AXES",
     "DIRECTIONS",
-    "KINDS",
     "NOOP",
     "Accommodate",
     "AccommodateConstants",

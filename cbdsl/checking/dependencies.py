@@ -12,12 +12,13 @@ from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.document import Document
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.resources import NOVEL
-from cbdsl.types.resource import Resource
+from cbdsl.types.resource import LIKENESS_OF, Resource
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
 
@@ -25,6 +26,7 @@ _KINDS: dict[str, type[Document]] = {
     "stage": StageDocument,
     "use": ProgramDocument,
     "models": ModelDocument,
+    "meta_catalog": MetaCatalogDocument,
 }
 
 
@@ -48,6 +50,8 @@ class Dependencies:
         self._others: set[str] = set()
         self._models: dict[str, tuple[Resource, ...] | Unknown] = {}
         self._body: CheckedRobot | None = None
+        # First parts of names that a document with errors would define.
+        self._unread: set[str] = set()
         self.robot = self._find_robot()
 
     def _find_robot(self) -> Path | None:
@@ -102,6 +106,7 @@ class Dependencies:
         models = self._source.declared(self._models, "models")
         return (
             models.get(last) is UNKNOWN
+            or first in self._unread
             or (first == NOVEL and any(each is UNKNOWN for each in self._models.values()))
             or (self._body is not None and not self._body.missed.isdisjoint((first, last)))
             or any(name in self._resources(other) for other in self._others)
@@ -121,7 +126,25 @@ class Dependencies:
             self._models[alias] = self._model(alias, name, body) or UNKNOWN
         known = [each for each in self._models.values() if isinstance(each, tuple)]
         named = {resource.name: resource for each in known for resource in each}
+        named |= self._pairs(body)
         return body._replace(resources={**body.resources, **named}) if named else body
+
+    def _pairs(self, body: CheckedRobot) -> dict[str, Resource]:
+        """Return the likenesses to the pairs of the program's meta-catalog that ever stayed."""
+        name = self._document.meta_catalog
+        if name is None:
+            return {}
+        path = self.find(MetaCatalogDocument, name, ("meta_catalog",))
+        catalog = self._session.read(path, MetaCatalogDocument, self._diagnostics)
+        if catalog is None:
+            self._unread.add(LIKENESS_OF.rstrip("."))
+            return {}
+        self.is_for_the_robot(catalog.document.robot, name, ("meta_catalog",))
+        from cbdsl.checking.knowledge.pair_likeness import likeness_resource  # imports numpy
+
+        pairs = catalog.document.pairs
+        made = (likeness_resource(catalog.document, pair, body.resources) for pair in pairs)
+        return {each.name: each for each in made if each is not None}
 
     def _model(self, alias: str, name: str, body: CheckedRobot) -> tuple[Resource, ...]:
         steps: Steps = ("models", alias)

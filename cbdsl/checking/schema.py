@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
 
 from cbdsl.checking.allotments import exchangeable
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.member_exchange import MemberExchange
 from cbdsl.checking.prior_looks import look_of
+from cbdsl.checking.question_tree import QuestionTrees
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine, stand_in
 from cbdsl.diagnostics.diagnostics import Diagnostics
@@ -20,23 +18,19 @@ from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.schema import ChoiceQuestion, RewardQuestion, SchemaDocument
+from cbdsl.documents.schema import SchemaDocument
 from cbdsl.program.allocation import allocate
 from cbdsl.program.checked import CheckedProgram, PriorLook
 from cbdsl.program.controller import Controller
 from cbdsl.program.schema import Ranking, Schema, components
 from cbdsl.program.state_values import state_values
 from cbdsl.types.allotment import WHOLE
-from cbdsl.types.decision_tree import Leaf, Split, Tree
+from cbdsl.types.decision_tree import Tree
 from cbdsl.types.resource import AFFORDS, InstanceCount, Resource
-from cbdsl.types.unit import QuantityError, parse_quantity
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
-_COMPARISON = re.compile(r"^\s*([A-Za-z_][\w.]*)\s*(>|<)\s*(.+?)\s*$")
 Steps = tuple[Step, ...]
-Answer = TypeVar("Answer")
-_Spans = Mapping[str, tuple[float, float]]
 
 
 def checked_schema(
@@ -94,11 +88,11 @@ class _SchemaCheck:
         }
         if len(variants) < len(document.allocations):
             return None
-        self._unchanged()
+        self._unchanged(path)
         base = next(iter(variants.values()))
         self._actions(base)
         features = self._features(base)
-        choice: Tree[Ranking] = self._tree(document.choose, ("choose",), self._ranking, {})
+        choice: Tree[Ranking] = self._trees.read(document.choose, ("choose",), self._ranking)
         reward = self._reward()
         self._names(document.otherwise, ("otherwise",))
         worth = state_values(policy.document.policy, policy.document.transitions)
@@ -142,9 +136,9 @@ class _SchemaCheck:
         )
         return self._session.read(path, PolicyDocument, self._diagnostics)
 
-    def _unchanged(self) -> None:
-        """Check that the policies for which a schema was learned are unchanged."""
-        from cbdsl.checking.knowledge.digest import policy_digest  # only learned policies need it
+    def _unchanged(self, program: Path) -> None:
+        """Check that the policies and substitutes with which a schema was learned are unchanged."""
+        from cbdsl.checking.knowledge.digest import policy_digest, substitute_digests
 
         provenance, library = self._document.provenance, self._session.library
         if provenance is None:
@@ -154,6 +148,11 @@ class _SchemaCheck:
             if path is None or policy_digest(name, self._loaded.path, library) != sha256:
                 place = self._source.place("provenance", "policies", name)
                 self._diagnostics.add("CB644", place, name=name, command=provenance.command)
+        now = substitute_digests(self._document.allocations, program, library)
+        for name, sha256 in provenance.programs.items():
+            if now.get(name) != sha256:
+                place = self._source.place("provenance", "programs", name)
+                self._diagnostics.add("CB622", place, program=name, command=provenance.command)
 
     def _variant(
         self, name: str, values: Mapping[str, str], path: Path, policy: Loaded[PolicyDocument]
@@ -267,32 +266,9 @@ class _SchemaCheck:
             self._diagnostics.add("CB656", at, name=action, catalog=catalog.name)
         return made
 
-    def _tree(
-        self, tree: object, steps: Steps, leaf: Callable[[Any, Steps], Answer], spans: _Spans
-    ) -> Tree[Answer]:
-        """Return a tree as programs run it.
-
-        Args:
-            tree: Tree in the document.
-            steps: Path of the tree.
-            leaf: Reader of a leaf's answer.
-            spans: Remaining range of each feature after the questions above, by feature.
-        """
-        if not isinstance(tree, (ChoiceQuestion, RewardQuestion)):
-            return Leaf(leaf(tree, steps))
-        feature, threshold, is_above = self._question(tree.if_, (*steps, "if"))
-        low, high = spans.get(feature, (-math.inf, math.inf))
-        if feature and not low < threshold < high:
-            self._diagnostics.add("CB642", self._source.place(*steps, "if"), feature=feature)
-        above, below = {**spans, feature: (threshold, high)}, {**spans, feature: (low, threshold)}
-        then, other = (tree.then, "then"), (tree.else_, "else")
-        over, under = (then, other) if is_above else (other, then)
-        return Split(
-            feature,
-            threshold,
-            self._tree(over[0], (*steps, over[1]), leaf, above),
-            self._tree(under[0], (*steps, under[1]), leaf, below),
-        )
+    @property
+    def _trees(self) -> QuestionTrees:
+        return QuestionTrees(self._source, self._diagnostics, self._dimensions, self._counts)
 
     def _ranking(self, tree: object, steps: Steps) -> Ranking:
         ranking = (tree,) if isinstance(tree, str) else tree
@@ -302,7 +278,7 @@ class _SchemaCheck:
 
     def _reward(self) -> Tree[float] | None:
         tree = self._document.reward
-        return None if tree is None else self._tree(tree, ("reward",), lambda p, _: float(p), {})
+        return None if tree is None else self._trees.read(tree, ("reward",), lambda p, _: float(p))
 
     def _tried(self) -> Mapping[str, tuple[float, float]]:
         """Return the tried range of each component, and report unknown components."""
@@ -311,44 +287,6 @@ class _SchemaCheck:
                 place = self._source.key("tried", name)
                 self._diagnostics.add("CB638", place, names=list(self._dimensions), name=name)
         return self._document.tried
-
-    def _question(self, text: str, steps: Steps) -> tuple[str, float, bool]:
-        """Return the feature, the threshold in SI units, and whether it asks for larger values."""
-        match, place = _COMPARISON.match(text), self._source.place(*steps)
-        if match is None:
-            self._diagnostics.add("CB637", place, text=text)
-            return "", 0.0, True
-        feature, sign, limit = match.groups()
-        if feature not in self._dimensions:
-            if self._dimensions:
-                self._diagnostics.add("CB638", place, names=list(self._dimensions), name=feature)
-            return "", 0.0, True
-        threshold = self._threshold(limit, self._dimensions[feature], steps)
-        self._occurs(feature, threshold, sign, steps)
-        return feature, threshold, sign == ">"
-
-    def _occurs(self, feature: str, threshold: float, sign: str, steps: Steps) -> None:
-        """Report a question about a number of objects that has only one possible answer."""
-        most = self._counts.get(feature)
-        if most is None:
-            return
-        above = [count > threshold for count in range(most + 1)]
-        below = [count < threshold for count in range(most + 1)]
-        if len(set(above if sign == ">" else below)) == 1:
-            details = {"feature": feature, "most": most}
-            self._diagnostics.add("CB643", self._source.place(*steps), **details)
-
-    def _threshold(self, text: str, unit: str, steps: Steps) -> float:
-        place = self._source.place(*steps)
-        try:
-            value, given = parse_quantity(text)
-        except QuantityError:
-            self._diagnostics.add("CB637", place, text=text)
-            return 0.0
-        wanted = parse_quantity(f"1 {unit}")[1] if unit else None
-        if given is not None and (wanted is None or given.dimension != wanted.dimension):
-            self._diagnostics.add("CB639", place, text=text, unit=unit or "no unit")
-        return value
 
     def _names(self, ranking: Ranking, steps: Steps) -> None:
         known = list(self._document.allocations)

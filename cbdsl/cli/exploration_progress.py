@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import asdict
 
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.training.action_work import FinishedAction
@@ -59,7 +58,7 @@ class ExplorationProgress(TaskObserver[FinishedAction]):
             print(f"  nothing that can be acted on was seen after the last {_GONE} actions")
 
     def _print_json(self, action: FinishedAction) -> None:
-        row = {"number": self._done, **action.step._asdict(), **asdict(action.outcome)}
+        row = {"number": self._done, **action.step._asdict(), **action.outcome.as_data()}
         row["reward"] = action.step.reward
         del row["wall_seconds"]
         print(json.dumps(row), flush=True)

@@ -76,6 +76,14 @@ Thing = Annotated[
 Relation = Annotated[
     str, typer.Option("--relation", help="With --thing: relation that PROGRAM produces, on or in.")
 ]
+Relations = Annotated[
+    str | None,
+    typer.Option(
+        "--relations",
+        metavar="FILE|NAME",
+        help="With --thing: relations that name the contacts whose impedance PROGRAM tests.",
+    ),
+]
 Join = Annotated[
     bool,
     typer.Option("--join", help="Continue with additional programs, or with a changed --stage."),
@@ -99,6 +107,7 @@ def explore(
     algorithm: Algorithm = "explore_catalog",
     thing: Thing = [],  # noqa: B006 (typer)
     relation: Relation = "on",
+    relations: Relations = None,
     set_: Set = [],  # noqa: B006 (typer)
     resume: Resume = False,
     join: Join = False,
@@ -115,7 +124,7 @@ def explore(
     highest value. The catalog of --out holds the rewards of each action and their features. Beside
     it, the journal .actions.jsonl has a line for each finished action; --resume continues an
     interrupted exploration in a new world. With --thing, objects are brought to each other, and
-    --out is a meta-catalog.
+    --out is a meta-catalog. It holds the impedance of each pair if the program tests it.
 
     Exit 0 if all actions were taken, 1 if a document has errors, 2 if an action cannot run, and 130
     after Ctrl-C or SIGTERM.

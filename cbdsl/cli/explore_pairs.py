@@ -49,6 +49,7 @@ def explore_pairs(context: typer.Context, command: str) -> None:
         backend=given["backend"],
         cameras=given["cameras"],
         constants=read_assignments(given["set_"], "--set"),
+        relations=given["relations"],
         command=command,
     )
     with needing_simulation():

@@ -28,6 +28,7 @@ from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.json_schema import docstrings
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import EPISODES
+from cbdsl.learning.learner import NAME_RELATIONS
 from cbdsl.storage.journal_follower import JournalFollower
 
 if TYPE_CHECKING:
@@ -86,7 +87,11 @@ Sequential = Annotated[
 LearnerName = Annotated[str, typer.Option("--learner", help="Learner; cb show learners lists all.")]
 From = Annotated[
     str | None,
-    typer.Option("--from", help="With assimilate: learned policy of the schema, file or name."),
+    typer.Option(
+        "--from",
+        help="With assimilate: learned policy of the schema; with name_relations: relations to go "
+        "on from. File or name.",
+    ),
 ]
 Transitions = Annotated[
     int | None,
@@ -217,7 +222,8 @@ def learn(
         episode_time=episode_time,
     )
     request.require_sound()
-    _tell_of_no_reward(run)
+    if learner != NAME_RELATIONS:
+        _tell_of_no_reward(run)
     with needing_simulation():
         command = _command(context, request.checked_constants())
         tasks = replace(request, command=command).tasks()

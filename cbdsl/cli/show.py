@@ -23,6 +23,7 @@ from cbdsl.cli.show_plugins import (
 )
 from cbdsl.cli.show_policy import show_policy
 from cbdsl.cli.show_program import show_program
+from cbdsl.cli.show_relations import show_relations
 from cbdsl.cli.show_schema import show_schema
 from cbdsl.cli.show_substitutes import show_substitutes
 from cbdsl.cli.terminal import print_json, print_table
@@ -127,6 +128,7 @@ show.command("schema")(show_schema)
 show.command("catalog")(show_catalog)
 show.command("knowledge")(show_knowledge)
 show.command("meta-catalog")(show_meta_catalog)
+show.command("relations")(show_relations)
 
 
 def _signature(potential: PotentialType) -> dict[str, object]:

@@ -20,6 +20,7 @@ _SCHEMA = (
 )
 
 _CATALOG = _HEAD.format("catalog") + "robot: dexter\nfeature: red\n"
+_RELATIONS = _HEAD.format("relations") + "robot: dexter\nprogram: impedance\n"
 _META_CATALOG = _HEAD.format("meta_catalog") + "robot: dexter\n"
 
 #: Frames of examples: ``$name`` is the file's name, ``$body`` the text of the catalogue.
@@ -32,6 +33,7 @@ _FRAMES = {
     "model": f"{_HEAD.format('model')}$body\n",
     "schema": f"{_SCHEMA}$body\n",
     "catalog": f"{_CATALOG}$body\n",
+    "relations": f"{_RELATIONS}$body\n",
     "meta_catalog": f"{_META_CATALOG}$body\n",
     "afforded": _SCHEMA.replace("features: {", "catalog: ball\nfeatures: {sure: $body, ")
     + "choose: {if: sure > 0.5, then: left, else: right}\notherwise: [right]\n",

@@ -134,6 +134,8 @@ class CatalogProvenance(Section):
     """Program of each action."""
     policies: dict[Name, Sha256] = {}
     """Learned policies within these programs, by name."""
+    relations: Identity | None = None
+    """Relations that named the measured contacts."""
     robot: Identity
     """Robot of the exploration."""
     stage: Identity

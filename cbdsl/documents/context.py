@@ -170,6 +170,8 @@ class Context(Presentation):
 
     share: Positive = 1.0
     """Relative frequency."""
+    relation: Name | None = None
+    """Relation of the objects when brought together, as the experimenter names it to a learner."""
     placed: dict[Name, PlacedSection] = {}
     """Several objects instead of one of ``things``, by their names in the world."""
     joints: dict[str, AngleSpan] = {}

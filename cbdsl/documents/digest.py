@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 from cbdsl.documents.document import Document
@@ -16,10 +17,13 @@ class ProgramDigest(NamedTuple):
             it uses. Knowledge of a program is valid as long as this digest is unchanged.
         policies: SHA-256 of each learned policy that the program uses, directly or through other
             programs, with the models of the policy, by name.
+        programs: SHA-256 of each other program that may replace this one or a member of it, with
+            all that it uses, by name.
     """
 
     sha256: str
     policies: Mapping[str, str]
+    programs: Mapping[str, str] = MappingProxyType({})
 
 
 def digest(document: Document, leave_out: Iterable[str] = ()) -> str:

@@ -55,6 +55,7 @@ KINDS: Registry[Kind] = Registry(
         "schema": "cbdsl.documents.schema:SCHEMA",
         "catalog": "cbdsl.documents.catalog:CATALOG",
         "meta_catalog": "cbdsl.documents.meta_catalog:META_CATALOG",
+        "relations": "cbdsl.documents.relations:RELATIONS",
         "calibration": "cbdsl.documents.calibration:CALIBRATION",
     },
     _record,

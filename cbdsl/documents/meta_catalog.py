@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from cbdsl.documents.catalog import AffordanceSection, CatalogProvenance, StepColumns
-from cbdsl.documents.document import Document, Name, Section
+from cbdsl.documents.document import Count, Document, Name, PositiveCount, Section, quantity
 from cbdsl.documents.kind import Kind
+from cbdsl.types.direction import Direction
 
 Relation = Literal["on", "in"]
+Stiffness = Annotated[float, quantity("stiffness", "torsional stiffness", ge=0)]
 
 
 class KnownThing(Section):
@@ -22,6 +24,28 @@ class KnownThing(Section):
     """Catalog of the affordances of the object."""
 
 
+class ImpedanceSection(Section):
+    """Impedance of two objects in contact, from tests along and about the axes (Section 7.2)."""
+
+    profiles: PositiveCount
+    """Number of profiles: trials in which all directions were tested in both senses."""
+    tracked: dict[Direction, Count] = {}
+    """Number of profiles in which the load was tracked, by direction (Figure 7.13)."""
+    mean: dict[Direction, Stiffness] = {}
+    """Geometric mean over the profiles of the larger impedance of both senses, N/m or N m/rad."""
+    relation: Name | None = None
+    """Most frequent name of the relation."""
+    names: dict[Name, PositiveCount] = {}
+    """Number of profiles by the name that the tree of ``relations`` gives them."""
+
+    @model_validator(mode="after")
+    def _is_of_its_profiles(self) -> Self:
+        most = max(self.tracked.values(), default=0)
+        if most > self.profiles or sum(self.names.values()) > self.profiles:
+            raise ValueError(f"{self.profiles} profiles have no more than so many loads and names")
+        return self
+
+
 class PairSection(AffordanceSection):
     """Knowledge of one object brought to another: an edge of the graph."""
 
@@ -31,6 +55,8 @@ class PairSection(AffordanceSection):
     """Object that it is brought to, or on top of which."""
     relation: Relation = "on"
     """Intended relation: on the lower object, or in it."""
+    impedance: ImpedanceSection | None = None
+    """Impedance of the contact, if the program tests it."""
 
 
 class MetaCatalogDocument(Document):
@@ -46,6 +72,8 @@ class MetaCatalogDocument(Document):
     """Edges of the graph, by name."""
     over: tuple[Name, ...] = ()
     """Meta-catalogs joined by this one."""
+    relations: Name | None = None
+    """Relations whose tree names the measured contacts."""
     steps: StepColumns | None = None
     """Actions in order, by name of the pair."""
     provenance: CatalogProvenance | None = None
@@ -56,6 +84,6 @@ META_CATALOG = Kind(
     folder="knowledge/meta_catalogs",
     checker="cbdsl.checking.knowledge.meta_catalog:examine_meta_catalog",
     unknown="CB660",
-    references={"robot": "robot"},
+    references={"robot": "robot", "relations": "relations"},
     stand_ins={"robot": "unknown", "things": {}},
 )

@@ -33,6 +33,10 @@ class Provenance(Section):
     """Program of the episodes."""
     policies: dict[Name, Sha256] = {}
     """Learned policies within the program, by name, each with its models."""
+    programs: dict[Name, Sha256] = {}
+    """Other programs that allocations may use instead, by name, each with all that it uses."""
+    earlier: Identity | None = None
+    """Earlier knowledge of the same kind from which the learning went on."""
     parameters: dict[Name, str] = {}
     """Values of the parameters of the program."""
     actions: Annotated[tuple[str, ...], Field(min_length=1)]

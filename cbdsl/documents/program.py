@@ -283,6 +283,8 @@ class ProgramDocument(Document):
     """Other programs, available as actions."""
     models: dict[Name, Name] = {}
     """Internal models to draw references from, as ``<effector>.<name>``."""
+    meta_catalog: Name | None = None
+    """Meta-catalog whose pairs are recognised by ``likeness.<pair>``."""
     controllers: Annotated[
         dict[Name, ControllerSection | Text],
         Field(default_factory=lambda: _ABSENT, validate_default=True),
@@ -311,6 +313,6 @@ PROGRAM = Kind(
     folder="programs",
     checker="cbdsl.checking.document:check_program",
     unknown="CB604",
-    references={"robot": "robot"},
+    references={"robot": "robot", "meta_catalog": "meta_catalog"},
     stand_ins={"robot": "unknown", "controllers": {}, "actions": ["unknown"]},
 )

@@ -33,15 +33,16 @@ from cbdsl.documents.schema import (
     SchemaDocument,
 )
 from cbdsl.learning.allocation_tree import Tally, TriedContext, grow_tallies, rankings
+from cbdsl.learning.always import Always
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.knowledge_documents import curve_of
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.attempts import attempts
 from cbdsl.program.checked import CheckedProgram, PriorLook
-from cbdsl.program.schema import NO_FEATURES, Features, Rank, Ranking, Schema
+from cbdsl.program.schema import Features, Rank, Ranking, Schema
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.runtime.policies.policy import Policy
 from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.types.decision_tree import Leaf, Tree, decide
 
@@ -126,7 +127,7 @@ class Assimilate:
     def policy(self, rng: np.random.Generator) -> Policy:
         """Return the declarative policy with exploring allocations, from present knowledge."""
         if self._program is None or self._program.schema is None:
-            return _Always(self._first)
+            return Always(self._first)
         return SchemaPolicy(self._program, self.ranking(rng), gives_up=False)
 
     def ranking(self, rng: np.random.Generator) -> Rank:
@@ -243,21 +244,6 @@ class Assimilate:
             tried=self._ranges(),
             least_reward=self._constants.least_reward,
         )
-
-
-class _Always(Policy):
-    """Constant policy of a learner without a schema.
-
-    Args:
-        action: Action that is always chosen.
-    """
-
-    def __init__(self, action: str) -> None:
-        self._action = action
-
-    def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
-        """Return the constant action (see ``Policy.choose``)."""
-        return Choice(self._action)
 
 
 def _distinct(features: Features, schema: Schema) -> Features:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from cbdsl.learning.impedance import UNTESTED, ImpedanceProfile
 from cbdsl.program.transition import Transition
 from cbdsl.storage.journal import RowForm
 
@@ -23,6 +24,8 @@ class Experience:
         ticks: Number of control ticks.
         sim_seconds: Simulated time, s.
         wall_seconds: Wall time, s; for display only.
+        profile: Impedance of two objects, if the program tests it.
+        relation: Relation of the objects as the stage names it; empty if it does not.
     """
 
     context: str
@@ -32,6 +35,8 @@ class Experience:
     ticks: int
     sim_seconds: float
     wall_seconds: float = field(default=0.0, compare=False)
+    profile: ImpedanceProfile = UNTESTED
+    relation: str = ""
 
     @property
     def reward(self) -> int:
@@ -52,11 +57,17 @@ def _read(row: Mapping[str, Any]) -> Experience:
         ticks=row["ticks"],
         sim_seconds=row["sim_seconds"],
         wall_seconds=row["wall_seconds"],
+        profile=ImpedanceProfile.from_data(row.get("profile", ())),
+        relation=row.get("relation", ""),
     )
 
 
 def _write(experience: Experience) -> dict[str, Any]:
-    return {**asdict(experience), "wall_seconds": round(experience.wall_seconds, 3)}
+    row = {**asdict(experience), "wall_seconds": round(experience.wall_seconds, 3)}
+    del row["profile"], row["relation"]
+    if not experience.profile.tests:
+        return row
+    return {**row, "profile": experience.profile.as_data(), "relation": experience.relation}
 
 
 #: Rows of the journal of a trial.

@@ -11,10 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Self
 
-AXES = "xyz"
-#: Feedback whose load is tracked, and the name of its axes in the source (Figure 7.13).
-KINDS: Mapping[str, str] = {"force": "dP", "torque": "dR"}
-DIRECTIONS = tuple(f"{word}{axis}" for word in KINDS.values() for axis in AXES)
+from cbdsl.types.direction import DIRECTIONS, KINDS
 
 # Smallest displacement, m or rad, which bounds the measurable stiffness.
 _LEAST = 1e-3
@@ -112,6 +109,10 @@ class ImpedanceProfile(NamedTuple):
             ValueError: If a row is not a valid test; the message names the row and the reason.
         """
         return cls(tuple(_read(place, row) for place, row in enumerate(rows)))
+
+
+#: Profile of an episode without tests.
+UNTESTED = ImpedanceProfile(())
 
 
 def _read(place: int, row: Mapping[str, object]) -> ImpedanceTest:

@@ -17,6 +17,8 @@ from cbdsl.types.registry import PluginError, Registry
 if TYPE_CHECKING:
     import numpy as np
 
+    from cbdsl.documents.relations import RelationsDocument
+
 
 class TrialSummary(NamedTuple):
     """Finished trial with the data that its documents need.
@@ -121,14 +123,23 @@ def _learner_class(_: str, offered: Any) -> LearnerClass:
 
 @runtime_checkable
 class SchemaLearner(Protocol):
-    """Learner of a schema's allocations."""
+    """Learner that follows the policy of the program, such as that of a schema."""
 
     def adopt(self, program: CheckedProgram) -> None:
-        """Set the schema before its first episode."""
+        """Set the program before its first episode."""
         ...
 
 
-ACCOMMODATE, ASSIMILATE = "accommodate", "assimilate"
+@runtime_checkable
+class ContinuingLearner(Protocol):
+    """Learner that can go on from earlier knowledge of its own kind."""
+
+    def recall(self, earlier: RelationsDocument) -> None:
+        """Adopt earlier knowledge before the first episode."""
+        ...
+
+
+ACCOMMODATE, ASSIMILATE, NAME_RELATIONS = "accommodate", "assimilate", "name_relations"
 
 LEARNERS: Registry[LearnerClass] = Registry(
     "learner",
@@ -136,6 +147,7 @@ LEARNERS: Registry[LearnerClass] = Registry(
     {
         ACCOMMODATE: "cbdsl.learning.accommodate:Accommodate",
         ASSIMILATE: "cbdsl.learning.assimilate:Assimilate",
+        NAME_RELATIONS: "cbdsl.learning.catalogs.name_relations:NameRelations",
     },
     _learner_class,
 )

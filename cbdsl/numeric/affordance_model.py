@@ -157,6 +157,17 @@ class AffordanceModel:
         """Return the Mahalanobis distance of features from the rewarded ones."""
         return 0.0 if self.rewarded.weight == 0 else self._apart(self.rewarded, features)
 
+    def likeness(self, features: Floats) -> float:
+        """Return the share of rewarded trials that are farther from their mean, by their Gaussian.
+
+        The squared Mahalanobis distance of Gaussian samples is chi-squared.
+        """
+        from scipy.special import gammaincc  # slow to import
+
+        if self.rewarded.weight == 0:
+            return 0.0
+        return float(gammaincc(len(self.scale) / 2.0, self.distance(features) ** 2 / 2.0))
+
     def _apart(self, samples: SampleStatistics, features: Floats) -> float:
         """Return the Mahalanobis distance of features from samples."""
         known = self._predictive(samples)

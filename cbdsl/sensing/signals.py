@@ -44,6 +44,7 @@ from cbdsl.sensing.vision.vision import Vision
 from cbdsl.sensing.vision.visual_signals import VisualSignals
 from cbdsl.types.casts import Chain
 from cbdsl.types.resource import (
+    DERIVED,
     AffordanceProbability,
     BlobSignal,
     Centroid,
@@ -63,6 +64,7 @@ from cbdsl.types.resource import (
     NovelHeading,
     ObjectDistance,
     Opening,
+    PairLikeness,
     Posture,
     Resource,
     SensorSignal,
@@ -308,6 +310,7 @@ class Signals:
             SolidSignal: self._read_by(self.solids.read),
             InstanceCount: self._read_by(blobs.count),
             AffordanceProbability: self._read_by(self._affordance),
+            PairLikeness: self._read_by(self._likeness),
             SensorSignal: self._sensor,
         }
 
@@ -366,17 +369,24 @@ class Signals:
 
         It is ``None`` while a feature is undefined, or unlike all that were tried.
         """
-        values = []
-        for feature in source.features:
-            reading = self.read(feature)
-            if reading is None:
-                return None
-            values.append(reading.value.ravel())
-        features = np.concatenate([*values, np.zeros(0)])
-        if not source.model.knows(features):
+        features = self._features(source.features)
+        if features is None or not source.model.knows(features):
             return None
         probability = source.model.reward_given(features)
         return Reading(np.array([probability]), None, int(self.clock[0]))
+
+    def _likeness(self, source: PairLikeness) -> Reading | None:
+        """Return the likeness of two objects to a pair, ``None`` while a feature is undefined."""
+        features = self._features(source.features)
+        if features is None:
+            return None
+        return Reading(np.array([source.model.likeness(features)]), None, self.vision.images)
+
+    def _features(self, resources: Iterable[Resource]) -> Floats | None:
+        """Return the components of some resources, ``None`` while one is undefined."""
+        readings = [self.read(resource) for resource in resources]
+        values = [reading.value.ravel() for reading in readings if reading is not None]
+        return np.concatenate([*values, np.zeros(0)]) if len(values) == len(readings) else None
 
     def _bind_normal_forces(self, source: FingerForces | NetForces) -> int:
         if isinstance(source, NetForces):
@@ -414,8 +424,8 @@ def _size_of(resource: Resource) -> int:
 
 
 def _with_features(resources: Iterable[Resource]) -> Iterator[Resource]:
-    """Yield resources, and the features of the affordance probabilities among them."""
+    """Yield resources, and the features from which some of them are computed."""
     for resource in resources:
         yield resource
-        if isinstance(resource.source, AffordanceProbability):
+        if isinstance(resource.source, DERIVED):
             yield from resource.source.features

@@ -86,8 +86,11 @@ def catalog_provenance(
 
 
 def identity_of(provenance: CatalogProvenance) -> dict[str, Any]:
-    """Return all inputs of the actions as JSON data; the number of actions is none of them."""
-    return provenance.model_dump(mode="json", exclude={"command", "actions", "joined"})
+    """Return all inputs of the actions as JSON data; the number of actions is none of them.
+
+    Relations name contacts after the actions, so that they are none of them either.
+    """
+    return provenance.model_dump(mode="json", exclude={"command", "actions", "joined", "relations"})
 
 
 def _identity(document: Document) -> Identity:

@@ -17,6 +17,7 @@ from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeObserver, EpisodeObservers
 from cbdsl.runtime.policies.policy import Policy
 from cbdsl.runtime.tick import Tick
+from cbdsl.training.impedance_gauge import ImpedanceGauge
 from cbdsl.types.source_record import owner_of, record_of
 
 
@@ -79,8 +80,9 @@ class BackendEpisodeRunner:
             BackendError, EpisodeError: Errors of ``Runner.run``.
         """
         learning = _LearnedEpisode(see)
-        observer = EpisodeObservers(self._observer, learning)
-        result = self._runner(program, policy).run(self._stage, seed, observer=observer)
+        gauge, runner = ImpedanceGauge(program), self._runner(program, policy)
+        observer = EpisodeObservers(self._observer, learning, gauge)
+        result = runner.run(self._stage, seed, observer=observer)
         return Experience(
             context=result.context,
             seed=seed,
@@ -89,6 +91,8 @@ class BackendEpisodeRunner:
             ticks=result.ticks,
             sim_seconds=result.sim_seconds,
             wall_seconds=result.wall_seconds,
+            profile=gauge.finish(runner.signals),
+            relation=self._stage.contexts[result.context].relation or "",
         )
 
     def _runner(self, program: CheckedProgram, policy: Policy) -> Runner:

@@ -9,6 +9,7 @@ from cbdsl.backends.backend import Backend
 from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.document import Section
 from cbdsl.documents.policy import Provenance
+from cbdsl.documents.relations import RelationsDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
@@ -43,6 +44,7 @@ class LearningTask:
         command: Command that repeats the trial.
         path: Path of the policy, the same for all workers.
         cameras: Kind of the backend's cameras; ``None`` for the backend's default.
+        earlier: Knowledge from which the learner goes on, if any.
     """
 
     program: CheckedProgram
@@ -59,6 +61,7 @@ class LearningTask:
     command: str
     path: Path
     cameras: str | None = None
+    earlier: RelationsDocument | None = None
 
     @property
     def journal(self) -> Path:
@@ -112,7 +115,9 @@ class LearningTask:
             )
 
     def _trial(self) -> Trial:
-        return Trial(self.program, self.constants, self.seed, self.number, self.learner)
+        return Trial(
+            self.program, self.constants, self.seed, self.number, self.learner, self.earlier
+        )
 
     def _provenance(self, trial: Trial, renderer: str) -> Provenance:
         setting = TrialSetting(self.digest, self.robot, self.stage, self.backend, renderer)

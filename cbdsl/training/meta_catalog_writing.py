@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cbdsl.documents.catalog import CatalogProvenance
-from cbdsl.documents.meta_catalog import KnownThing, MetaCatalogDocument, PairSection
+from cbdsl.documents.meta_catalog import (
+    ImpedanceSection,
+    KnownThing,
+    MetaCatalogDocument,
+    PairSection,
+)
 from cbdsl.learning.catalogs.exploration import Exploration
 from cbdsl.training.catalog_writing import affordance_values, step_columns
 from cbdsl.training.explorable_pair import ExplorablePair
@@ -17,6 +22,7 @@ def meta_catalog_document(
     relation: str,
     pairs: Mapping[str, ExplorablePair],
     exploration: Exploration,
+    impedances: Mapping[str, ImpedanceSection],
     provenance: CatalogProvenance,
 ) -> MetaCatalogDocument:
     """Return the meta-catalog of an exploration.
@@ -27,13 +33,14 @@ def meta_catalog_document(
         relation: Relation that the program of the pairs brings about.
         pairs: Explorable pairs by name.
         exploration: Exploration at its end.
+        impedances: Measured impedances by name of the pair.
         provenance: Provenance of the meta-catalog.
     """
     sections = {}
     for key, pair in pairs.items():
         known = affordance_values(key, exploration, pair.program, pair.features)
         ends = {"upper": pair.upper, "lower": pair.lower, "relation": relation}
-        sections[key] = PairSection(**ends, **known)
+        sections[key] = PairSection(**ends, **known, impedance=impedances.get(key))
     return MetaCatalogDocument(
         cbdsl=1,
         kind="meta_catalog",

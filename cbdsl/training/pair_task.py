@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from cbdsl.backends.backend import Backend, BackendError
 from cbdsl.documents.catalog import CatalogProvenance
-from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.documents.meta_catalog import ImpedanceSection, MetaCatalogDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
@@ -21,6 +21,8 @@ from cbdsl.storage.journal import Journal
 from cbdsl.training.action_work import ActionWork, FinishedAction
 from cbdsl.training.catalog_provenance import catalog_provenance, identity_of
 from cbdsl.training.explorable_pair import ExplorablePair
+from cbdsl.training.impedance_gauge import ImpedanceGauge
+from cbdsl.training.known_relations import KnownRelations, impedance_section
 from cbdsl.training.meta_catalog_writing import meta_catalog_document
 from cbdsl.training.task_files import exploration_journal, require_free
 from cbdsl.training.task_loop import run_items
@@ -48,6 +50,7 @@ class PairTask:
         until_habituated: True if it ends early when all models have habituated.
         command: Command that repeats the exploration.
         path: Path of the meta-catalog.
+        relations: Names of contacts by their impedance, if known.
     """
 
     pairs: Mapping[str, ExplorablePair]
@@ -62,6 +65,7 @@ class PairTask:
     until_habituated: bool
     command: str
     path: Path
+    relations: KnownRelations | None = None
 
     @property
     def number(self) -> int:
@@ -112,14 +116,29 @@ class PairTask:
                 self.relation,
                 self.pairs,
                 work.exploration,
+                self._impedances(work.finished),
                 self._provenance(body.renderer, len(work.finished)),
             )
+            if self.relations is not None:
+                document = document.model_copy(update={"relations": self.relations.name})
             remove_leftovers(self.path)
             write(document, self.path)
         return document
 
     def _provenance(self, renderer: str, actions: int) -> CatalogProvenance:
-        return catalog_provenance(self, self.pairs, "explore_pairs", renderer, actions)
+        own = catalog_provenance(self, self.pairs, "explore_pairs", renderer, actions)
+        known = None if self.relations is None else self.relations.identity
+        return own.model_copy(update={"relations": known})
+
+    def _impedances(self, finished: Sequence[FinishedAction]) -> dict[str, ImpedanceSection]:
+        """Return the impedance of each pair with at least one complete profile, by name."""
+        tree = None if self.relations is None else self.relations.tree
+        outcomes = [action.outcome for action in finished]
+        profiles = {
+            name: [e.profile for e in outcomes if e.action == name and e.profile.is_whole]
+            for name in self.pairs
+        }
+        return {name: impedance_section(own, tree) for name, own in profiles.items() if own}
 
 
 class PairWork(ActionWork):
@@ -151,8 +170,9 @@ class PairWork(ActionWork):
                 observed=tuple(pair.features.values()),
             )
         runner = self._runners[name]
+        gauge = ImpedanceGauge(pair.program)
         try:
-            result = runner.run(self._task.stage, seed, pair.context)
+            result = runner.run(self._task.stage, seed, pair.context, gauge)
         except (BackendError, EpisodeError) as error:
             return ActionOutcome(name, ending=str(error), failed=True)
         readings = {key: runner.signals.read(each) for key, each in pair.features.items()}
@@ -167,4 +187,5 @@ class PairWork(ActionWork):
             },
             ending=result.ending,
             sim_seconds=result.sim_seconds,
+            profile=gauge.finish(runner.signals),
         )

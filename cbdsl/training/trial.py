@@ -5,8 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from cbdsl.documents.document import Section
+from cbdsl.documents.relations import RelationsDocument
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.learner import ACCOMMODATE, LEARNERS, SchemaLearner, replay
+from cbdsl.learning.learner import (
+    ACCOMMODATE,
+    LEARNERS,
+    ContinuingLearner,
+    SchemaLearner,
+    replay,
+)
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.episode_runner import EpisodeRunner
@@ -28,6 +35,7 @@ class Trial:
         seed: Seed of all random numbers.
         number: Number of this trial among several with this seed.
         algorithm: Name of the learner.
+        earlier: Knowledge from which the learner goes on, if any.
         learner: Learner with its present knowledge.
         experiences: Experiences of the episodes so far.
     """
@@ -39,6 +47,7 @@ class Trial:
         seed: int,
         number: int = 0,
         algorithm: str = ACCOMMODATE,
+        earlier: RelationsDocument | None = None,
     ) -> None:
         self.program, self.constants = program, constants
         self.seed, self.number = seed, number
@@ -47,6 +56,9 @@ class Trial:
         self.learner = LEARNERS.get(algorithm)(actions, constants, used_programs(program))
         if isinstance(self.learner, SchemaLearner):
             self.learner.adopt(program)
+        self.earlier = earlier
+        if earlier is not None and isinstance(self.learner, ContinuingLearner):
+            self.learner.recall(earlier)
         self.experiences: list[Experience] = []
 
     def replay(self, experience: Experience) -> None:

@@ -51,7 +51,7 @@ CAMERA = Cast("inverse camera Jacobian", "heading", "configuration", "section 3.
 #: No turn of a camera changes the relation of two objects; such signals are only observed.
 CAMERA_TURNS = tuple(
     Cast("turn of a camera", kind, "configuration", "Fig 7.15", value=False)
-    for kind in ("constellation", "offset")
+    for kind in ("constellation", "offset", "likeness")
 )
 TRIANGULATION = Cast("stereo triangulation", "heading", "position", "Eq 3.14", factors=2)
 

@@ -115,7 +115,7 @@ _BUILT_IN = (
             name,
             "φ_b",
             "after Eq 3.1",
-            frozenset({"position", "force", "torque", "length"}),
+            frozenset({"position", "force", "torque", "length", "likeness"}),
             reference=True,
             zero_minimum=True,
             residual=True,

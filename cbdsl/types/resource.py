@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 #: Prefix of the names of probabilities that a catalog predicts.
 AFFORDS = "affords."
+#: Prefix of the names of likenesses to the pairs of a meta-catalog.
+LIKENESS_OF = "likeness."
 
 
 class Origin(Enum):
@@ -313,6 +315,22 @@ class AffordanceProbability(NamedTuple):
     features: tuple[Resource, ...]
 
 
+class PairLikeness(NamedTuple):
+    """Likeness of two objects to a known pair (Section 7.3.1).
+
+    Attributes:
+        catalog: Name of the meta-catalog.
+        pair: Name of one of its pairs.
+        model: Model of the features of the pair when it stayed.
+        features: Resources of these features, in the order of the model's components.
+    """
+
+    catalog: str
+    pair: str
+    model: AffordanceModel
+    features: tuple[Resource, ...]
+
+
 Source = (
     EffectorConfiguration
     | Tip
@@ -337,6 +355,7 @@ Source = (
     | NovelHeading
     | MarkHeading
     | AffordanceProbability
+    | PairLikeness
     | SurfacePoint
     | SensorSignal
     | Posture
@@ -347,6 +366,8 @@ Source = (
 
 
 _DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
+#: Sources that are computed from other resources, their ``features``.
+DERIVED = (AffordanceProbability, PairLikeness)
 
 
 class Resource(NamedTuple):

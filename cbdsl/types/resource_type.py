@@ -87,6 +87,8 @@ CONSTELLATION = ResourceType("constellation", "R+^2 x RP^1", 3, "1")
 OFFSET = ResourceType("offset", "R^3", 3, "m")
 # Distance of an object from the base of an effector.
 DISTANCE = ResourceType("distance", "R+", 1, "m")
+# Share of a known pair's observations that are farther from their mean than the present one.
+LIKENESS = ResourceType("likeness", "[0, 1]", 1, "")
 # Extent of an object, or opening of a hand.
 LENGTH = ResourceType("length", "R+", 1, "m")
 
@@ -114,5 +116,6 @@ TYPES: dict[str, ResourceType] = {
         OFFSET,
         LENGTH,
         DISTANCE,
+        LIKENESS,
     )
 }

@@ -35,6 +35,7 @@ from cbdsl.types.resource import (
     NovelHeading,
     ObjectDistance,
     Opening,
+    PairLikeness,
     Posture,
     Resource,
     SensorSignal,
@@ -127,6 +128,7 @@ RECORDS: Mapping[type, SourceRecord] = {
         _CAMERAS, channels=_TWO, compares=True, carriers=_EYES, chains=((SIZE_TURN,),)
     ),
     AffordanceProbability: SourceRecord(_CAMERAS),
+    PairLikeness: SourceRecord(_CAMERAS, compares=True, carriers=_EYES),
     SensorSignal: SourceRecord(("sensors", "{sensor}"), carriers=(Carrier.LINKS,)),
     Posture: SourceRecord((*_EFFECTOR, "postures", "{posture}"), "effector"),
     UniformSample: SourceRecord(_EFFECTOR, "effector"),

@@ -35,6 +35,7 @@ def _units() -> dict[str, Unit]:
         "stiffness": {"N/m": 1.0},
         "contact damping": {"N s/m": 1.0},
         "angular stiffness": {"N/rad": 1.0},
+        "torsional stiffness": {"N m/rad": 1.0},
         "volume": {"m^3": 1.0, "l": 1e-3, "ml": 1e-6, "cm^3": 1e-6},
         "pixels": {"px": 1.0},
     }

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from cbdsl.api.impedance import measure_impedance
 from cbdsl.api.learning import ImpedanceProfile
-from cbdsl.api.sensing import EpisodeListeners
 from cbdsl.api.simulation_fixture import simulation_fixture
-from cbdsl_reproduction.impedance_gauge import ImpedanceGauge
 from cbdsl_reproduction.thing_pairs import ALL_PAIRS
 from cbdsl_reproduction.trial_digest import trial_digest
 
@@ -52,9 +51,5 @@ def run_trials(
     with simulation_fixture(PROGRAM, pair.values, pair.stage, engine, cameras) as lab:
         runner = lab.runner()
         for seed in seeds:
-            gauge = ImpedanceGauge(lab.program)
-            result = runner.run(
-                lab.stage, seed, name, observer=EpisodeListeners(on_tick=gauge.note)
-            )
-            profile = gauge.finish(runner.signals)
+            profile, result = measure_impedance(lab, runner, seed, name)
             yield ImpedanceTrial(name, seed, profile, result.ending, result.sim_seconds)

@@ -27,14 +27,14 @@ The verdict follows from the 95 % interval of our value:
 | reproduced | all of the interval is in the region |
 | missed | none of it is in the region |
 | undecided | a part of it is in the region |
-| ordering only | at least the reported order is clear |
+| ordering only | at least the reported order is clear, and a part of it is in the region |
 | not judged | there is no spread to judge by (one trial), or nothing is claimed |
 
 The column *chance* is the probability that a claim that is just false would be called reproduced.
 Above 5 % nothing is called reproduced.
 A coin, or a uniform model, passes at most as often if the claim is false for it.
 For curves, ratios and newly drawn trials it is the 2.5 % of the intervals.
-Regions that were set with known numbers say so.
+Regions that were set with known numbers say so, and their rows are counted apart.
 Intervals are exact (Clopper-Pearson) for proportions.
 If several outcomes come from one trial, they use the effective number of outcomes (Korn-Graubard).
 All other intervals are bootstrapped.

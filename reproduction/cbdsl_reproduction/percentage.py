@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.interval import TAIL, exact_interval
@@ -33,6 +34,33 @@ def percentage(
     counts = f"{hits} of {trials}{of and ' '}{of}"
     noted = f"{counts}; {note}" if note else counts
     return _share(name, source, hits, trials, expected, ordering, noted, judged=trials > 1)
+
+
+def same_percentage(
+    name: str, there: tuple[int, int], hits: int, trials: int, *, note: str = ""
+) -> Quantity:
+    """Return the percentage of trials that are hits, beside that of the source's own trials.
+
+    It is missed if Fisher's exact test denies that both are trials of one process. It is reproduced
+    if its interval is within the exact interval of the source's trials.
+
+    Args:
+        name: Field of ``Quantity``.
+        there: Number of hits of the source, and of its trials.
+        hits, trials, note: As for ``percentage``.
+    """
+    from scipy.stats import fisher_exact
+
+    low, high = _interval(*there)
+    claim = Claim(
+        f"{low:.0f} to {high:.0f}, {there[0]} of {there[1]} there",
+        low if there[0] else -math.inf,
+        high if there[0] < there[1] else math.inf,
+    )
+    source = f"{100 * there[0] / there[1]:.0f} %"
+    table = [[hits, trials - hits], [there[0], there[1] - there[0]]]
+    likeness = float(fisher_exact(table).pvalue)
+    return replace(percentage(name, source, hits, trials, claim, note=note), likeness=likeness)
 
 
 def clustered_percentage(

@@ -8,6 +8,8 @@ from enum import StrEnum
 
 from cbdsl_reproduction.claim import Claim, Interval
 
+# Probability below which trials of the same process hardly ever differ as much.
+_DOUBT = 0.05
 # Largest probability that a process that violates the claim passes; else trials are too few.
 _CHANCE = 0.05
 
@@ -37,6 +39,8 @@ class Quantity:
             sampled; ``None`` if there is only a single trial.
         chance: Probability that a process that barely violates ``expected`` is called reproduced
             with as many trials; 0 if nothing is sampled.
+        likeness: Probability that trials of one process differ at least as much as the source's own
+            trials and ours (Fisher's exact test); 1 if the source does not report its trials.
         note: Information that a reader needs to judge the number.
     """
 
@@ -49,6 +53,7 @@ class Quantity:
     interval: Interval | None = None
     chance: float = 0.0
     note: str = ""
+    likeness: float = 1.0
 
     @property
     def verdict(self) -> Verdict:
@@ -59,12 +64,12 @@ class Quantity:
             return Verdict.MISSED
         if self.interval is None:
             return Verdict.NOT_JUDGED
+        if self.likeness < _DOUBT or self.expected.excludes(self.interval):
+            return Verdict.MISSED
         if self.chance <= _CHANCE and self.expected.contains(self.interval):
             return Verdict.REPRODUCED
         if self.ordering is not None and self.ordering.contains(self.interval):
             return Verdict.ORDERING
-        if self.expected.excludes(self.interval):
-            return Verdict.MISSED
         return Verdict.UNDECIDED
 
 

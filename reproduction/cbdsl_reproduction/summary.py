@@ -31,12 +31,14 @@ class PageRow:
         quantity: Name of the quantity, as on the page.
         ours: Number and its interval.
         verdict: Verdict, as on the page.
+        hindsight: True if the region of its claim was set with known numbers.
     """
 
     section: str
     quantity: str
     ours: str
     verdict: str
+    hindsight: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,8 @@ def rows_of(section: str) -> Iterator[PageRow]:
     headings, *rest = (_cells(line) for line in table)
     for cells in rest[1:]:
         row = dict(zip(headings, cells, strict=True))
-        yield PageRow(heading[1], row["quantity"], row["ours"], row["verdict"])
+        late = "(set in hindsight)" in row["expected"]
+        yield PageRow(heading[1], row["quantity"], row["ours"], row["verdict"], late)
 
 
 def _cells(line: str) -> list[str]:
@@ -75,27 +78,43 @@ def _cells(line: str) -> list[str]:
 
 
 def counts(heading: str, places: Mapping[str, str], rows: Sequence[PageRow]) -> Iterator[str]:
-    """Yield a sentence and the lines of a table that count the verdicts.
+    """Yield sentences and the lines of a table that count the verdicts.
+
+    Rows whose regions were set with known numbers are counted apart, below the others.
 
     Args:
         heading: Heading of the first column.
         places: Cell of the first column by section; equal cells share a line.
         rows: Counted rows.
     """
-    total = Counter(row.verdict for row in rows)
-    judged = len(rows) - total[Verdict.NOT_JUDGED]
-    share = 100 * total[Verdict.REPRODUCED] / judged if judged else 0.0
-    yield (
-        f"{total[Verdict.REPRODUCED]} of {judged} judged rows are reproduced ({share:.0f} %); "
-        f"{total[Verdict.NOT_JUDGED]} are not judged."
-    )
+    ahead, late = ([row for row in rows if row.hindsight is is_late] for is_late in (False, True))
+    total = Counter(row.verdict for row in ahead)
+    yield f"{_share(ahead)} are reproduced; {total[Verdict.NOT_JUDGED]} are not judged."
+    if late:
+        yield f"Of the rows with regions set in hindsight, {_share(late)} are reproduced."
     yield ""
     verdicts = [verdict.value for verdict in Verdict]
-    yield f"| {heading} | {' | '.join(verdicts)} |"
-    yield f"|{' --- |' * (1 + len(verdicts))}"
+    yield f"| {heading} | {' | '.join(verdicts)} | set in hindsight |"
+    yield f"|{' --- |' * (2 + len(verdicts))}"
     for place in dict.fromkeys(places.values()):
-        count = Counter(row.verdict for row in rows if places[row.section] == place)
-        yield f"| {place} | {' | '.join(str(count[verdict]) for verdict in verdicts)} |"
+        count = Counter(row.verdict for row in ahead if places[row.section] == place)
+        own = [row for row in late if places[row.section] == place]
+        cells = [str(count[verdict]) for verdict in verdicts]
+        yield f"| {place} | {' | '.join(cells)} | {_fraction(own) if own else ''} |"
+
+
+def _fraction(rows: Sequence[PageRow]) -> str:
+    """Return the number of reproduced rows, and of judged ones."""
+    judged = [row for row in rows if row.verdict != Verdict.NOT_JUDGED]
+    return f"{sum(row.verdict == Verdict.REPRODUCED for row in judged)} of {len(judged)}"
+
+
+def _share(rows: Sequence[PageRow]) -> str:
+    """Return the number of reproduced rows among the judged ones, with their share."""
+    fraction = _fraction(rows)
+    reproduced, _, judged = fraction.partition(" of ")
+    share = 100 * int(reproduced) / int(judged) if int(judged) else 0.0
+    return f"{fraction} judged rows ({share:.0f} %)"
 
 
 def causes_of(rows: Sequence[PageRow]) -> list[str]:

@@ -172,8 +172,8 @@ class TrialRunner(TaskObserver[Experience]):
             nonlocal done
             done += 1
             outcome = action.outcome
-            seconds = {"sim_seconds": outcome.sim_seconds, "wall_seconds": outcome.wall_seconds}
-            self.note(number, Experience(series.stage, number, (), {}, 0, **seconds))
+            seconds = outcome.sim_seconds, outcome.wall_seconds
+            self.note(number, Experience(series.stage, number, (), {}, 0, *seconds))
 
         catalog = task.run(self._body, self._kinematics, ItemListener(note))
         self._advance(count - before - done)

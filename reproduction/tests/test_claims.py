@@ -81,6 +81,7 @@ SOME = {
     "pick_and_place": ["matchbox", "soup_can", "canister", "tennis_ball", "bowl", "mug"],
     "reachtouch": ["matchbox", "soup_can", "book", "softball", "jar", "parcel"],
     "stand": ["purple_box_on_blue_box", "blue_box_on_football", "basketball_on_purple_box"],
+    "study": ["purple_box_on_blue_box", "football_on_blue_box", "purple_box_on_basketball"],
     "stack": ["football_on_blue_box", "purple_box_on_basketball", "blue_box_on_purple_box"],
     "take": ["matchbox", "tuna_can", "bottle", "softball", "screwdriver", "canister"],
     "take_and_put_down": ["soup_can", "matchbox", "carton", "tennis_ball", "canister", "book"],

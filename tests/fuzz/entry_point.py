@@ -25,6 +25,7 @@ MODULES: Mapping[str, str] = {
         (
             *("program", "stage", "robot", "policy", "schema", "catalog", "meta_catalog", "model"),
             "calibration",
+            "relations",
         ),
         "documents",
     ),

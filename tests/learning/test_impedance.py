@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile, ImpedanceTest
+from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
+from cbdsl.types.direction import DIRECTIONS
 
 
 def profile(stiff: dict[str, float]) -> ImpedanceProfile:

@@ -8,6 +8,7 @@ from typing import Any, cast
 import pytest
 
 from cbdsl.backends.backend import BackendError
+from cbdsl.checking.program import check_program
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
 from cbdsl.runtime.episode_result import EpisodeResult
@@ -21,7 +22,9 @@ class Ended:
     def __init__(self, outcome: str, far: tuple[str, ...]) -> None:
         self._outcome, self._far = outcome, far
 
-    def run(self, *_: object) -> EpisodeResult:
+    signals = None
+
+    def run(self, *_: object, **__: object) -> EpisodeResult:
         return EpisodeResult(
             "stand", "pairs", "a_on_b", 1, False, (), (), 0, 1.0, 1.0, "", "an ending",
             outcome=self._outcome, far=self._far,
@@ -31,13 +34,15 @@ class Ended:
 class Refused:
     """A runner whose backend cannot set up the world."""
 
-    def run(self, *_: object) -> EpisodeResult:
+    signals = None
+
+    def run(self, *_: object, **__: object) -> EpisodeResult:
         raise BackendError("there is no room")
 
 
 @pytest.fixture
 def task() -> PairTask:
-    pair = ExplorablePair("a", "b", "a_on_b", cast(Any, None), cast(Any, None), {})
+    pair = ExplorablePair("a", "b", "a_on_b", check_program("posture"), cast(Any, None), {})
     given: dict[str, Any] = dict.fromkeys(PairTask.__dataclass_fields__)
     given |= {"pairs": {"a_on_b": pair}, "constants": CatalogConstants()}
     return PairTask(**given)

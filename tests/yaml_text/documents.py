@@ -13,6 +13,7 @@ from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.relations import RelationsDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
@@ -255,6 +256,18 @@ META_CATALOG = data(
     },
 )
 
+RELATIONS = data(
+    {
+        **head("relations"),
+        "robot": NAME,
+        "program": NAME,
+        "tree": st.recursive(
+            NAME, lambda tree: data({"if": TEXT, "then": tree, "else": tree}), max_leaves=4
+        ),
+    },
+    {"samples": many(st.lists(st.lists(POSITIVE, min_size=6, max_size=6), max_size=2))},
+)
+
 #: Documents of each kind.
 DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
     "robot": ROBOT.map(RobotDocument.model_validate),
@@ -265,5 +278,6 @@ DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
     "schema": SCHEMA.map(SchemaDocument.model_validate),
     "calibration": CALIBRATION.map(CalibrationDocument.model_validate),
     "catalog": CATALOG.map(CatalogDocument.model_validate),
+    "relations": RELATIONS.map(RelationsDocument.model_validate),
     "meta_catalog": META_CATALOG.map(MetaCatalogDocument.model_validate),
 }

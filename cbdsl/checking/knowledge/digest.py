@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,6 +51,27 @@ def policy_digest(name: str, beside: Path, library: Library) -> str:
     return digest_of_text(_learned(name, beside, library))
 
 
+def substitute_digests(
+    allocations: Mapping[str, Mapping[str, str]], path: Path, library: Library
+) -> dict[str, str]:
+    """Return the SHA-256 of each program that an allocation names, with all that it uses, by name.
+
+    Args:
+        allocations: Values of a program's parameters, and programs that replace it or its members,
+            by name of the allocation.
+        path: File of the program that is replaced in whole or in part.
+        library: Library that finds programs by name.
+    """
+    known = library.read(path, ProgramDocument).document.parameters
+    names = {
+        value
+        for values in allocations.values()
+        for key, value in values.items()
+        if key not in known
+    }
+    return {name: digest_of_text(_whole(name, "", path, library)) for name in sorted(names)}
+
+
 def _policies(document: ProgramDocument, path: Path, library: Library) -> Iterator[str]:
     """Yield the names of the learned policies of a program and of the programs that it uses."""
     for use in document.use.values():
@@ -74,7 +95,18 @@ def _parts(document: ProgramDocument, path: Path, library: Library) -> str:
         )
         for name in sorted(set(document.models.values()))
     )
-    return "".join((*programs, *schemas, *models))
+    return "".join((*programs, *schemas, *models, _pairs(document.meta_catalog, path, library)))
+
+
+def _pairs(name: str | None, beside: Path, library: Library) -> str:
+    """Return the digest of the pairs that a program recognises; empty if it recognises none."""
+    if name is None:
+        return ""
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument  # few programs use one
+
+    path = _document_file(MetaCatalogDocument, name, beside, library)
+    document = library.read(path, MetaCatalogDocument).document
+    return digest(document, ("steps", "provenance"))
 
 
 def _allocated(program: str, name: str, beside: Path, library: Library) -> str:

@@ -30,6 +30,9 @@ def examine_meta_catalog(
         _check_thing(loaded, name, thing, session, body, diagnostics)
     _check_ends(loaded, diagnostics)
     for name, pair in document.pairs.items():
+        if pair.impedance is not None and pair.impedance.names and document.relations is None:
+            place = source.place("pairs", name, "impedance", "names")
+            diagnostics.add("CB682", place, name=next(iter(pair.impedance.names)))
         check_affordance(loaded, ("pairs", name), pair, session, body, diagnostics)
 
 

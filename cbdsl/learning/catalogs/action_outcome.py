@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
+from cbdsl.learning.impedance import UNTESTED, ImpedanceProfile
 from cbdsl.storage.journal import RowForm
 
 #: Action without cost and without information.
@@ -40,6 +41,7 @@ class ActionOutcome:
         failed: True if the action could not be run.
         sim_seconds: Simulated duration, s.
         wall_seconds: Wall time, s; for display only.
+        profile: Impedance of two objects, if the action tests it.
     """
 
     action: str
@@ -51,6 +53,13 @@ class ActionOutcome:
     failed: bool = False
     sim_seconds: float = 0.0
     wall_seconds: float = field(default=0.0, compare=False)
+    profile: ImpedanceProfile = UNTESTED
+
+    def as_data(self) -> dict[str, Any]:
+        """Return a row for JSON; the profile only if there is one."""
+        row = asdict(self)
+        del row["profile"]
+        return row | ({"profile": self.profile.as_data()} if self.profile.tests else {})
 
 
 def read_outcome(row: Mapping[str, Any]) -> ActionOutcome:
@@ -69,12 +78,13 @@ def read_outcome(row: Mapping[str, Any]) -> ActionOutcome:
         failed=bool(row["failed"]),
         sim_seconds=float(row["sim_seconds"]),
         wall_seconds=float(row.get("wall_seconds", 0.0)),
+        profile=ImpedanceProfile.from_data(row.get("profile", ())),
     )
 
 
 def write_outcome(outcome: ActionOutcome) -> dict[str, Any]:
     """Return the row of an outcome."""
-    return {**asdict(outcome), "wall_seconds": round(outcome.wall_seconds, 3)}
+    return {**outcome.as_data(), "wall_seconds": round(outcome.wall_seconds, 3)}
 
 
 def _text(value: object) -> str:

@@ -9,8 +9,8 @@ from typing import NamedTuple
 from cbdsl.numeric.affordance_model import AffordanceModel
 from cbdsl.numeric.arrays import Floats
 
-# Share of a Gaussian's samples within the recognition distance.
-_BELIEVED = 0.999
+#: Likeness from which two objects are recognised as a pair.
+LEAST_LIKENESS = 1e-3
 
 
 class Recognition(NamedTuple):
@@ -36,12 +36,5 @@ def recognise(models: Mapping[str, AffordanceModel], features: Floats) -> Recogn
     if not known:
         return Recognition(None, math.inf)
     best = max(known, key=lambda name: known[name].log_density(features))
-    distance = known[best].distance(features)
-    return Recognition(best if distance <= _bound(len(features)) else None, distance)
-
-
-def _bound(size: int) -> float:
-    """Return the distance that contains this share of a Gaussian, by the chi-squared law."""
-    from scipy.special import gammaincinv  # slow to import
-
-    return math.sqrt(2.0 * float(gammaincinv(size / 2.0, _BELIEVED)))
+    is_like = known[best].likeness(features) >= LEAST_LIKENESS
+    return Recognition(best if is_like else None, known[best].distance(features))

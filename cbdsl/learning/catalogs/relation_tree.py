@@ -2,7 +2,7 @@
 
 Each question tests the larger mean impedance of both senses of one direction. Questions are chosen
 by the evidence of profiles with known relations. All relations have equal weight, independent of
-their number of pairs. Impedances are compared by their logarithms, because a stiffer hand or a
+their number of profiles. Impedances are compared by their logarithms, because a stiffer hand or a
 heavier object shifts all of them alike.
 """
 
@@ -15,30 +15,40 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile
+from cbdsl.learning.impedance import ImpedanceProfile
 from cbdsl.learning.tree_growth import Outcomes, grow
-from cbdsl.types.decision_tree import Leaf, Tree, decide
+from cbdsl.types.decision_tree import Leaf, Split, Tree, decide
+from cbdsl.types.direction import DIRECTIONS
 
 # Smallest impedance that counts, N/m or N m/rad.
 _LEAST = 1e-2
-# Fewest profiles of a leaf.
-_PROFILES = 2
+# Significant digits of thresholds.
+_DIGITS = 3
 
 
-class NamedProfile(NamedTuple):
-    """Profile with a known relation."""
+class NamedImpedance(NamedTuple):
+    """Impedance of two objects with a known relation.
 
-    profile: ImpedanceProfile
+    Attributes:
+        impedances: Impedance by direction, N/m or N m/rad; all directions.
+        relation: Name of the relation.
+    """
+
+    impedances: Mapping[str, float]
     relation: str
 
 
-def grow_relations(known: Sequence[NamedProfile]) -> Tree[str]:
-    """Return the tree that explains profiles with known relations best.
+def grow_relations(known: Sequence[NamedImpedance], least: int = 2) -> Tree[str]:
+    """Return the tree that explains impedances with known relations best.
+
+    Args:
+        known: Impedances with known relations.
+        least: Fewest of them in a leaf.
 
     Raises:
-        ValueError: If there is no profile, or one of them is incomplete.
+        ValueError: If there is none, or one of them lacks a direction.
     """
-    if not known or not all(each.profile.is_whole for each in known):
+    if not known or not all({*DIRECTIONS} <= each.impedances.keys() for each in known):
         raise ValueError("relations are learned from whole profiles, one at least")
     names = sorted({each.relation for each in known})
     relations = [each.relation for each in known]
@@ -50,32 +60,32 @@ def grow_relations(known: Sequence[NamedProfile]) -> Tree[str]:
     def most_frequent(rows: list[int]) -> str:
         return Counter(relations[row] for row in rows).most_common(1)[0][0]
 
-    samples = [features(each.profile) for each in known]
+    samples = [
+        {name: math.log10(max(each.impedances[name], _LEAST)) for name in DIRECTIONS}
+        for each in known
+    ]
     outcomes = Outcomes(1.0 * weights * is_named, 1.0 * weights * ~is_named)
-    return grow(samples, outcomes, most_frequent, _PROFILES)
+    return _in_si(grow(samples, outcomes, most_frequent, least))
 
 
 def name_relation(tree: Tree[str], profile: ImpedanceProfile) -> str | None:
     """Return the name of a profile's relation, or ``None`` if a required test is missing."""
-    return decide(tree, features(profile))
+    return decide(tree, larger_impedances(profile))
 
 
-def features(profile: ImpedanceProfile) -> Mapping[str, float]:
-    """Return log10 of the impedances by direction, without directions tested in one sense only."""
+def larger_impedances(profile: ImpedanceProfile) -> dict[str, float]:
+    """Return the larger mean impedance of both senses, without directions tested in one only."""
     impedances = profile.features()
     return {
-        direction: math.log10(max(impedances[f"{direction}+"], impedances[f"{direction}-"], _LEAST))
+        direction: max(impedances[f"{direction}+"], impedances[f"{direction}-"])
         for direction in DIRECTIONS
         if {f"{direction}+", f"{direction}-"} <= impedances.keys()
     }
 
 
-def tree_as_data(tree: Tree[str]) -> object:
-    """Return a tree for JSON or YAML, in the form of schemas."""
+def _in_si(tree: Tree[str]) -> Tree[str]:
+    """Return a tree over logarithms as a tree over the impedances themselves."""
     if isinstance(tree, Leaf):
-        return tree.answer
-    return {
-        "if": f"log10 {tree.feature} > {tree.threshold:g}",
-        "then": tree_as_data(tree.above),
-        "else": tree_as_data(tree.below),
-    }
+        return tree
+    threshold = float(f"{10.0**tree.threshold:.{_DIGITS}g}")
+    return Split(tree.feature, threshold, _in_si(tree.above), _in_si(tree.below))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cbdsl.reporting.text.catalog_text import count_cells, feature_lines
 
 if TYPE_CHECKING:
-    from cbdsl.documents.meta_catalog import MetaCatalogDocument
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument, PairSection
 
 _TITLES = ("pair", "stayed", "95 % interval", "value", "model")
 
@@ -31,4 +32,23 @@ def meta_catalog_text(catalog: MetaCatalogDocument) -> str:
     )
     for name, pair in catalog.pairs.items():
         lines += feature_lines(name, pair)
+        lines += _impedance_lines(name, pair)
     return "\n".join(lines) + "\n"
+
+
+def _impedance_lines(name: str, pair: PairSection) -> Iterator[str]:
+    """Yield the impedance of a pair, with the name of its relation."""
+    from cbdsl.diagnostics.counting import count
+    from cbdsl.types.direction import unit_of
+
+    measured = pair.impedance
+    if measured is None:
+        return
+    named = f": {measured.relation}" if measured.relation else ""
+    names = ", ".join(f"{each} {number}" for each, number in measured.names.items())
+    yield f"\n{name}, impedance of {count(measured.profiles, 'profile')}{named}"
+    if names:
+        yield f"  named      {names}"
+    for direction, mean in measured.mean.items():
+        tracked = measured.tracked.get(direction, 0)
+        yield f"  {direction}  {mean:9.4g} {unit_of(direction):7s}  tracked {tracked}"

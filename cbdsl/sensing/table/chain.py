@@ -20,6 +20,7 @@ from cbdsl.types.resource import (
     NetLoad,
     NovelHeading,
     Opening,
+    PairLikeness,
     Posture,
     Resource,
     SensorSignal,
@@ -61,6 +62,7 @@ EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
     ConstellationSignal: _TURNS,
     StereoOffset: _TURNS,
     SolidSignal: _TURNS,
+    PairLikeness: _TURNS,
     Opening: _ARMS,
     GraspCentre: _ARMS,
 }

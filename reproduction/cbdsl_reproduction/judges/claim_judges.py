@@ -170,6 +170,17 @@ def stands(watch: ClaimWatch) -> str:
     return ""
 
 
+def left_alone_or_stacked(watch: ClaimWatch) -> str:
+    """Judge that the upper object rests on the lower one, untouched if it stood there before."""
+    lower, upper = "lower", "upper"
+    if lower not in watch.neighbours(upper) or watch.is_held(upper):
+        return "the upper object is not on the lower one"
+    if watch.speed(upper) > STILL:
+        return f"the upper object moves at {1e3 * watch.speed(upper):.0f} mm/s"
+    stood = abs(watch.height(upper)) < RAISED / 2
+    return f"touched {watch.ever_touched}" if stood and watch.ever_touched else ""
+
+
 def set_on(watch: ClaimWatch) -> str:
     """Judge that the lower object bears the upper one."""
     if (
@@ -301,6 +312,7 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("bimanualtouch", "everyday_objects", between_hands, values=_red),
     ProgramClaim("bring", "everyday_objects", placed),
     ProgramClaim("deliver", "everyday_objects", delivered),
+    ProgramClaim("ensure_stacked", "stacked_or_not", left_alone_or_stacked),
     ProgramClaim("fetch", "everyday_objects", placed),
     ProgramClaim("find_by_touch", "lights_out", touched, _DARK),
     ProgramClaim("find_the_other", "two_red_balls", other_touched),
@@ -323,6 +335,7 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("stack_three", "stacks_of_three", stands),
     ProgramClaim("stand", "stacking", stands, _PAIRS, _pair),
     ProgramClaim("stand_three", "stacks_of_three", stands, values=_three),
+    ProgramClaim("study", "stacking", stands, _PAIRS, _pair),
     ProgramClaim("tactileprobe", "held_right", grasped),
     ProgramClaim("take", "everyday_objects", grasped),
     ProgramClaim("take_and_put_down", "everyday_objects", put_down, values=_red),

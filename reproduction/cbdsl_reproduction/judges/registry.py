@@ -27,6 +27,7 @@ from cbdsl_reproduction.judges import (
     placing,
     planned_stacks,
     reach,
+    relations,
     scenes,
     schemas,
     stacks,
@@ -64,6 +65,7 @@ _ALL = (
     reach.JUDGE,
     five_skills.JUDGE,
     mounted_touch.JUDGE,
+    relations.JUDGE,
 )
 
 #: Judges in the order of ``cb judge --list``.

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from cbdsl.learning.catalogs.relation_tree import (
-    NamedProfile,
-    features,
+    NamedImpedance,
     grow_relations,
+    larger_impedances,
     name_relation,
-    tree_as_data,
 )
-from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile, ImpedanceTest
-from cbdsl.types.decision_tree import Leaf, splits
+from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
+from cbdsl.types.decision_tree import Leaf, Tree, splits
+from cbdsl.types.direction import DIRECTIONS
 
 STIFF = {
     "plane_on_plane": {"dPz", "dRx", "dRy"},
@@ -35,49 +35,54 @@ def felt(relation: str, rng: np.random.Generator, scale: float = 1.0) -> Impedan
     return ImpedanceProfile(tuple(tests))
 
 
-def known(seed: int, count: int = 6) -> list[NamedProfile]:
+def named(profile: ImpedanceProfile, relation: str) -> NamedImpedance:
+    return NamedImpedance(larger_impedances(profile), relation)
+
+
+def known(seed: int, count: int = 6) -> list[NamedImpedance]:
     rng = np.random.default_rng(seed)
-    return [NamedProfile(felt(name, rng), name) for name in STIFF for _ in range(count)]
+    return [named(felt(name, rng), name) for name in STIFF for _ in range(count)]
+
+
+def share(tree: Tree[str], seed: int) -> float:
+    """Return the share of other profiles that a tree names right."""
+    rng = np.random.default_rng(seed)
+    right = [name_relation(tree, felt(name, rng)) == name for name in STIFF for _ in range(20)]
+    return float(np.mean(right))
 
 
 def test_other_profiles_are_named() -> None:
-    tree = grow_relations(known(1))
-    others = known(2, 20)
-    named = [name_relation(tree, each.profile) == each.relation for each in others]
-    assert np.mean(named) >= 0.95
+    assert share(grow_relations(known(1)), 2) >= 0.95
 
 
 def test_names_that_say_nothing_are_not_learned() -> None:
     rng = np.random.default_rng(3)
-    mixed = [NamedProfile(felt("spherical", rng), name) for name in STIFF for _ in range(6)]
-    others = known(4, 20)
-    tree = grow_relations(mixed)
-    named = [name_relation(tree, each.profile) == each.relation for each in others]
-    assert np.mean(named) <= 0.6
+    mixed = [named(felt("spherical", rng), name) for name in STIFF for _ in range(6)]
+    assert share(grow_relations(mixed), 4) <= 0.6
 
 
 def test_a_profile_without_the_tests_asked_for_has_no_name() -> None:
     assert name_relation(grow_relations(known(1)), ImpedanceProfile(())) is None
     with pytest.raises(ValueError, match="whole profiles"):
-        grow_relations([NamedProfile(ImpedanceProfile(()), "spherical")])
+        grow_relations([named(ImpedanceProfile(()), "spherical")])
 
 
-def test_a_tree_is_written_as_schemas_write_theirs() -> None:
-    data = tree_as_data(grow_relations(known(1)))
-    assert isinstance(data, dict) and set(data) == {"if", "then", "else"}
-    assert str(data["if"]).startswith("log10 d")
+def test_grow_relations_gives_thresholds_in_si_between_the_samples() -> None:
+    samples = [*[("spherical", 0.02)] * 3, *[("plane_on_plane", 0.2)] * 3]
+    own = [NamedImpedance({**dict.fromkeys(DIRECTIONS, 1.0), "dRz": z}, n) for n, z in samples]
+    (question,) = splits(grow_relations(own))
+    assert question.feature == "dRz"
+    assert 0.02 < question.threshold < 0.2
 
 
 def test_a_leaf_has_the_name_that_most_of_its_profiles_have() -> None:
     rng = np.random.default_rng(5)
     names = ["spherical", "prismatic", "prismatic"]
-    mixed = [NamedProfile(felt("spherical", rng), name) for name in names]
+    mixed = [named(felt("spherical", rng), name) for name in names]
     assert grow_relations(mixed) == Leaf("prismatic")
 
 
-def test_impedances_are_the_larger_ones_of_both_ways_and_nothing_is_as_little_as_can_be_told() -> (
-    None
-):
+def test_larger_impedances_leaves_out_directions_tested_in_one_sense() -> None:
     tests = (
         ImpedanceTest("dPx", 1, 0.01, 2.0, False, 0.0, 0.0),
         ImpedanceTest("dPx", -1, -0.01, -2.0, False, 0.0, -1.0),
@@ -85,7 +90,8 @@ def test_impedances_are_the_larger_ones_of_both_ways_and_nothing_is_as_little_as
         ImpedanceTest("dPy", -1, -0.01, 0.0, False, 0.0, 0.0),
         ImpedanceTest("dRz", 1, 0.1, 0.01, False, 0.0, 0.01),
     )
-    assert features(ImpedanceProfile(tests)) == pytest.approx({"dPx": 2, "dPy": -2})
+    expected = {"dPx": 100.0, "dPy": 0.0}
+    assert larger_impedances(ImpedanceProfile(tests)) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("seed", range(7, 12))

@@ -12,10 +12,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.api.control import rotation_vector
-from cbdsl.api.learning import AXES, KINDS, ImpedanceProfile, ImpedanceTest
-from cbdsl.api.program import CheckedProgram, Controller, Predicate, Relative
-from cbdsl.api.sensing import ControllerRun, NetLoad, ProgramRun, Resource, Signals, Tick, Tip
+from cbdsl.kinematics.rotation import log
+from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller, Relative
+from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.episode_observer import EpisodeObserver
+from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.runtime.tick import Tick
+from cbdsl.sensing.signals import Signals
+from cbdsl.types.direction import AXES, KINDS
+from cbdsl.types.resource import NetLoad, Resource, Tip
+from cbdsl.types.state import Predicate
 
 Floats = NDArray[np.float64]
 
@@ -67,6 +75,24 @@ def _probe(program: CheckedProgram) -> _Probe | None:
     return None
 
 
+def _tests_of(program: CheckedProgram) -> tuple[tuple[str, ...], dict[str, _Probe]]:
+    """Return the actions that lead to the program with tests, and its tests by action."""
+    used = [(action.name, action.program) for action in program.actions if action.program]
+    probes = {
+        name: probe
+        for name, own in used
+        # A program that uses other programs has more purposes than a test.
+        if all(each.program is None for each in own.actions) and (probe := _probe(own)) is not None
+    }
+    if probes:
+        return (), probes
+    for name, own in used:
+        path, probes = _tests_of(own)
+        if probes:
+            return (name, *path), probes
+    return (), {}
+
+
 class _Outset(NamedTuple):
     """Start of the outward motion of a test.
 
@@ -85,22 +111,15 @@ class _Outset(NamedTuple):
 _OVER = _Outset(np.zeros(0), np.zeros(0), np.zeros(0))
 
 
-class ImpedanceGauge:
+class ImpedanceGauge(EpisodeObserver):
     """Listener to the ticks of an episode that makes a profile of its tests.
 
-    Attributes:
-        profile: Profile of the completed tests.
+    The tests are those of the program itself, or of the first program that it uses and that has
+    some.
     """
 
     def __init__(self, program: CheckedProgram) -> None:
-        self._probes = {
-            action.name: probe
-            for action in program.actions
-            # A program that uses other programs has more purposes than a test.
-            if action.program is not None
-            and all(each.program is None for each in action.program.actions)
-            and (probe := _probe(action.program)) is not None
-        }
+        self._path, self._probes = _tests_of(program)
         self._name = ""
         self._start: Floats = np.zeros(0)
         self._begun: _Outset | None = None
@@ -110,29 +129,42 @@ class ImpedanceGauge:
         self._tests: list[ImpedanceTest] = []
 
     @property
+    def listens(self) -> bool:
+        """Whether the program has tests to listen to."""
+        return bool(self._probes)
+
+    @property
     def profile(self) -> ImpedanceProfile:
         """Profile of the completed tests."""
         return ImpedanceProfile(tuple(self._tests))
 
-    def note(self, tick: Tick) -> None:
+    def note_tick(self, tick: Tick) -> None:
         """Process a tick."""
-        action = tick.run.action
-        name = "" if action is None else action.name
+        run = self._testing(tick.run)
+        name = "" if run is None or run.action is None else run.action.name
         if name != self._name:
             self._leave(tick.signals)
         probe = self._probes.get(name)
-        if probe is None:
+        if probe is None or run is None:
             return
         if name != self._name:
             self._name = name
             self._start, self._begun, self._free = self._pose(probe, tick.signals), None, []
             self._loads.clear()
-        self._follow(probe, tick.run.children[name], tick.signals)
+        self._follow(probe, run.children[name], tick.signals)
 
     def finish(self, signals: Signals) -> ImpedanceProfile:
         """Finish the episode and return its profile."""
         self._leave(signals)
         return self.profile
+
+    def _testing(self, run: ProgramRun) -> ProgramRun | None:
+        """Return the run of the program with the tests; ``None`` while another action is active."""
+        for name in self._path:
+            if run.action is None or run.action.name != name:
+                return None
+            run = run.children[name]
+        return run
 
     def _follow(self, probe: _Probe, run: ProgramRun, signals: Signals) -> None:
         """Note the start of a test, and the test itself when its outward motion ends."""
@@ -196,4 +228,4 @@ def _moved(probe: _Probe, before: Floats, after: Floats) -> float:
     """Return the displacement along or about the axis of a test, m or rad."""
     if probe.motion.type.name == "position":
         return float((after - before)[probe.axis])
-    return float(rotation_vector(after @ before.T)[probe.axis])
+    return float(log(after @ before.T)[probe.axis])
