@@ -20,6 +20,7 @@ from tests.fuzz.entry_point import EntryPoint
 NAMES = (
     *("program", "stage", "robot", "policy", "schema", "catalog", "meta_catalog", "model"),
     "calibration",
+    "relations",
 )
 _BAD = ROOT / "tests" / "checking" / "bad"
 _YAML = re.compile(r"^```yaml\n(.*?)^```$", re.DOTALL | re.MULTILINE)
