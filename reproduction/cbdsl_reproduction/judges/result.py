@@ -112,7 +112,7 @@ def _scores(
             "program": condition.program,
             "outcome": score.name,
             "result": f"{own:.4f}, baseline {baseline:.4f}",
-            "n": len(pairs),
+            "episodes": len(pairs),
             "interval": _difference([mine - other for mine, other in pairs]),
             "aim": "below the baseline",
             "met": own < baseline,
