@@ -38,10 +38,9 @@ def changed_inputs(document: Document, path: Path, library: Library) -> Iterator
     if provenance is None:
         yield "its provenance is missing"
         return
-    programs = getattr(provenance, "programs", None)
-    single = getattr(provenance, "program", None)
-    for identity in dict.fromkeys([single] if programs is None else programs.values()):
-        if identity is not None and _program(identity, path, library) != identity.sha256:
+    single, several = getattr(provenance, "program", None), getattr(provenance, "programs", {})
+    for identity in dict.fromkeys([single, *several.values()]):
+        if isinstance(identity, Identity) and _program(identity, path, library) != identity.sha256:
             yield f"program {identity.name}"
     for name, sha256 in provenance.policies.items():
         if _policy(name, path, library) != sha256:
