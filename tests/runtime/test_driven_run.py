@@ -247,7 +247,7 @@ def test_a_fault_of_another_package_s_potential_is_reported_as_its(
         is_builtin=lambda name: name != "spring" or not is_foreign,
         fault=lambda name, reason: RuntimeError(f"{name}: {reason}"),
     )
-    monkeypatch.setattr(actuation_module, "tick", fail)
+    monkeypatch.setattr(actuation_module, "bind", lambda *_: fail)
     monkeypatch.setattr(actuation_module, "POTENTIALS", Made(registry=registry))
     with pytest.raises((ZeroDivisionError, RuntimeError)) as raised:
         own.move(driven.run.active())
