@@ -86,7 +86,10 @@ class QuestionTrees:
             return "", 0.0, True
         threshold = self._threshold(limit, self._units[feature], steps)
         self._occurs(feature, threshold, sign, steps)
-        return feature, threshold, sign == ">"
+        if sign == "<":
+            # A split asks for larger values: not below the threshold is above the float before it.
+            return feature, math.nextafter(threshold, -math.inf), False
+        return feature, threshold, True
 
     def _occurs(self, feature: str, threshold: float, sign: str, steps: Steps) -> None:
         """Report a question about a number of objects that has only one possible answer."""

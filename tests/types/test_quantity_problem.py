@@ -45,6 +45,19 @@ def test_a_slip_says_what_to_write(value: object, written: str) -> None:
     assert is_quantity(written.partition(" #")[0])
 
 
+@pytest.mark.parametrize(
+    ("value", "written"),
+    [
+        ("2 - 3 m", "[2 m, 3 m]"),
+        ("2 cm to 1 m", "[2 cm, 1 m]"),
+        ("2 - 1e3 m", "[2 m, 1e3 m]"),
+        ("1e-3..2e-3 m", "[1e-3 m, 2e-3 m]"),
+    ],
+)
+def test_problem_in_a_span_names_both_values_with_units(value: str, written: str) -> None:
+    assert f"write {written}" in str(problem_in(value))
+
+
 @pytest.mark.parametrize("value", ["fast", "5 bananas", "", None, [], {}, [1, 2, 3], "1 2 x"])
 def test_of_what_is_no_quantity_nothing_is_said(value: object) -> None:
     assert problem_in(value) is None

@@ -135,7 +135,8 @@ class World:
         slower = period * thing.resistance(floor)
         for velocity in (thing.velocity, thing.rolling):
             speed = math.hypot(*velocity.tolist())
-            velocity *= max(speed - slower, 0.0) / max(speed, _CLOSE * slower)
+            if speed > 0.0:
+                velocity *= max(speed - slower, 0.0) / max(speed, _CLOSE * slower)
         thing.shift(period * thing.velocity)
 
 

@@ -21,7 +21,7 @@ SHAPES = {
 
 
 def world_with(
-    shape: SolidShape, height: float, rolling_friction: float = 0.0
+    shape: SolidShape, height: float, rolling_friction: float = 0.0, friction: float = 0.5
 ) -> tuple[World, KinematicObject]:
     """Return a world with a 2 m wide table, top at 0, and an object ``height`` above it."""
     world = World()
@@ -29,7 +29,7 @@ def world_with(
     at = Pose(np.array([0, 0, -0.02]), np.eye(3))
     world.add(SceneObject("table", table, Surface(friction=0.5), 0.0, at))
     pose = Pose(np.array([0, 0, height + shape.half_height]), np.eye(3))
-    surface = Surface(friction=0.5, rolling_friction=rolling_friction)
+    surface = Surface(friction=friction, rolling_friction=rolling_friction)
     return world, world.add(SceneObject("thing", shape, surface, 0.2, pose))
 
 
@@ -73,6 +73,15 @@ def test_a_box_slides_as_far_as_friction_lets_it() -> None:
     thing.launch(np.array([1.0, 0.0, 0.0]))
     let_go(world, thing, 2.0)
     assert thing.position[0] == pytest.approx(1 / (2 * 0.25 * GRAVITY), rel=0.1)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_launch_without_friction_keeps_the_velocity(name: str) -> None:
+    world, thing = world_with(SHAPES[name], 0.0, friction=0.0)
+    thing.launch(np.array([0.3, 0.0, 0.0]))
+    let_go(world, thing, 1.0)
+    assert thing.velocity == pytest.approx([0.3, 0, 0])
+    assert thing.position[0] == pytest.approx(0.3, rel=0.05)
 
 
 def test_a_ball_that_slides_rolls_on_with_five_sevenths_of_its_speed() -> None:
