@@ -34,6 +34,7 @@ class Grasp:
         self.thing = thing
         self._hands = hands
         self._relative = Pose(np.zeros(3), np.eye(3))
+        self._axis = 0
         self.holders: tuple[str, ...] = ()
 
     @property
@@ -44,7 +45,8 @@ class Grasp:
     def follow(self) -> None:
         """Move the object with the hands that hold it."""
         if self.holders:
-            self.thing.put(self._hands.carrier_pose(self.holders) @ self._relative)
+            carrier = self._hands.carrier_pose(self.holders, self._axis)
+            self.thing.put(carrier @ self._relative)
 
     def update(self, contacts: Sequence[FingertipContact]) -> None:
         """Find the hands that hold the object now, and its pose relative to them."""
@@ -56,7 +58,8 @@ class Grasp:
             wanted = (*((hand,) for hand in hands), *combinations(hands, 2))
             self.holders = next((each for each in wanted if self._holds(each, contacts)), ())
         if self.holders:
-            carrier, pose = self._hands.carrier_pose(self.holders), self.thing.pose
+            self._axis = self._hands.cross_axis(self.holders)
+            carrier, pose = self._hands.carrier_pose(self.holders, self._axis), self.thing.pose
             turned = carrier.rotation.T
             self._relative = Pose(
                 turned.dot(pose.position - carrier.position), turned.dot(pose.rotation)

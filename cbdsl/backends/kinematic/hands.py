@@ -137,10 +137,26 @@ class Hands:
                 return effector.tip.link
         return self._robot.base
 
-    def carrier_pose(self, hands: Sequence[str]) -> Pose:
+    def cross_axis(self, hands: Sequence[str]) -> int:
+        """Return the axis of the first hand that is most orthogonal to the line between two hands.
+
+        It is 0 for a single hand.
+        """
+        if len(hands) == 1:
+            return 0
+        one, other = (self._tree.pose(self.hands[name].carrier) for name in hands)
+        return int(np.argmin(np.abs(one.rotation.T @ (other.position - one.position))))
+
+    def carrier_pose(self, hands: Sequence[str], axis: int) -> Pose:
         """Return a frame that moves with one hand, or with two that hold an object together.
 
         The frame of two hands has its origin between them and its x axis from one to the other.
+        Its y axis is near an axis of the first hand. A frame that chose this axis by itself would
+        jump when another axis becomes the most orthogonal one, and the object with it.
+
+        Args:
+            hands: Names of the hands, one or two.
+            axis: Axis of the first hand, from ``cross_axis``.
         """
         poses = [self._tree.pose(self.hands[name].carrier) for name in hands]
         if len(poses) == 1:
@@ -148,8 +164,7 @@ class Hands:
         one, other = poses
         x = other.position - one.position
         x /= np.linalg.norm(x)
-        # The axis of the first hand that is most orthogonal to the line between the hands.
-        y = one.rotation[:, int(np.argmin(np.abs(one.rotation.T @ x)))]
+        y = one.rotation[:, axis]
         y = y - (y @ x) * x
         y /= np.linalg.norm(y)
         middle = (one.position + other.position) / 2

@@ -27,7 +27,10 @@ class Carriers:
     def __init__(self) -> None:
         self.poses = {"left": Pose(np.zeros(3), np.eye(3)), "right": Pose(np.zeros(3), np.eye(3))}
 
-    def carrier_pose(self, hands: Sequence[str]) -> Pose:
+    def cross_axis(self, hands: Sequence[str]) -> int:
+        return 0
+
+    def carrier_pose(self, hands: Sequence[str], axis: int) -> Pose:
         return self.poses[hands[0]]
 
 
