@@ -238,6 +238,7 @@ def embody(
             return factory(robot, urdf, gui=gui)
     if cameras not in CAMERAS:
         raise BackendError.unknown("kind of cameras", cameras, CAMERAS)
+    # A backend of another package may have no choice of cameras, and no such argument.
     if "cameras" not in signature(factory).parameters:
         raise BackendError(f"backend '{name}' offers no choice of cameras; leave --cameras out")
     with _embodiment_named(name):
@@ -249,6 +250,7 @@ def _embodiment_named(name: str) -> Iterator[None]:
     """Raise the backend's own exceptions with its name; unreadable models name themselves."""
     try:
         yield
+    # These messages name their cause already.
     except (UsageError, UrdfError, ImportError):
         raise
     except Exception as error:

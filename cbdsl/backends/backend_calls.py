@@ -82,6 +82,7 @@ class BackendCalls:
             )
         self._time = -math.inf
         with self._named("resume"):
+            # The argument is passed only if it is true, so that backends without it work.
             if undisturbed:
                 return backend.resume(stage, context, channels, undisturbed=True)
             return backend.resume(stage, context, channels)
@@ -118,6 +119,7 @@ class BackendCalls:
             BackendError: The robot cannot be halted, and nothing else went wrong.
         """
         failure = self._failed_halt()
+        # A second Ctrl-C while the robot is halted must not leave it moving.
         if isinstance(failure, KeyboardInterrupt):
             failure = self._failed_halt()
         if failure is None:

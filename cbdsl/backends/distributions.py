@@ -53,6 +53,7 @@ def require_unmixed(module: str) -> None:
         f"pip uninstall -y {' '.join(shared.distributions)}; pip install 'cbdsl[{shared.extra}]'"
     )
     versions = {each.version for each in installed}
+    # For example both pybullet and pybullet-arm64, or mujoco and mujoco-core of different versions.
     if len(installed if shared.alternatives else versions) > 1:
         raise UsageError(f"{named} overwrite each other's files of {module}; try: {again}")
     if any(_is_damaged(each, module) for each in installed):

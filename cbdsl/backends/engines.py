@@ -15,6 +15,7 @@ _NO_WHEELS = {"bullet": (3, 14), "ros2": (3, 14)}
 
 def installed_engines() -> tuple[str, ...]:
     """Return the names of the installed engines; none of them is imported."""
+    # Only the presence is checked, because an import would slow down each command.
     return tuple(name for name, module in MODULES.items() if find_spec(module) is not None)
 
 

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 @contextmanager
 def quiet_stderr() -> Iterator[None]:
     """Discard output of C code to the standard error; exceptions pass unchanged."""
+    # C code writes to the file descriptor, which a replaced ``sys.stderr`` does not affect.
     kept = os.dup(2)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:

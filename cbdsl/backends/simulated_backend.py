@@ -74,6 +74,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         self.renderer = cameras.renderer
         self._shutter = Shutter(robot.vision.rate, self.control_period)
         self._encoders = Encoders(robot, self.control_period)
+        # Latency is in whole ticks, because observations exist at ticks only.
         self._latency = round(robot.vision.latency * rate)
         # Stage and context of the world.
         self._world: tuple[StageDocument, str] | None = None
@@ -139,6 +140,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         return name
 
     def _load_cells(self, noise: np.random.Generator) -> LoadCells:
+        # An engine with one step per tick samples its cells less often than the robot's cells do.
         own = self.control_period / self._substeps
         # Physics period of cells whose engine makes fewer steps than the robot file requests.
         physical = own if self._substeps > 1 else 1 / self._robot.simulation.physics_rate
@@ -169,6 +171,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         positions, velocities = self._encoders.read(self.truth.read()[0])
         if self._shutter.opens(self._tick):
             self._exposures.append((self._tick, self._expose()))
+        # Exposures wait in a queue, oldest first, until their latency has passed.
         if not self._exposures or self._exposures[0][0] + self._latency > self._tick:
             return self._sensed(positions, velocities)
         taken, exposure = self._exposures.popleft()
@@ -210,10 +213,12 @@ class SimulatedBackend(Generic[SomeEngine]):
         """
         count = self._substeps
         for substep in range(1, count + 1):
+            # The experimenter acts at the beginning of a physics step, in ticks since the reset.
             begun = self._tick + (substep - 1) / count
             self._experimenter.act(begun * self.control_period)
             self.truth.step(self._reference if count == 1 else self._between(substep / count))
             self._cells.sample(self.truth.wrenches())
+        # Once per tick, unlike the cells, which sample in each physics step.
         self._offsets.drift()
         self._reached = self._reference
         self._tick += 1
@@ -227,6 +232,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         """Freeze the references at the measured positions; without a world nothing moves."""
         if self._world is None:
             return
+        # Both, since the next step would interpolate from the last reference otherwise.
         self._reference = self._reached = self._observation.positions
 
     def close(self) -> None:

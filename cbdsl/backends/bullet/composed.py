@@ -91,6 +91,7 @@ def _visual(name: str, part: Part) -> str:
 
 def _origin(part: Part) -> str:
     *_, z, w = part.quaternion
+    # A rotation about z by the angle t has the quaternion (0, 0, sin(t/2), cos(t/2)).
     angles = _ANGLES.get(part.quaternion, (0.0, 0.0, 2 * math.atan2(z, w)))
     return f'<origin xyz="{_numbers(part.position)}" rpy="{_numbers(angles)}"/>'
 

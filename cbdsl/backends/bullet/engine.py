@@ -61,6 +61,7 @@ class BulletEngine(Engine):
         except Exception:
             self.close()
             raise
+        # The base has the number -1 in the simulator, and the first row here.
         self.rows = {link: number + 1 for link, number in self.robot.links.items()}
         links = {
             (hand, finger): self.robot.links[cell.link]
@@ -79,6 +80,7 @@ class BulletEngine(Engine):
             fixedTimeStep=self._timestep,
             numSolverIterations=self._document.simulation.solver_iterations,
             numSubSteps=0,
+            # Contacts are solved in the same order in each run, so that seeds repeat bit by bit.
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
@@ -213,6 +215,8 @@ class BulletEngine(Engine):
         body, before = self.bodies[name], self.pose(name)
         velocity = p.getBaseVelocity(body, physicsClientId=self.client)
         self._put(body, pose, ([0, 0, 0], [0, 0, 0]))
+        # The simulator measures distances between bodies in place, so the object is moved there
+        # first.
         if p.getClosestPoints(self.robot.id, body, ROOM, physicsClientId=self.client):
             self._put(body, before, velocity)
 
@@ -247,8 +251,12 @@ class BulletEngine(Engine):
         own, cells = self.robot.id, self._cell_of_link
         for contact in p.getContactPoints(bodyA=own, physicsClientId=self.client):
             body_a, body_b, link_a, link_b = contact[1:5]
+            # The simulator also lists points of bodies that are only near each other, without a
+            # force.
             if not contact[9]:
                 continue
+            # If two fingertips touch each other, both conditions hold, and both load cells measure
+            # the contact.
             if body_a == own and link_a in cells:
                 yield ContactPoint(cells[link_a], body_b, contact[5], *_force(contact, -1.0))
             if body_b == own and link_b in cells:
@@ -259,6 +267,7 @@ class BulletEngine(Engine):
         if not touches:
             return np.zeros((len(self.cells), 6))
         states = p.getLinkStates(self.robot.id, self._fingertips, physicsClientId=self.client)
+        # Torques are about the URDF's link frame, not about the link's centre of mass.
         origins = {cell: state[4] for cell, state in zip(self.cells, states, strict=True)}
         return sum_wrenches(self.cells, touches, origins)
 

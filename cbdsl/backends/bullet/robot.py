@@ -22,6 +22,8 @@ _STRONGEST = 1e6
 # Largest number of joints of one body in PyBullet, fixed joints included.
 _MOST_JOINTS = 127
 
+# Without the first flag the simulator computes inertias from collision shapes. The last one ignores
+# contacts of a link with the links that carry it, as the MuJoCo backend does.
 _FLAGS = (
     p.URDF_USE_INERTIA_FROM_FILE
     | p.URDF_USE_SELF_COLLISION
@@ -88,6 +90,8 @@ class BulletRobot:
             min(simulation.efforts.get(joint.name, _STRONGEST), joint.effort, _STRONGEST)
             for joint in limits
         ]
+        # In a step of dt, a servo with the gain k turns the error e into the speed k e / dt. So the
+        # errors are cut off at v dt / k to keep the speed limit v.
         fastest = timestep * np.array([joint.velocity for joint in limits])
         self._largest_error = fastest / max(simulation.position_gain, 1e-9)
         self._gains = simulation.position_gain, simulation.velocity_gain
@@ -157,6 +161,7 @@ class BulletRobot:
         states = p.getJointStates(self.id, self._indices, physicsClientId=self._client)
         positions = np.array([state[0] for state in states])
         wanted = np.concatenate((targets, self._ratios * positions[self._follows] + self._offsets))
+        # The limit of speed is kept by the target, for any reference that a program sends.
         least, most = positions - self._largest_error, positions + self._largest_error
         ones = [1.0] * len(wanted)
         p.setJointMotorControlArray(
@@ -182,6 +187,7 @@ class BulletRobot:
 
     def placements(self) -> Floats:
         """Return rotation by rows, then position, m, of all links, base first, shape (k, 12)."""
+        # ``links`` includes the base, which has no state as a link.
         numbers = range(len(self.links) - 1)
         states = p.getLinkStates(
             self.id, list(numbers), computeForwardKinematics=1, physicsClientId=self._client
@@ -190,6 +196,7 @@ class BulletRobot:
         placements[0, [0, 4, 8]] = 1.0  # the base is the world
         if states:
             quaternions = np.array([state[5] for state in states])
+            # The entries 4 and 5 are the URDF's link frame; 0 and 1 would be the centre of mass.
             placements[1:, :9] = rotations(quaternions).reshape(-1, 9)
             placements[1:, 9:] = [state[4] for state in states]
         return placements

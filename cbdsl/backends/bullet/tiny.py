@@ -12,6 +12,7 @@ from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.numeric.arrays import Image
 
+# Grey of 0.78, as in the OpenGL renderer.
 _BACKGROUND = 199
 
 

@@ -92,6 +92,7 @@ def camera_errors(
         return {}
     body = disturbance.body
     rng = episode if body is None else np.random.default_rng(body)
+    # Cameras are drawn in the document's order, so that a body's number determines all of them.
     return {name: _error(disturbance, rng) for name in cameras}
 
 
@@ -102,5 +103,6 @@ def _error(disturbance: Disturbance, rng: np.random.Generator) -> Pose:
 
 def _direction(rng: np.random.Generator) -> Floats:
     """Return a unit vector, shape (3,), drawn uniformly from all directions."""
+    # The normal distribution is the same in all directions, unlike a uniform draw from a cube.
     vector = rng.standard_normal(3)
     return vector / np.linalg.norm(vector)

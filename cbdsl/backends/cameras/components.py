@@ -16,6 +16,8 @@ def keep_largest(seen: Booleans, size: int) -> None:
         seen: Visible cells, of which the first ``size`` in each direction count, shape (n, n).
         size: Number of cells in each direction, at most n.
     """
+    # The queue cannot overflow, because a cell gets its label when it is queued, and so is queued
+    # once.
     labels, queue = np.zeros((size, size), np.int64), np.empty((size * size, 2), np.int64)
     largest, most, count = 0, 0, 0
     for column in range(size):
@@ -25,6 +27,7 @@ def keep_largest(seen: Booleans, size: int) -> None:
                 area = _flood(seen, size, column, row, count, labels, queue)
                 if area > most:
                     largest, most = count, area
+    # Most silhouettes are connected, and need no second pass.
     if count > 1:
         for column in range(size):
             for row in range(size):

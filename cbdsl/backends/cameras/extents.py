@@ -16,6 +16,7 @@ _NEAREST = 0.02
 """Least distance ahead of a camera at which an object is visible, m."""
 
 _CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+# The index of a corner has one bit per axis, so an edge joins two corners that differ in one bit.
 _EDGES = np.array(
     [(a, b) for a, b in itertools.combinations(range(8), 2) if (a ^ b).bit_count() == 1]
 )
@@ -32,6 +33,8 @@ def box_extent(
         lens: Focal length, width and height of the image, px, shape (3,).
         unhidden: Function from pixels, shape (k, 2), to whether the box is visible at each.
     """
+    # A clipped region of a large box has a centroid that moves with the image's border. Its outline
+    # and its inner points still show the position of the box.
     hull = _hull(box, camera, lens)
     if hull is None:
         return Extent((), ())
@@ -54,6 +57,8 @@ def _hull(box: Floats, camera: Floats, lens: Floats) -> Floats | None:
     turned, axes = box[ROTATION].reshape(3, 3), camera[:9].reshape(3, 3)
     corners = (box[POSITION] + (_CORNERS * box[HALVES]).dot(turned.T) - camera[9:]).dot(axes)
     starts, ends = corners[_EDGES[:, 0]], corners[_EDGES[:, 1]]
+    # The projection is valid only ahead of the camera. Edges that cross the nearest plane are cut
+    # there, and the corners behind the plane are left out.
     cut = (starts[:, 0] - _NEAREST) * (ends[:, 0] - _NEAREST) < 0
     share = (_NEAREST - starts[cut, 0]) / (ends[cut, 0] - starts[cut, 0])
     met = starts[cut] + share[:, None] * (ends[cut] - starts[cut])
@@ -63,12 +68,17 @@ def _hull(box: Floats, camera: Floats, lens: Floats) -> Floats | None:
     focal, width, height = lens
     columns = width / 2 - focal * ahead[:, 1] / ahead[:, 0]
     rows = height / 2 - focal * ahead[:, 2] / ahead[:, 0]
+    # Perspective maps convex bodies to convex images, so the hull of the projected corners is the
+    # silhouette.
     hull = cv2.convexHull(np.stack([columns, rows], axis=-1).astype(np.float32))
     return np.asarray(hull[:, 0], dtype=float)
 
 
 def _pieces(start: Floats, end: Floats, size: Floats) -> list[tuple[float, float, float, float]]:
     """Return the part of a segment within the image, in pieces as long as the grid spacing."""
+    # The segment is clipped by each pair of borders in turn (Liang and Barsky): its parameters
+    # inside of the image are the intersection of the intervals. A segment outside has low > high,
+    # and a negative length.
     along, low, high = end - start, 0.0, 1.0
     for axis in range(2):
         if along[axis] == 0.0:

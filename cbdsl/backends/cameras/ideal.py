@@ -180,6 +180,8 @@ class IdealCameras(CameraSystem):
         """Return the regions of each channel that is looked for, by camera and channel."""
         engine, scene = self._engine, self._scene
         solids, placements = engine.solids, engine.placements
+        # An engine allocates another array whenever an object is added or removed, so identity
+        # suffices.
         if scene is None or scene.solids is not solids:
             scene = self._scene = _Scene(engine, self._palette, self._channels, len(self._rows))
         placed, cameras = scene.placed(), self._misplaced(placements)
@@ -195,6 +197,8 @@ class IdealCameras(CameraSystem):
             self._lenses,
             scene.shapes,
         )
+        # The call also stores the positions for the next image. So it precedes the return without
+        # regions.
         moved = scene.moved()
         if not seen:
             return self._nothing
@@ -259,6 +263,7 @@ def _regions(
     """
     by_channel: dict[str, dict[int, Region]] = {}
     for surface, (area, column, row, clipped, columns, mixed, rows) in surfaces:
+        # A silhouette of less than half a pixel counts as no pixel.
         if round(area) == 0:
             continue
         channels = surface.channels
@@ -281,6 +286,7 @@ def _connected(regions: list[Region]) -> Regions:
         return (regions[0],)
     apart: list[Region] = []
     for region in regions:
+        # In an image, touching silhouettes of one colour are one connected region.
         for other in [each for each in apart if _overlap(each, region)]:
             apart.remove(other)
             region = _union(region, other)
@@ -290,6 +296,9 @@ def _connected(regions: list[Region]) -> Regions:
 
 def _overlap(one: Region, other: Region) -> bool:
     """Return whether the moments' ellipses of two regions touch along the line between them."""
+    # A uniform ellipse has the variance a^2 / 4 along a half axis a. So its half width in a
+    # direction is twice the standard deviation there. The comparison of half widths is exact for
+    # discs. Two oblique ellipses that pass each other closely may count as one.
     across, down = other.column - one.column, other.row - one.row
     distance = math.hypot(across, down)
     if distance == 0.0:
@@ -307,6 +316,7 @@ def _union(one: Region, other: Region) -> Region:
     share, rest = one.area / area, other.area / area
     across, down = other.column - one.column, other.row - one.row
     spread = share * rest
+    # The variance of a union is the mean of the variances plus the variance of the centroids.
     moments = Moments(
         share * one.moments.columns + rest * other.moments.columns + spread * across**2,
         share * one.moments.mixed + rest * other.moments.mixed + spread * across * down,
@@ -336,6 +346,7 @@ def _sum(shapes: Sequence[Sequence[float]]) -> Sequence[float]:
     shares = each[:, 0] / area
     column, row = (shares @ each[:, 1:3]).tolist()
     columns, rows = each[:, 1] - column, each[:, 2] - row
+    # As in ``_union``: the spread of the parts' centroids adds to the moments of the whole.
     spread = np.stack((columns * columns, columns * rows, rows * rows), axis=1)
     moments = shares @ (each[:, 4:] + spread)
     return [area, column, row, float(each[:, 3].max()), *moments.tolist()]

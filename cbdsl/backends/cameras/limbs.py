@@ -31,6 +31,7 @@ class Limbs:
             (link, solid)
             for arm in arms
             for link, body in model.bodies.items()
+            # All joints but the last two carry the first link of a wrist with three joints.
             if set(model.above(link)).issuperset(arm.joints[: 1 - _WRIST])
             for solid in solid_shapes(body.collisions)
         ]

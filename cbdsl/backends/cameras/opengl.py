@@ -26,6 +26,9 @@ BACKGROUND = (0.78, 0.78, 0.78)
 _GREY = (0.7, 0.7, 0.7)
 
 # Light and shade multiply a colour, so that its hue and saturation stay.
+# Normals are scaled like corners, although in general they need the inverse transpose. That is
+# exact here: balls and meshes scale evenly, and the normals of boxes and cylinders lie along or
+# across the scaled axes.
 _VERTEX_SHADER = """
 #version 330
 in vec3 corner; in vec3 normal;
@@ -141,6 +144,7 @@ class OpenGLRenderer:
         """Return the buffer of an object's mesh, which stays on the graphics card."""
         key = id(triangles)
         if key not in self._own:
+            # Objects of all episodes share the mesh of a file, so that it is uploaded once.
             buffer = self._context.buffer(mesh.flat(triangles).astype("f4").tobytes())
             self._own[key] = triangles, buffer
         return self._own[key][1]
@@ -188,6 +192,7 @@ class OpenGLRenderer:
     def _update(self, frames: Floats) -> None:
         for instances in self._instances:
             transforms = frames[instances.frames] @ instances.in_frame
+            # OpenGL expects matrices by columns.
             instances.rows[:, :16] = transforms.transpose(0, 2, 1).reshape(-1, 16)
             instances.buffer.write(instances.rows.tobytes())
 

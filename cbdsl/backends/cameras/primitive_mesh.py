@@ -16,6 +16,7 @@ def ball() -> Floats:
 
     The faces of an octahedron are repeatedly split into four and projected onto the sphere.
     """
+    # Each octant has one triangle, with a corner on each of its half axes.
     signs = np.array(np.meshgrid([1, -1], [1, -1], [1, -1])).reshape(3, -1).T
     triangles = signs[:, :, None] * np.eye(3)
     for _ in range(_SPLITS + 1):
@@ -23,6 +24,7 @@ def ball() -> Floats:
         ab, bc, ca = (_on_sphere(middle) for middle in (a + b, b + c, c + a))
         corners = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
         triangles = np.concatenate([np.stack(corner, axis=1) for corner in corners])
+    # On a unit ball, the normal of a corner is the corner itself.
     return np.concatenate([triangles, triangles], axis=2)
 
 
@@ -37,6 +39,8 @@ def box() -> Floats:
     sides = []
     for axis in range(3):
         for sign in (-1.0, 1.0):
+            # Opposite faces differ in the order of their corners. The renderer draws both sides of
+            # a triangle.
             corners = np.insert(face, axis, sign, axis=1)
             normals = np.tile(sign * np.eye(3)[axis], (6, 1))
             sides.append(np.hstack([corners, normals]).reshape(2, 3, 6))

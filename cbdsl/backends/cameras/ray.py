@@ -1,5 +1,13 @@
 """Rays and convex solids: entry points of lines of sight."""
 
+# Model: a ray is origin + t * direction, in the solid's frame. A solid is an intersection of
+# intervals of t: a slab |z| <= half gives linear bounds, a round side gives the quadratic
+#     a t^2 + 2 b t + c <= 0
+# with its two roots as bounds. A ball is one quadratic, a cylinder a slab and a quadratic in x and
+# y, and a box three slabs. The ray enters at the largest lower bound, unless an upper bound is
+# smaller. Directions are not normalised, so that t is comparable among solids of one line of sight:
+# all of its directions in the solids' frames are rotations of the same vector.
+
 from __future__ import annotations
 
 import math
@@ -13,6 +21,7 @@ Triple = tuple[float, float, float]
 @compiled
 def _slab(origin: float, direction: float, half: float) -> tuple[float, float]:
     """Return the interval of a ray between two planes."""
+    # The ray is parallel to both planes: it is between them everywhere or nowhere.
     if direction == 0.0:
         return (-math.inf, math.inf) if abs(origin) <= half else (math.inf, -math.inf)
     near, far = (-half - origin) / direction, (half - origin) / direction
@@ -23,6 +32,8 @@ def _slab(origin: float, direction: float, half: float) -> tuple[float, float]:
 def _round(a: float, b: float, c: float) -> tuple[float, float]:
     """Return the interval in which a t^2 + 2 b t + c is not positive."""
     root = b * b - a * c
+    # With a = 0 the ray is parallel to the axis of a cylinder, for example a camera straight above
+    # a can.
     if root < 0.0 or a == 0.0:
         return (-math.inf, math.inf) if a == 0.0 and c <= 0.0 else (math.inf, -math.inf)
     root = math.sqrt(root)
@@ -52,6 +63,7 @@ def entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> f
                 return math.inf
             enter, leave = _slab(y, v, halves[1])
             near, far = max(near, enter), min(far, leave)
+    # A camera inside of a solid does not see it, since its entry is behind the camera.
     return near if 0.0 < near <= far else math.inf
 
 

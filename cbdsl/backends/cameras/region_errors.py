@@ -1,5 +1,14 @@
 """Errors of regions that are counted pixel by pixel."""
 
+# Model: the sensor's noise decides for each pixel of a region's border whether it counts. Let the
+# border have n = 2 pi r pixels with independent errors of standard deviation s, where r is the
+# radius of a disc with the region's area A. Then
+#     deviation of the area       s sqrt(n)
+#     deviation of the centroid   s sqrt(n / 2) r / A, in each direction
+# since the error of a border pixel at the angle phi shifts the centroid by r cos(phi) / A, and the
+# mean of cos(phi)^2 is 1/2. Assumptions: the region is nearly round, and s is proportional to the
+# noise of a pixel. A long, thin region has a longer border than its disc, and larger errors.
+
 from __future__ import annotations
 
 import math

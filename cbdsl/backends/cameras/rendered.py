@@ -38,6 +38,7 @@ class RenderedCameras(CameraSystem):
     ) -> None:
         """Begin an episode; images hold all channels."""
         super().begin(engine, disturbance, channels, chance)
+        # Independent errors of sensor and stage add up in their variances.
         deviation = math.hypot(self._robot.vision.noise, disturbance.image_noise)
         self._noise = PixelNoise(deviation, chance.noise)
 

@@ -67,6 +67,7 @@ def make_renderer(
     """
     if kind in own:
         return own[kind]()
+    # For example 'tiny', PyBullet's renderer, with the engine MuJoCo.
     if kind in _OWNERS:
         allowed = ", ".join(f"'{name}'" for name in ("auto", *own))
         raise BackendError(

@@ -154,6 +154,8 @@ def _silhouette(
     # A region includes the outermost pixel if it covers the pixel's centre.
     rim_y, rim_z = aside - 0.5 / focal, above - 0.5 / focal
     left, right, bottom, top = window
+    # The image of an unoccluded convex solid is connected. So components are searched only behind
+    # occluders.
     if _scan(views, window, samples, patch, seen_at):
         keep_largest(seen_at, samples)
     hits, y, z, products, ends = _sum(window, samples, seen_at)
@@ -230,6 +232,7 @@ def silhouettes(
             bottom, top = max(views[0, 18], -above), min(views[0, 19], above)
             if left >= right or bottom >= top:
                 continue
+            # Links are placed only if a target is in some image.
             if not attached:
                 attach(parts, placements, carriers, solids[len(things) :])
                 attached = True

@@ -28,6 +28,8 @@ _TOUCHING = 1e-9
 @compiled
 def _span(ahead: float, aside: float, radius: float) -> tuple[float, float]:
     """Return the slopes between which a ball is seen, in the plane of the axes ahead and aside."""
+    # Along the third axis, the ball's projection onto this plane is a disc of the same radius. The
+    # slopes are those of the two tangents from the camera to the disc.
     distance = math.hypot(ahead, aside)
     if distance <= radius:
         return -math.inf, math.inf
@@ -59,7 +61,10 @@ def _frame(solid: Floats, centre: Floats, view: Floats) -> tuple[float, float, f
     if solid[0] != BALL:
         radius = _circumscribed(solid)
     if centre[0] + radius <= _NEAREST:
+        # Behind the camera: an empty window, whose left end exceeds its right end.
         return 1.0, -1.0, 1.0, -1.0
+    # Corners beside or behind the camera have no valid slopes. The ball around such a solid bounds
+    # it.
     if solid[0] == BALL or centre[0] - radius <= _NEAREST:
         left, right = _span(centre[0], centre[1], radius)
         bottom, top = _span(centre[0], centre[2], radius)
@@ -118,6 +123,9 @@ def _beside(solid: Floats, camera: Floats, window: Window, end: float) -> bool:
     ahead = camera[0] * x + camera[3] * y + camera[6] * z
     aside = camera[1] * x + camera[4] * y + camera[7] * z
     up = camera[2] * x + camera[5] * y + camera[8] * z
+    # The side of the window at the slope s is the plane aside = s * ahead. Its normal has the
+    # length sqrt(1 + s^2). The ball is outside if its centre is farther than its radius beyond that
+    # plane.
     beside: bool = (
         ahead + radius < 0.0
         or ahead - radius > end
@@ -153,6 +161,8 @@ def _parted(solid: Floats, view: Floats, target: Floats) -> bool:
         view: The camera's view of this solid, shape (22,).
         target: Row of the target, shape (16,).
     """
+    # If camera and target are beyond the same side of the box around the solid, all lines of sight
+    # between them are, too.
     x, y, z = target[4] - solid[4], target[5] - solid[5], target[6] - solid[6]
     for i in range(3):
         u, v, w = solid[7 + i], solid[10 + i], solid[13 + i]
@@ -183,6 +193,7 @@ def views_before(solids: Floats, camera: Floats, target: int, window: Window, vi
     for index in range(len(solids)):
         if index == target or _beside(solids[index], camera, window, end):
             continue
+        # A row that turns out to be irrelevant is overwritten by the next solid.
         view = views[count]
         view_of(solids[index], camera, view)
         aside = view[16] > right or view[17] < left or view[18] > top or view[19] < bottom

@@ -46,6 +46,8 @@ class View:
         """Return the perspective projection, shape (4, 4), from OpenGL's eye to clip space."""
         camera, depth = self.camera, FARTHEST - NEAREST
         projection = np.zeros((4, 4))
+        # The image has the width 2 in clip space. Depth is mapped from near and far to -1 and 1,
+        # after the division by the distance ahead.
         projection[0, 0] = 2 * camera.focal_length / camera.width
         projection[1, 1] = 2 * camera.focal_length / camera.height
         projection[2, 2:] = -(FARTHEST + NEAREST) / depth, -2 * FARTHEST * NEAREST / depth

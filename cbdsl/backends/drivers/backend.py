@@ -156,6 +156,8 @@ class DrivenBackend:
                 each reason.
         """
         name = choose_context(stage, context, rng)
+        # Order: the links listen, a person confirms, and only then does the robot get a commander.
+        # A refusal leaves other programs on the robot undisturbed.
         self._leave_last()
         if not self._links:
             self._links.extend(self._opener(self._robot, self._interface))
@@ -170,8 +172,10 @@ class DrivenBackend:
         for link in self._links:
             link.claim()
         self._drain()
+        # The robot may have changed while the person answered.
         self._await_ready()
         self.supervisor.make_ready(self._clock.monotonic())
+        # Time 0 of the episode is by the robot's clock, as all stamps are.
         self._began = self.supervisor.joints.stamp
         self._due = self._clock.monotonic()
         self._observation = self._sense()
@@ -271,6 +275,7 @@ class DrivenBackend:
                 images[camera] = view.image
             elif isinstance(view, RegionsSample):
                 regions[camera] = view.regions
+            # The oldest of the images counts.
             exposed = min(view.stamp, exposed or view.stamp)
         efforts = joints.efforts.copy() if self._robot.joint_torques else None
         return Observation(
@@ -320,6 +325,7 @@ class DrivenBackend:
         """
         self._drain()
         before, until = self.supervisor.joints.stamp, self._clock.monotonic() + self._deadline
+        # Queued states are as old as the long tick. A new one shows that the robot still answers.
         while self.supervisor.joints.stamp <= before and self._clock.monotonic() < until:
             self._clock.sleep(_PAUSE)
             self._gather()
@@ -331,6 +337,8 @@ class DrivenBackend:
 
     def _send(self, references: Floats) -> None:
         for name, (joints, columns) in self._commanded.items():
+            # By default three periods, so that a late reference does not stop the controller in
+            # between.
             horizon = self._robot.drivers[name].horizon or _PERIODS * self.control_period
             command = Command(joints, tuple(references[columns].tolist()), horizon)
             for link in self._links:
@@ -351,6 +359,7 @@ class DrivenBackend:
             self.supervisor.check(now)
             if not self.supervisor.passes:
                 self._stop()
+            # A tick without a newer joint state would control the robot by old positions.
             if self.supervisor.joints.stamp > before:
                 break
             clock.sleep(_PAUSE)

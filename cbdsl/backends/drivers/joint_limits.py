@@ -19,6 +19,7 @@ def joint_limits(robot: RobotDocument, model: UrdfModel) -> JointLimits:
     Joints without a velocity limit in the URDF have that of the robot's control law.
     """
     joints = [model.joints[name] for name in Joints(robot).names]
+    # The limiter needs finite speeds; see ``Limiter``.
     fallback = robot.control.joint_speed
     speeds = [joint.velocity if np.isfinite(joint.velocity) else fallback for joint in joints]
     stated = {

@@ -89,6 +89,7 @@ class JointWatch:
         ours, theirs = (np.array(side) for side in zip(*named, strict=True))
         if problem := self._second_source(sample, ours, now):
             return problem
+        # Transports may deliver messages twice or in another order.
         fresh = sample.stamp > self._stamps[ours]
         ours, theirs = ours[fresh], theirs[fresh]
         if not len(ours):
@@ -113,6 +114,7 @@ class JointWatch:
         else:
             with np.errstate(invalid="ignore"):
                 velocities = (positions - self.positions[ours]) / elapsed
+            # The first sample has no predecessor: its elapsed time is infinite.
             velocities = np.where(np.isfinite(elapsed), velocities, 0.0)
         changed = positions != self.positions[ours]
         if sample.efforts:

@@ -74,6 +74,8 @@ class Limiter:
             requested: Positions, rad or m, shape (n,); a joint brakes if its entry is not finite.
         """
         way = np.where(np.isfinite(requested), requested - self.positions, 0.0)
+        # The first bound ends the step at the request. The second one leaves room to brake before
+        # it.
         speed = np.minimum(np.abs(way) / self._period, self._stoppable(np.abs(way)))
         return self._move(np.copysign(speed, way))
 
@@ -89,6 +91,8 @@ class Limiter:
         )
         up = np.minimum(self._stoppable(limits.upper - self.positions), limits.velocity)
         down = np.minimum(self._stoppable(self.positions - limits.lower), limits.velocity)
+        # The second interval is applied last. The intersection is not empty, so the result is in
+        # both.
         allowed = np.clip(velocities, before - step, before + step)
         allowed = np.clip(allowed, -down, up)
         moved = self.positions + allowed * self._period
@@ -104,6 +108,8 @@ class Limiter:
         unit = step * self._period
         room = np.maximum(distances, 0.0)
         bounded = np.where(np.isfinite(room), room, 0.0)
+        # The node n solves a dt^2 n (n + 1) / 2 = d. Below it, the distance left from the node n -
+        # 1 is covered at the slope n dt.
         nodes = np.ceil((np.sqrt(1.0 + 8.0 * bounded / unit) - 1.0) / 2.0)
         below = np.maximum(nodes - 1.0, 0.0)
         rest = bounded - unit * below * nodes / 2.0

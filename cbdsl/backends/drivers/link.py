@@ -93,6 +93,7 @@ def open_links(robot: RobotDocument, interface: str | None) -> list[DriverLink]:
     links: list[DriverLink] = []
     try:
         links.extend(_factory(kind)(robot, own, interface) for kind, own in by_kind.items())
+    # Also at Ctrl-C: an open link would keep its bus or its network participant.
     except BaseException:
         for link in links:
             link.close()

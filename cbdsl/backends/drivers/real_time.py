@@ -52,6 +52,7 @@ class RealTime:
 
     def _raise_threads(self) -> None:
         """Let all threads of ordinary priority precede other processes."""
+        # Threads and processes that start later would inherit the priority without the second flag.
         policy, priority = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(_PRIORITY)
         for thread in (int(path.name) for path in Path("/proc/self/task").iterdir()):
             # The thread may have ended, and most users may not raise a priority.

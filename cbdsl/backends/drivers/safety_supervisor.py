@@ -132,6 +132,8 @@ class SafetySupervisor:
         """
         self._require_prompt(now)
         if problem := self._problem(sample, now, wall):
+            # Before a robot is ready, a wrong message is an obstacle to report. Afterwards it is a
+            # hold.
             if self.state is State.OFF:
                 malformed = isinstance(sample, JointSample)
                 states = self._robot.drivers[sample.driver].states
@@ -224,6 +226,8 @@ class SafetySupervisor:
             return
         self._require_prompt(now)
         self._checked = now
+        # Without joint states, positions are unknown: the robot brakes, and does not return to
+        # them.
         if problem := self.joints.overdue(now):
             self._hold_if_active(problem, blind=True)
         if problem := self.sensors.overdue(now):
@@ -283,6 +287,8 @@ class SafetySupervisor:
         before = self.limiter.positions
         self._settling += 1
         near = np.nanmax(np.abs(before - self._target), initial=0.0) < _SETTLED
+        # The number of steps is bounded, because the limiter may not reach a position outside of
+        # the limits.
         if self.limiter.stands and (near or self._settling > _MOST_STEPS):
             return None
         if self._settling > _MOST_STEPS:

@@ -105,6 +105,7 @@ class SensorWatch:
 
     def take_views(self) -> dict[str, View]:
         """Return the views since the last call, if all cameras have a new one."""
+        # Stereo needs an image of each camera.
         if not self._cameras or self._views.keys() < self._cameras.keys():
             return {}
         views, self._views = self._views, {}

@@ -62,12 +62,14 @@ class Watchdog:
             references: Positions, rad or m, shape (n,).
             now: Time by a monotonic clock, s.
         """
+        # A program that returns after a hold does not know where the robot is now.
         if self.phase in (WatchdogPhase.HOLDING, WatchdogPhase.STOPPED):
             return
         if not np.isfinite(references).all():
             self._hold("a reference is not finite", now)
             return
         if self.phase is WatchdogPhase.WAITING:
+            # Without a measured position, the distance of the first reference is unknown.
             if self._measured is None:
                 return
             if np.abs(references - self._measured).max() > self._start:

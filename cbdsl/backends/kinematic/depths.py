@@ -1,5 +1,12 @@
 """Depths of balls inside solids."""
 
+# Model: the signed distance d of a ball's centre from a solid, negative inside, gives the depth
+# r - d of a ball with the radius r. Outside, d is the distance to the nearest point of the solid.
+# Inside, it is that to the nearest side, whose normal is taken. The ball's deepest point is its
+# centre plus r times the inward normal.
+# Assumption: a ball is small against the solid. The normal jumps to the other side if a ball's
+# centre passes the middle of a thin plate.
+
 from __future__ import annotations
 
 import math

@@ -45,6 +45,8 @@ class KinematicEngine(Engine):
 
     def step(self, targets: Floats) -> None:
         before = self._positions
+        # Order: the hands move first and take held objects along. Then contacts are found at the
+        # new poses, and fingers that are too deep go back before forces are computed.
         self._positions, self._velocities = self._servos.follow(before, targets)
         self._manipulation.move(self._period)
         if self._manipulation.touch():
@@ -58,6 +60,7 @@ class KinematicEngine(Engine):
         is held back, another fingertip may go deeper. So all are checked again until none changes.
         """
         wanted, share = self._positions, np.ones(len(before))
+        # The loop ends, because each round lessens a share, and five reductions take a share to 0.
         while self._manipulation.hold_back(share):
             self._positions = before + share * (wanted - before)
             self._velocities = (self._positions - before) / self._period

@@ -1,5 +1,13 @@
 """Grasps: an object between fingertips moves with them."""
 
+# Model: a grasp by two fingertips with Coulomb friction is in equilibrium for any squeeze if the
+# line between the contacts is inside of both friction cones (Nguyen 1988, "Constructing
+# force-closure grasps"). With the inward unit normal n, the line d and the coefficient mu, that is
+#     n . d / |d| >= cos(atan(mu)) = 1 / sqrt(1 + mu^2)
+# Fingertips are springs, so the force at the depth e is k e. All fingertips of the holding hands
+# together bear the weight m g if sum(mu k e) >= m g. Torques are neglected: an object held far from
+# its centre of mass does not turn between the fingertips.
+
 from __future__ import annotations
 
 import math
@@ -53,13 +61,15 @@ class Grasp:
         if not contacts:
             self.holders = ()
             return
+        # The holders keep the object: else it would change hands whenever another grasp is
+        # possible.
         if not (self.holders and self._holds(self.holders, contacts)):
             hands = tuple(dict.fromkeys([contact.hand for contact in contacts]))
             wanted = (*((hand,) for hand in hands), *combinations(hands, 2))
             self.holders = next((each for each in wanted if self._holds(each, contacts)), ())
         if self.holders:
-            self._axis = self._hands.cross_axis(self.holders)
-            carrier, pose = self._hands.carrier_pose(self.holders, self._axis), self.thing.pose
+            carrier, pose = self._hands.carrier_pose(self.holders), self.thing.pose
+            # The relative pose is stored in each tick, since fingertips may push the held object.
             turned = carrier.rotation.T
             self._relative = Pose(
                 turned.dot(pose.position - carrier.position), turned.dot(pose.rotation)
@@ -79,6 +89,7 @@ class Grasp:
         for sign, contact in ((1, one), (-1, other)):
             u, v, w = contact.normal
             along = sign * (u * x + v * y + w * z)
+            # The comparison is negated, so that values that are not numbers hold nothing.
             if not along * math.hypot(1.0, self._friction(contact)) >= distance:
                 return False
         return True

@@ -117,6 +117,7 @@ class Hands:
 
     def _fingertip(self, index: int, hand: str, link: str) -> Fingertip:
         moving = set(self._model.above(link))
+        # A fingertip beyond a passive joint is also moved by the joint that leads it.
         followed = {self._robot.couplings[j].follows for j in moving if j in self._robot.couplings}
         own = [j for j in self._robot.joints(hand) if j in moving | followed]
         centre, radius = _ball(self._model.bodies[link])
@@ -211,5 +212,6 @@ class Hands:
 def _ball(link: UrdfLink) -> tuple[Floats, float]:
     """Return centre and radius of the ball that stands for a fingertip's shape."""
     for shape, pose in solid_shapes(link.collisions):
+        # The first shape of the link stands for the fingertip; a longer one becomes its inner ball.
         return pose.position, min(shape.halves)
     return np.zeros(3), 0.0

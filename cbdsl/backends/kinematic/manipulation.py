@@ -149,6 +149,9 @@ class Manipulation:
         """Move an object sideways until friction can balance the fingertips' forces."""
         thing = grasp.thing
         x = y = 0.0
+        # Quasi-static model: each fingertip is a spring along its normal n with the force k e. The
+        # object moves along the sum of the level forces until friction of floor and fingers
+        # balances it. A shift s in that direction u lessens the sum by k s sum((n . u)^2).
         for each in contacts:
             force = STIFFNESS * each.depth
             x, y = x + force * each.normal[0], y + force * each.normal[1]
@@ -180,6 +183,9 @@ class Manipulation:
             pressed += STIFFNESS * each.depth * np.array(each.normal)
         pressed[2] = 0.0  # upright, the object yields to them
         normals = np.array([each.normal for each in holding])
+        # P = 1 - n n' projects onto the plane across a normal. All fingertips share a vector f with
+        # sum(P) f = pressed, and each adds the friction -P f. The sum is singular for opposed
+        # normals, hence least squares.
         across = np.eye(3) - normals[:, :, None] * normals[:, None]
         needed = np.linalg.lstsq(across.sum(axis=0), pressed, rcond=1e-6)[0]
         for contact, plane in zip(holding, across, strict=True):
@@ -203,12 +209,14 @@ def _held_back(contacts: Floats, before: Floats, moving: Booleans, share: Floats
     blocked = np.zeros(len(share), np.bool_)
     for tip in range(contacts.shape[0]):
         for thing in range(contacts.shape[1]):
+            # A finger that is too deep may still withdraw.
             if contacts[tip, thing, 0] > max(_DEEPEST, before[tip, thing, 0]):
                 blocked |= moving[tip]
     less = False
     for joint in range(len(share)):
         if blocked[joint] and share[joint] > 0.0:
             less = True
+            # Halving keeps joints moving that need to yield only a little.
             share[joint] = 0.5 * share[joint] if share[joint] > _LEAST_SHARE else 0.0
     return less
 

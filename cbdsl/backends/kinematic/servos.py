@@ -67,6 +67,7 @@ def _follow(
     for joint in range(len(positions)):
         step, lower, upper = limits[0, joint], limits[1, joint], limits[2, joint]
         least, most = positions[joint] - step, positions[joint] + step
+        # Position limits come last: they hold even for a joint that starts outside of them.
         wanted = min(max(reference[joint], least), most)
         reached[joint] = min(max(wanted, lower), upper)
         velocities[joint] = (reached[joint] - positions[joint]) / period

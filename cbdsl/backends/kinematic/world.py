@@ -59,6 +59,7 @@ class World:
 
     @contextmanager
     def _taking_along(self, thing: KinematicObject) -> Iterator[None]:
+        # Riders are found before the motion, while they still stand on the object.
         riders, before = list(self._riders(thing)), thing.position.copy()
         yield
         shift = thing.position - before
@@ -106,6 +107,8 @@ class World:
             thing: Object that may have landed.
             fallen: Distance that it has just fallen, m.
         """
+        # A fast object passes a thin top within a tick. Tops within the way of its fall still stop
+        # it.
         bottom, deepest = thing.bottom, _BESIDE + max(fallen, 0.0)
         tops = [_top(lower, thing) for lower in self.things.values()]
         depths = [top - bottom for top in tops if top is not None]
@@ -135,13 +138,16 @@ class World:
         slower = period * thing.resistance(floor)
         for velocity in (thing.velocity, thing.rolling):
             speed = math.hypot(*velocity.tolist())
-            if speed > 0.0:
-                velocity *= max(speed - slower, 0.0) / max(speed, _CLOSE * slower)
+            # With friction, the lower bound of the divisor gives a quotient of 0 at speed 0.
+            velocity *= max(speed - slower, 0.0) / max(speed, _CLOSE * slower)
         thing.shift(period * thing.velocity)
 
 
 def _spin(ball: KinematicObject, change: float) -> None:
     """Slow a sliding ball by friction, by at most ``change``, m/s, and spin it until it rolls."""
+    # Friction with the floor changes the velocity of the centre by -a, and that of the rim by a m
+    # r^2 / I = 5/2 a. So the slip closes by 7/2 a, and a ball that only slides at first rolls on
+    # with 5/7 of its speed.
     slip = ball.velocity - ball.rolling
     size = math.hypot(*slip.tolist())
     if size == 0.0:
@@ -168,6 +174,7 @@ def _top(lower: KinematicObject, thing: KinematicObject) -> float | None:
     a, b, _ = lower.shape.halves
     kind = lower.shape.kind
     if kind == "ball":
+        # The top of a ball is its surface over the point, not its highest point.
         level = a * a - x * x - y * y
         return float(lower.solid[6]) + math.sqrt(level) if level > 0 else None
     inside = math.hypot(x, y) < a if kind == "cylinder" else abs(x) < a and abs(y) < b

@@ -109,6 +109,8 @@ class LeRobotBackend:
         at = self._observation.positions
         beyond = np.maximum(self._lower - at, at - self._upper)
         worst = int(np.argmax(beyond))
+        # A larger distance suggests a wrong zero of the encoder, by which every reference would be
+        # off.
         if beyond[worst] > _ENCODER_ERROR:
             raise BackendError(
                 f"joint '{self._joints[worst]}' is at {at[worst]:.3g}, outside of its limits "
@@ -143,6 +145,8 @@ class LeRobotBackend:
         if not finite.all():
             joint = self._joints[int(np.argmin(finite))]
             raise BackendError(f"the reference of joint '{joint}' is not a finite number")
+        # Changes are counted from the last reference, not from the measured position, whose lag
+        # would slow the robot down.
         change = np.clip(reference - self._reference, -self._farthest, self._farthest)
         self._reference = np.clip(self._reference + change, self._lower, self._upper)
 
@@ -161,6 +165,7 @@ class LeRobotBackend:
         woken = self._clock()
         self._observation = self._sense()
         taken = max(sent - began, self._clock() - woken)
+        # Both calls are measured without the sleep in between.
         if taken > self.patience:
             raise BackendError(
                 f"{self._name} took {taken:.2f} s to answer, and may take {self.patience:g} s; "

@@ -59,6 +59,7 @@ class Sensors:
         if all(key in values for key in keys):
             return self._numbers(values, keys)
         since, before = self._before
+        # The first observation has no predecessor: ``since`` is infinite then.
         if time <= since:
             return np.zeros(len(self._joints))
         return (positions - before) / (time - since)
@@ -96,6 +97,7 @@ class Sensors:
         """Return images at the rate of the document, and none in between."""
         if time < self._next_image:
             return {}
+        # Half a control period less, so that a tick that is slightly early still has its image.
         self._next_image = time + 1 / self._document.vision.rate - 0.5 / self._document.control.rate
         images = {}
         for name, camera in self._document.cameras.items():

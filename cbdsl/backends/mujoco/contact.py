@@ -37,6 +37,8 @@ class ContactSettings:
         spinning = self._spinning if given is None else given
         rolling = max(surface.rolling_friction, _LEAST_ROLLING)
         geom.friction = [surface.friction, spinning, rolling]
+        # MuJoCo takes the friction of the shape with the higher priority, and the larger one of
+        # equals.
         geom.priority = int(movable)
         self._soften(geom)
 

@@ -106,6 +106,8 @@ class MujocoEngine(Engine):
     def _placed(self) -> Any:
         """Return the state, with all poses as of now."""
         data = self._world.data
+        # A step leaves the poses of its beginning, so they are computed again when they are first
+        # read.
         if self._moved:
             mj.mj_kinematics(self._world.model, data)
             self._moved = False
@@ -173,6 +175,7 @@ class MujocoEngine(Engine):
         """Attach an object, which keeps its orientation; see ``Engine``."""
         pose, grip = self.pose(name), self._world.body(name).grip
         goal = self._world.model.eq_data[grip]
+        # The data of a weld: anchor, relative position, and relative rotation as a quaternion.
         goal[:3], goal[3:6], goal[6:10] = 0.0, pose.position, wxyz(pose)
         self._world.data.eq_active[grip] = True
 
@@ -195,6 +198,7 @@ class MujocoEngine(Engine):
         before, velocity = data.qpos[place].copy(), data.qvel[twist].copy()
         data.qpos[place], data.qvel[twist] = [*pose.position, *wxyz(pose)], 0.0
         self._moved = True
+        # MuJoCo measures distances between shapes in place, so the object is moved there first.
         if self._distance(body.number) < ROOM:
             data.qpos[place], data.qvel[twist] = before, velocity
             self._moved = True
@@ -252,6 +256,7 @@ class MujocoEngine(Engine):
         """Return bodies in contact with an object, and the object's own, as of the last step."""
         model, data, body = self._world.model, self._world.data, self._world.body(name).number
         bodies: NDArray[np.int32] = model.geom_bodyid[data.contact.geom].reshape(-1, 2)
+        # In elliptic cones, the first row of a contact is its normal force.
         rows = data.contact.efc_address
         forces = np.append(data.efc_force, 0.0)[rows]  # contacts without a row have no force
         pressing: NDArray[np.int32] = bodies[(bodies == body).any(axis=1) & (forces > 0.0)].ravel()

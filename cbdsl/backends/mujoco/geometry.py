@@ -73,6 +73,7 @@ def _add_hull(spec: Any, shape: UrdfShape, urdf: Path, link: str) -> str:
         raise BackendError(f"{urdf.name}: link '{link}' has a broken mesh: {error}") from error
     corners = np.unique(corners, axis=0)
     spread = corners - corners.mean(axis=0)
+    # A hull needs volume. A model's plate or decal may be a mesh in one plane.
     if np.linalg.matrix_rank(spread, tol=_FLATTEST) < 3:
         raise BackendError(
             f"{urdf.name}: link '{link}' collides as the mesh {shape.file}, which is flat"
@@ -104,6 +105,8 @@ def add_solids(spec: Any, body: Any, shape: SolidShape, mass: float) -> list[Any
         size = {"ball": [a, 0.0, 0.0], "box": [a, b, c], "cylinder": [a, c, 0.0]}[kind]
         x, y, z, w = wall.origin.quaternion
         place = {"pos": wall.origin.xyz, "quat": [w, x, y, z]}
+        # All walls have the same density, so that a hollow object has its centre of mass in the
+        # middle of its material.
         share = mass * volume / sum(volumes)
         geoms.append(body.add_geom(type=_KINDS[kind], size=size, mass=share, **place))
     return geoms

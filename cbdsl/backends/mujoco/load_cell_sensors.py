@@ -67,6 +67,8 @@ def sum_wrenches(
     for cell in range(len(addresses)):
         own, wrench = readings[addresses[cell] :], wrenches[cell]
         origin = origins[fingertips[cell]]
+        # The sensor's torque is about the point p that it reports. About the origin o it is torque
+        # + (p - o) x force.
         x, y, z = own[6] - origin[0], own[7] - origin[1], own[8] - origin[2]
         for part in range(6):
             wrench[part] = own[part]

@@ -25,6 +25,7 @@ _KINDS = {
     "box": mj.mjtGeom.mjGEOM_BOX,
     "cylinder": mj.mjtGeom.mjGEOM_CYLINDER,
 }
+# Grey of 0.78, as in the OpenGL renderer.
 _BACKGROUND = 199
 # Colour of links without a colour in the model.
 _GREY = (0.7, 0.7, 0.7)
@@ -103,6 +104,7 @@ class MujocoRenderer:
 
     def _image(self, view: View) -> Image:
         width, height = view.camera.width, view.camera.height
+        # The scene has a camera for each eye, and a mono image takes their average.
         for camera in self._scene.camera:
             _look(camera, view)
         area = mj.MjrRect(0, 0, width, height)
@@ -139,6 +141,7 @@ def _light(scene: Any) -> None:
     scene.nlight = 1
     lamp = scene.lights[0]
     lamp.type = mj.mjtLightType.mjLIGHT_DIRECTIONAL
+    # MuJoCo states the direction in which light travels.
     lamp.dir = [-each for each in light.DIRECTION]
     lamp.ambient, lamp.diffuse = [light.AMBIENT] * 3, [1.0 - light.AMBIENT] * 3
     lamp.specular, lamp.castshadow, lamp.headlight = [0.0] * 3, False, False
@@ -165,6 +168,8 @@ def _set_shape(geom: Any, part: Part, place: Pose) -> None:
 
 def _look(camera: Any, view: View) -> None:
     """Move a camera of the scene to a view."""
+    # Half of the image's height, h / (2 f) per distance, at the nearest plane. The width follows
+    # from the viewport.
     opening = NEAREST * view.camera.height / (2.0 * view.camera.focal_length)
     axes = view.pose.rotation
     camera.pos, camera.forward, camera.up = view.pose.position, axes[:, 0], axes[:, 2]

@@ -75,6 +75,7 @@ def _empty_world(timestep: float, settings: MujocoSection) -> Any:
     compiler.balanceinertia = True
     compiler.boundmass, compiler.boundinertia = _LEAST_MASS, _LEAST_INERTIA
     option.timestep, option.gravity = timestep, [0.0, 0.0, -GRAVITY]
+    # Damping is integrated implicitly, so that the servos' brakes are stable.
     option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mj.mjtCone.mjCONE_ELLIPTIC
     option.impratio = settings.friction_stiffness
@@ -109,6 +110,7 @@ class _Links:
         """Return a new body that hangs on a joint."""
         is_driven = joint.name in self._joints.index
         pose = Pose.at(joint.origin)
+        # A joint that the robot file does not name is welded at its rest position.
         if joint.movable and not is_driven:
             pose = pose @ displacement(joint, self._model.rests[joint.name])
         name = body_name(joint.child)
@@ -124,6 +126,7 @@ class _Links:
     def _fill(self, body: Any, link: str) -> None:
         """Set mass and shapes of a link's body."""
         content = self._model.bodies[link]
+        # Weights are compensated by the servos, as their part of the effort; see ``servos._limit``.
         body.gravcomp = 1.0
         if content.inertial is not None:
             _set_inertia(body, content.inertial)
@@ -147,6 +150,7 @@ def _set_inertia(body: Any, inertial: UrdfInertial) -> None:
     """Set mass and principal moments; some public models have impossible ones."""
     xx, yy, zz, xy, xz, yz = inertial.inertia
     moments, axes = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    # Eigenvectors may form a left-handed frame, which is no rotation.
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     pose = Pose.at(inertial.origin) @ Pose(np.zeros(3), axes)
     body.explicitinertial = True
@@ -175,6 +179,8 @@ def _couple(spec: Any, passive: str, coupling: Coupling) -> None:
         name1=passive,
         name2=coupling.follows,
     )
+    # Coefficients of a polynomial of the fourth degree in the leading joint's position.
     equality.data[:5] = [coupling.offset, coupling.ratio, 0.0, 0.0, 0.0]
+    # MuJoCo keeps time constants at two timesteps or above.
     equality.solref = [2 * spec.option.timestep, 1.0]
     equality.solimp = [0.99, 0.999, 0.001, 0.5, 2.0]

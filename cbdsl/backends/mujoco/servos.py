@@ -1,5 +1,16 @@
 """Joint servos: stiffness in proportion to the moved inertia, and brakes at the largest speed."""
 
+# Model: a servo has the torque tau = kp (r - q) - kv dq/dt, with kp = w^2 I and kv = kp * lag, for
+# the natural frequency w and the moved inertia I. The reference r is clipped to the interval
+#     q - taper dq/dt -+ (lag + taper) v_max
+# so that at the interval's upper end
+#     tau = (lag + taper) kp * (v_max - dq/dt)
+# falls linearly from (lag + taper) kp v_max at rest to 0 at v_max. The taper is chosen so that the
+# torque at rest is the effort, as far as this is stable. Gravity compensation is added to tau, and
+# the sum stays within the effort.
+# Assumption: I is that of the first posture, the diagonal of the mass matrix. A posture with more
+# inertia has a lower frequency.
+
 from __future__ import annotations
 
 import math
@@ -43,6 +54,7 @@ class MujocoServos:
     ) -> None:
         joints, settings = Joints(robot), robot.simulation.mujoco
         timestep = spec.option.timestep
+        # A servo that closes the share g of its error in each step, as on Bullet, lags by dt / g.
         lag = timestep / max(robot.simulation.position_gain, 1e-9)
         moved = _inertias(first, joints)
         limits = [model.joints[name] for name in joints.names]
@@ -121,6 +133,9 @@ def _drive(
         references[joint] = min(max(reference, least), most)
         damping[row] = 0.0
         if speed > fastest[joint]:
+            # An implicit step divides the speed v by 1 + d dt / I. With d = 2 (I / dt) (v / v_max -
+            # 1), a small relative excess e over v_max becomes -e. The damping may exert no more
+            # than the effort.
             needed = 2.0 * impulses[joint] * (speed / fastest[joint] - 1.0)
             damping[row] = min(needed, efforts[joint] / speed)
 

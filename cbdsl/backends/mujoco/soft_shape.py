@@ -48,9 +48,13 @@ class SoftShape(NamedTuple):
             mobility: Mobility of the object, 1/kg.
             movable: True if the object's friction counts.
         """
+        # Two unknowns, impedance and time, follow from two equations, stiffness and damping. The
+        # damping gives the time, and the stiffness then gives the impedance.
         together = max(self.mobility + mobility, 1e-9)
         time = max(self.damping / (2.0 * self.stiffness), 2.0 * spec.option.timestep)
         impedance = 1.0 - 1.0 / (self.stiffness * together * time**2)
+        # The time is too short for the stiffness, for example with little damping. The stiffness is
+        # kept, and the damping becomes larger than requested.
         if impedance < _SOFTEST:
             impedance = _SOFTEST
             time = math.sqrt(1.0 / ((1.0 - impedance) * self.stiffness * together))

@@ -41,6 +41,7 @@ class Window:
             self.close()
             others = set(enumerate_threads())
             self._viewer = self._launch(model, data, show_left_ui=False, show_right_ui=False)
+            # The viewer starts threads, and offers no way to wait for them.
             self._threads = [each for each in enumerate_threads() if each not in others]
             self._model = model
         self._viewer.sync()

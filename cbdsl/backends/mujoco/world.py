@@ -99,6 +99,7 @@ class MujocoWorld:
         position, quaternion = item.pose.position, wxyz(item.pose)
         body = spec.worldbody.add_body(name=name, pos=position, quat=quaternion)
         movable = item.mass > 0
+        # The mobility against a push through the centre; rotation is neglected.
         mobility = 1 / item.mass if movable else 0.0
         self._pairs[item.name] = []
         for number, geom in enumerate(add_solids(spec, body, item.shape, item.mass)):
@@ -166,10 +167,12 @@ class MujocoWorld:
         self._data = mj.MjData(self._model)
         self._arrays = StepArrays.of(self._model, self._data)
         self._bodies = {name: self._located(name) for name in self._names}
+        # The robot's joints precede all objects in each model, so that its indices never change.
         self._data.time, self._data.ctrl[:] = data.time, data.ctrl
         self._take_over(data, (0, 0, self.bare.nq), (0, 0, self.bare.nv))
         for name in bodies.keys() & self._bodies.keys():
             old, new = bodies[name], self._bodies[name]
+            # A fixture has no state.
             if old.grip >= 0:
                 self._take_over(data, (old.pose, new.pose, _POSE), (old.twist, new.twist, _TWIST))
                 self._data.eq_active[new.grip] = data.eq_active[old.grip]
@@ -191,6 +194,7 @@ class MujocoWorld:
         begin, own, count = positions
         self._data.qpos[own : own + count] = data.qpos[begin : begin + count]
         begin, own, count = velocities
+        # The solver starts from the last accelerations, so that they are a part of the state.
         for kind in ("qvel", "qacc_warmstart"):
             stretch = getattr(data, kind)[begin : begin + count]
             getattr(self._data, kind)[own : own + count] = stretch

@@ -253,6 +253,8 @@ class _CdrWriter:
 
     def put(self, kinds: str, *values: int) -> None:
         for kind, value in zip(kinds, values, strict=True):
+            # Padding to a multiple of the number's size, counted from the end of the encapsulation
+            # header.
             self.data.extend(b"\0" * (-len(self.data) % struct.calcsize(kind)))
             self.data.extend(struct.pack(f"<{kind}", value))
 
@@ -266,6 +268,8 @@ class _CdrReader:
     """CDR of the byte order that its encapsulation header states."""
 
     def __init__(self, data: bytes) -> None:
+        # The second byte of the encapsulation header is 1 for little-endian CDR, and 0 for
+        # big-endian.
         self._order = "<" if data[1] & 1 else ">"
         self.data, self.place = memoryview(data)[4:], 0
 

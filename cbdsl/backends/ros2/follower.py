@@ -77,7 +77,9 @@ class Follower:
             return f"the trajectory is for joints {', '.join(message.joint_names) or 'none'}"
         stamp = message.header.stamp.seconds
         begun = stamp or now
+        # Joints of a message come in any order.
         order = [list(message.joint_names).index(name) for name in self.names]
+        # A trajectory starts from the reference of this moment, so that a new one causes no jump.
         legs, last, time = [], self._sample(now), max(begun, now)
         for point in message.points:
             if len(point.positions) != len(order) or not all(map(math.isfinite, point.positions)):

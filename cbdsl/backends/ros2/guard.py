@@ -79,6 +79,7 @@ class Guard:
         ):
             for post in self._posts:
                 post.tick(report)
+            # A late tick is not caught up by several fast ones.
             due = max(due + self.period, time.monotonic() - self.period)
             time.sleep(max(0.0, due - time.monotonic()))
         return any(
@@ -143,5 +144,6 @@ class _Post:
             if not state.sample_info.valid_data:
                 continue
             by_name = dict(zip(state.name, state.position, strict=False))
+            # A robot may publish the joints of its arms in separate messages.
             if by_name.keys() >= set(self._names):
                 self._dog.note_positions(np.array([by_name[name] for name in self._names]))

@@ -99,6 +99,7 @@ class Faults:
         if self.active("kill"):
             os.kill(os.getpid(), signal.SIGKILL)
         for kind in ("stall", "suspend"):
+            # Once only: ``active`` stays true after its time.
             if kind not in self.begun and self.active(kind):
                 if kind == "suspend":
                     os.kill(os.getpid(), signal.SIGSTOP)

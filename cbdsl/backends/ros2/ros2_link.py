@@ -109,6 +109,7 @@ class Ros2Link:
         for each in self._inputs:
             topic = absolute(each.topic)
             peers = frozenset(r.key for r in remotes if r.writes and r.topic == topic)
+            # A camera that ends leaves the robot on its memory, and its own time-out follows.
             if each.peers - peers and each.role in ("states", "wrenches"):
                 yield FaultSample(each.driver, f"a publisher of {topic} has ended")
             each.peers = peers
@@ -124,6 +125,7 @@ class Ros2Link:
 
     @staticmethod
     def _rivals(output: _Output, remotes: Sequence[Remote]) -> Iterator[Any]:
+        # The node sees its own writers, too.
         own = None if output.writer is None else output.writer.get_guid()
         topic = absolute(output.topic)
         for remote in remotes:
@@ -261,6 +263,7 @@ def _pixels(message: msg.Image) -> np.ndarray[Any, np.dtype[np.uint8]] | None:
     height, width, step = message.height, message.width, message.step
     if message.encoding not in ("rgb8", "bgr8") or step < 3 * width:
         return None
+    # Rows may have padding: a step of more than 3 bytes per pixel of the width.
     if len(message.data) != height * step:
         return None
     rows = np.frombuffer(message.data, dtype=np.uint8).reshape(height, step)

@@ -138,6 +138,7 @@ class RosNode:
         return DataWriter(self._participant, self._topic(topic, message), qos)
 
     def _topic(self, topic: str, message: type[Any]) -> Topic[Any]:
+        # ROS 2 puts the prefix ``rt`` before its topics in DDS.
         return Topic(self._participant, f"rt{absolute(topic)}", message)
 
     def remotes(self) -> list[Remote]:
@@ -175,6 +176,7 @@ class _Endpoints:
 
     def living(self) -> Iterator[Remote]:
         """Yield the living endpoints of ROS topics, and forget the others."""
+        # Without this, endpoints that have ended would stay in memory.
         self._reader.take(_MOST_ENDPOINTS, self._gone)
         # Reading leaves no news.
         for endpoint in self._reader.read(_MOST_ENDPOINTS, self._alive):

@@ -141,6 +141,7 @@ class RobotServer:
         backend, now = self._backend, time.time()
         self._listen(now)
         for follower, own in self._followers.values():
+            # References are for the end of the tick, as ``Backend.apply`` defines.
             self._reference[own] = follower.at(now + backend.control_period)
         backend.apply(self._reference)
         backend.step()

@@ -15,7 +15,7 @@ from cbdsl.robot.urdf import UrdfOrigin
 
 # Height of a print above its side, so that the depth order stays unambiguous, m.
 _THICKNESS = 1e-4
-# Share of the radius by which a ball's spot is nearer to the side, as part of a larger ball.
+# Share of the radius by which a ball's spot is nearer to the side, as part of another ball.
 _RAISED = 0.05
 _BLACK = (0.0, 0.0, 0.0)
 _CENTRE, _UNTURNED = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
@@ -60,6 +60,9 @@ def _spot(shape: SolidShape, spot: Spot) -> Part:
     """Return a spot: on a ball, the protruding part of another ball; on a box, a disc."""
     normal, height = np.array(_NORMALS[spot.face], dtype=np.float64), shape.spot_height(spot)
     if shape.kind == "ball":
+        # The spot's edge is a circle of the radius s at the height h. Another ball through the same
+        # circle, with its centre raised by c, has the radius sqrt(s^2 + (h - c)^2). It protrudes
+        # beyond the edge only.
         raised = _RAISED * shape.halves[0]
         size, centre = math.hypot(spot.radius, height - raised), raised * normal
         return Part("ball", (size,), tuple(centre.tolist()), _UNTURNED, spot.color)
@@ -70,6 +73,7 @@ def _spot(shape: SolidShape, spot: Spot) -> Part:
 
 def _bars(halves: Sequence[float], pattern: Pattern) -> Iterator[Part]:
     normal = np.array(_NORMALS[pattern.face], dtype=np.float64)
+    # To the right of a viewer who faces the side. Stripes alternate: bar, gap, bar.
     right = np.cross([0.0, 0.0, 1.0], normal)
     edges = np.cumsum([0.0, *pattern.stripes]) - sum(pattern.stripes) / 2
     for left, width in zip(edges[:-1:2], pattern.stripes[::2], strict=True):

@@ -1,5 +1,12 @@
 """Offsets of load cells: their readings without contact."""
 
+# Model: a load cell without contact reads, in the world frame,
+#     R b(t) + (w, R l x w),    w = (0, 0, m g)
+# with the rotation R of the cell, its bias b, and the lever l to the tip's centre of mass. The bias
+# starts from a normal draw and walks at random. Its standard deviation grows by drift * sqrt(t), at
+# any control rate. The weight turns in the cell's frame while the hand turns, so that no constant
+# offset cancels it. Assumption: accelerations of the tip are neglected.
+
 from __future__ import annotations
 
 import math
@@ -54,6 +61,7 @@ class CellOffsets:
         index = self._ticks % _AHEAD
         if index == 0:
             steps = self._rng.standard_normal((_AHEAD, *self._bias.shape)) * self._wander
+            # Noise is drawn for many ticks in one call, since each call has a fixed cost.
             self._path = self._bias + np.cumsum(steps, axis=0)
         self._bias = self._path[index]
         self._ticks += 1

@@ -25,6 +25,7 @@ class Encoders:
 
     def begin(self, positions: Floats) -> tuple[Floats, Floats]:
         """Return the first reading of joints at rest; see ``read``."""
+        # The difference to the true position is rounding, and no velocity.
         self._before = positions
         self._before, _ = self.read(positions)
         return self._before, np.zeros_like(positions)
@@ -55,6 +56,7 @@ def _read(
 ) -> None:
     """Round positions to steps, and compute velocities since ``before``."""
     for joint in range(len(positions)):
+        # Both readings are multiples of the step, so velocities are multiples of step / period.
         step = steps[joint]
         read[joint] = round(positions[joint] / step) * step if step > 0.0 else positions[joint]
         velocities[joint] = (read[joint] - before[joint]) / period

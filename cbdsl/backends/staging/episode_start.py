@@ -52,6 +52,7 @@ def starting_posture(
         raise BackendError(
             f"robot '{robot.name}' has no actuated joint " + ", ".join(map(repr, sorted(unknown)))
         )
+    # Order of precedence, lowest first: elsewhere, start postures, the context's joints.
     start: Floats = elsewhere.copy()
     for name, effector in robot.effectors.items():
         if effector.start is not None:

@@ -51,6 +51,7 @@ class _Plan:
         Returns:
             Whether no action is left.
         """
+        # Removal precedes all actions, which need the object in the world.
         if time >= self._removal:
             self._engine.remove(self._name)
             return True
@@ -69,6 +70,7 @@ class Experimenter:
 
     def __init__(self, sampler: ScenarioSampler, context: Context, engine: Engine) -> None:
         self._sampler, self._context, self._engine = sampler, context, engine
+        # All objects are drawn in advance, so that those of later turns have room.
         self._scenario = sampler.sample(context)
         self._turn = 0
         for item in self._scenario.fixtures:
@@ -111,6 +113,7 @@ class Experimenter:
     def _tidy(self, thing: PlacedThing, world: WorldSection) -> None:
         """Put an object back at its place, unless the robot touches it or is in the way."""
         name = thing.item.name
+        # An object in a hand is left to the robot.
         if self._engine.touched(name):
             return
         home = self._places[name]

@@ -1,5 +1,11 @@
 """Fingertip load cells: sums of contact forces, noise and a low-pass filter."""
 
+# Model: a reading y follows the wrench x with noise of the standard deviation s,
+#     y <- y + g (x + s e - y),    g = 1 - exp(-dt / T)
+# for the sampling period dt and the time constant T. In the steady state the noise of y has the
+# variance s^2 g / (2 - g). The robot file states s for a cell that samples with the physics. Slower
+# sampling has a larger g, so s is scaled such that the variance of y is the same.
+
 from __future__ import annotations
 
 import math
@@ -46,6 +52,7 @@ def sum_wrenches(
     """
     sums = np.zeros((len(cells), 6))
     for touch in touches:
+        # Torque about the fingertip's origin: lever x force.
         ox, oy, oz = origins[touch.cell]
         x, y, z = touch.point[0] - ox, touch.point[1] - oy, touch.point[2] - oz
         fx, fy, fz = touch.force

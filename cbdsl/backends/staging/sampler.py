@@ -63,11 +63,15 @@ class ScenarioSampler:
                 scene was found in which its things have room.
         """
         drawn = any(fixture.is_drawn for fixture in self._stage.fixtures.values())
+        # A single unnamed object has no required distance from others, and fixed fixtures need no
+        # draw.
         if not context.placed and not drawn:
             return self._draw(context)
         apart = {name: each.apart for name, each in context.placed.items()}
         supports = {name: each.place.on for name, each in context.placed.items()}
         conflicts: Counter[Conflict] = Counter()
+        # Rejection sampling of whole scenes. Another draw of the conflicting object alone would not
+        # be uniform: crowded places of the first objects would be as likely as free ones.
         for _ in range(_TRIES):
             scenario = self._draw(context)
             conflict = find_conflict(scenario, apart, supports)
@@ -212,6 +216,7 @@ class ScenarioSampler:
     def _pose(
         self, place: PlaceSection, half_height: float, known: Mapping[str, SceneObject]
     ) -> Pose:
+        # The order of draws is fixed, because a seed determines a scene by it.
         x, y = self._across(place, known)
         turned = Pose.turned(_UP, draw(place.yaw, self._rng))
         if place.pitch != (0.0, 0.0):  # drawn only if it is left to chance
@@ -223,12 +228,14 @@ class ScenarioSampler:
         elif place.on is not None:
             floor = self._named(known, place.on, "fixture")
             above = floor.shape.half_height
+            # A support whose place is drawn carries the object in its own frame.
             if place.beside is None and self._is_drawn(place.on):
                 place_on_it = np.array([x, y, above + half_height])
                 return floor.pose @ Pose(place_on_it, turned.rotation)
             z = float(floor.pose.position[2]) + above + half_height
         else:
             lower = self._beside(place, known)
+            # Beside an object and without a height: on the same floor as that object.
             z = float(lower.pose.position[2]) - lower.shape.half_height + half_height
         pose = Pose(np.array([x, y, z]), turned.rotation)
         return pose if place.hand is None else self._tip(place.hand) @ pose

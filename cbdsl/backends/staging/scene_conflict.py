@@ -66,8 +66,10 @@ def _too_close(one: SceneObject, other: SceneObject, room: float) -> bool:
 
 def _close(one: Convex, other: Convex, room: float) -> bool:
     way = float(np.linalg.norm(one.position - other.position))
+    # The balls around both bodies are apart, which is much faster to find than the gap.
     if way >= one.radius + other.radius + room:
         return False
     if room:
         return gap(one, other) < room
+    # An object on a table touches it, and rounding may put it inside.
     return gap(one.shrunk(_MARGIN), other.shrunk(_MARGIN)) == 0.0

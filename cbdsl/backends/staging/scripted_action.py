@@ -53,6 +53,7 @@ class CarryAction:
         if self._engine.touched(self._name):
             self._engine.release(self._name)
             return True
+        # The motion starts where the object is then, which may be after a fall onto its fixture.
         if not self._carries and time >= self._start:
             self._engine.attach(self._name)
             self._carries = True
@@ -66,8 +67,10 @@ class CarryAction:
     def _velocity(self, time: float) -> Floats:
         """Return the velocity that takes the object to its place after the next step, m/s."""
         step = time - self._before
+        # The step is not a number in the first call.
         if math.isinf(self._movement.within) or not step > 0.0:
             return self._movement.velocity
+        # The difference of places, unlike the derivative, leaves no drift over finite steps.
         next_place = self._origin + _way(self._movement, time + step - self._start)
         velocity: Floats = (next_place - self._engine.pose(self._name).position) / step
         return velocity
@@ -78,6 +81,7 @@ def _way(movement: Movement, time: float) -> Floats:
     speed = float(np.linalg.norm(movement.velocity))
     if math.isinf(movement.within) or speed == 0.0:
         return time * movement.velocity
+    # Harmonic motion x = a sin(v t / a), whose largest speed is v.
     way: Floats = math.sin(speed / movement.within * time) * movement.within * movement.velocity
     return way / speed
 

@@ -86,6 +86,8 @@ class SolidShape:
     @classmethod
     def tube(cls, radius: float, height: float, wall: float) -> SolidShape:
         """Return a tube along its z, of an outer radius, a height and a wall thickness, m."""
+        # The outer faces of the boxes are tangent to the outer circle, and neighbours meet at their
+        # outer corners. The inner faces are tangent to the bore, which stays free.
         bore, across = radius - wall, radius * math.tan(math.pi / _SIDES)
         side = cls("box", (wall / 2, across, height / 2))
         walls = []
@@ -104,6 +106,7 @@ class SolidShape:
         walls = [
             Wall(cls("box", halves), UrdfOrigin((a, b, half)))
             for halves, a, b in (
+                # Front and back have the full width, and the sides fit between them.
                 (front, half - x, 0.0),
                 (front, x - half, 0.0),
                 (side, 0.0, half - y),
@@ -200,6 +203,8 @@ class SolidShape:
         a, b, c = self.halves
         if self.kind == "ball":
             return a
+        # Support function of the shape along the world's z: the third row has the z components of
+        # its axes.
         x, y, z = np.abs(rotation[2]).tolist()
         if self.kind == "cylinder":
             return float(a * np.hypot(x, y) + c * z)
