@@ -36,6 +36,9 @@ def centre(tips: Floats, distances: Floats, side: float) -> Floats:
         distances: Distances from the fingertips, m, shape (3,) or, for each ball, (n, 3).
         side: Side of the fingertips' plane with the centre, 1 or -1 by its normal.
     """
+    # Trilateration, with the first fingertip as the origin, the second at (w, 0), and the third at
+    # (l, c). The equations are |p - tip|^2 = distance^2. Their differences are linear in x and y.
+    # The height follows from the first equation, up to its sign.
     first, second, normal = plane_of(tips)
     width = np.sum((tips[:, 1] - tips[:, 0]) * first, axis=1)
     along = np.sum((tips[:, 2] - tips[:, 0]) * first, axis=1)
@@ -60,6 +63,9 @@ def image(camera: Camera, points: Floats, radius: float) -> tuple[Floats, Floats
         radius: Radius of the ball, m.
     """
     x, y, z = np.maximum(points[:, 0], max(1.01 * radius, _CLOSEST)), points[:, 1], points[:, 2]
+    # The rays tangent to a ball at (x, y, z) form a cone, whose section with the image plane is an
+    # ellipse. Its centre is f x (y, z) / (x^2 - r^2). Its area is pi f^2 r^2 sqrt(x^2 + y^2 + z^2 -
+    # r^2) / (x^2 - r^2)^(3/2).
     inner = x**2 - radius**2
     scale = camera.focal_length * x / inner
     centroids = np.stack((camera.width / 2 - scale * y, camera.height / 2 - scale * z), axis=1)
@@ -82,6 +88,8 @@ def hidden(
         distances: Distances of the fingertips from the camera, m, shape (n, 3).
         rim: Radii of the ball's images, px, shape (n,).
     """
+    # A small hidden part of the share m at the rim lies about r from the centroid. So the centroid
+    # of the rest moves by about m r away from it.
     missing = np.clip(1.0 - shares, 0.0, 1.0)
     parts = np.exp((distances.min(axis=1, keepdims=True) - distances) / _NEARER)
     parts /= parts.sum(axis=1, keepdims=True)

@@ -1,5 +1,14 @@
 """Estimate of the cameras' displacements: robust least squares over views of a held ball."""
 
+# Model: a camera is displaced from its modelled pose by a constant position and rotation vector,
+# six unknowns. A ball lies between three fingertips, at three unknown distances in each hold. Joint
+# positions give the fingertips. The expected centroid follows by trilateration and the image of a
+# pinhole camera. The estimate minimises a soft L1 loss of the errors of all image points, and of a
+# weak prior that the distances are alike. The ball's radius is not among these unknowns: it follows
+# from the areas of the ball's images.
+# Assumptions: joint positions are exact, the ball keeps its distances during a hold while it rolls,
+# and the intrinsic parameters of the cameras are known.
+
 from __future__ import annotations
 
 import math
@@ -165,10 +174,13 @@ class _Problem:
         ]
         distances = parameters[self.seen :].reshape(-1, FINGERS)
         uneven = distances - distances.mean(axis=1, keepdims=True)
+        # Distances that differ freely could stand for a displacement of the cameras, so they are
+        # held nearly alike.
         return np.concatenate([*errors, uneven.ravel() / _UNEVENNESS])
 
     def solve(self, start: Floats) -> tuple[Floats, Floats]:
         """Return the parameters of least robust error, and the Jacobian of the residuals there."""
+        # Metres and radians have different scales, so each unknown is scaled by its effect.
         solution = least_squares(self.residuals, start, loss="soft_l1", x_scale="jac")
         return solution.x, solution.jac
 
@@ -272,11 +284,14 @@ def _deviations(problem: _Problem, parameters: Floats, jacobian: Floats) -> Floa
     errors = problem.residuals(parameters)[:-unknown] * _OUTLIER
     # Half of the errors are less than 0.67 standard deviations, outliers or not.
     error = max(float(np.median(np.abs(errors))) / 0.6745, _LEAST_ERROR)
+    # The covariance is s^2 (J' J)^-1. The bound keeps directions finite that no view determines:
+    # their deviations are huge, and are refused.
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     spread = np.maximum(values, 1e-12 * values[-1])
     independent = (vectors / spread) @ vectors.T * (error / _OUTLIER) ** 2
     without = np.array([each.solve(parameters)[0] for each in _without_stretches(problem)])
     shifts = without - without.mean(axis=0)
+    # Covariance of the delete-a-group jackknife.
     alike = shifts.T @ shifts * (_STRETCHES - 1) / _STRETCHES
     seen = problem.seen
     return np.maximum(_largest(independent[:seen, :seen]), _largest(alike[:seen, :seen]))
