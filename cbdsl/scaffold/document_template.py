@@ -62,18 +62,23 @@ class DocumentTemplate:
             UsageError: A file exists already, or cannot be written.
         """
         file = self.file
+        # All files are checked before the first one is written, so that a refusal leaves nothing
+        # behind.
         there = next((each for each in (file, *files) if each.exists() and not force), None)
         if there is not None:
             raise UsageError(f"{there} is there; --force replaces it")
         template = Path(__file__).parent / "templates" / f"{self._word}.yaml.template"
         text = Template(template.read_text("utf-8"))
         schema, generated = _schema(self._word, self.folder, self._root)
+        # Editors resolve the path of a schema relative to the document, with slashes on every
+        # system.
         line = Path(os.path.relpath(schema, self.folder)).as_posix()
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             for path, contents in {**files, **generated}.items():
                 path.parent.mkdir(parents=True, exist_ok=True)
                 write_bytes(contents, path)
+            # The document comes last: if it exists, the files that it names do, too.
             write_text(text.substitute(values, name=self._name, schema=line), file)
         except OSError as error:
             raise UsageError(f"{file}: {reason(error)}") from error

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+# Imports are inside of functions, so that a command imports only the reader of its format.
 if TYPE_CHECKING:
     from cbdsl.robot.package_folders import PackageFolders
     from cbdsl.robot.srdf import SrdfModel
@@ -86,6 +87,8 @@ class ModelReader:
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.robot.urdf_reader import read_urdf
 
+        # Order: formats that need a conversion come first. A plain URDF is copied only if it lacks
+        # a name or the user names packages. Otherwise the document refers to it in place.
         kind = self._format(self._file)
         if self._arguments and kind != "xacro":
             raise UsageError(f"--xacro-arg is for xacro, and {self._file} is none")
@@ -166,6 +169,8 @@ class ModelReader:
         from cbdsl.robot.urdf_reader import parse_urdf
 
         path = folder / f"{name}.urdf"
+        # For example ``cb new robot arm --urdf arm.urdf --to .`` with a model that has to be
+        # copied.
         if path.resolve() == self._file.resolve():
             raise UsageError(
                 f"{path} would be written over the model itself; give the robot another name, or "
@@ -196,6 +201,7 @@ def _package_folders(file: Path, named: Mapping[str, str]) -> PackageFolders:
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.robot.package_folders import PackageFolders
 
+    # Checked for every model, also for one that refers to no package.
     for name, path in named.items():
         if not (path and Path(path).is_dir()):
             raise UsageError(f"--package {name}={path}: there is no folder '{path}'")
@@ -216,6 +222,7 @@ def _pairs(option: str, texts: Sequence[str], separator: str) -> dict[str, str]:
         name, found_separator, value = text.partition(separator)
         if not (name and found_separator):
             raise UsageError(f"{option} {text} is not of the form NAME{separator}VALUE")
+        # The same value twice, as a script may give it, is no conflict.
         if pairs.setdefault(name, value) != value:
             raise UsageError(f"{option} gives '{name}' twice: {pairs[name]} and {value}")
     return pairs

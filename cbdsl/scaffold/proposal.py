@@ -1,5 +1,16 @@
 """Robot documents proposed from URDF models."""
 
+# Model: a robot document follows from a URDF by these rules.
+#     effectors    groups of an SRDF, or else chains of movable joints with a tip
+#     start        posture of an SRDF, or else the ready posture: large manipulability, far from
+#                  limits (``kinematics.ready_posture``)
+#     groups       groups of an SRDF, or else pairs of effectors whose names differ in left and
+#                  right, or else similar limbs
+#     couplings    mimic joints whose leader is in an effector
+#     no_contact   pairs of an SRDF, and links that touch in all sampled postures or at the start
+# The document is a draft for people. It lists omitted joints in comments, with cures if there are
+# any. The rules see kinematics and names only.
+
 from __future__ import annotations
 
 import json
@@ -84,6 +95,7 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
         name: dict(each.postures) or _proposed(model, each, tips[name])
         for name, each in effectors.items()
     }
+    # Contacts depend on all effectors together: two arms may touch each other, and not themselves.
     contacts = start_contacts(model, effectors, postures)
     values = {
         "description": _scalar(description),
@@ -143,10 +155,12 @@ def _proposed(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> Pos
         return {"ready": plain}
     row = ReadyPosture(model, effector.joints, effector.tip, offset)
     ready = row.find()
+    # For example with fewer joints than a tip needs to move in three directions.
     if ready == plain:
         return {"ready": ready}
     if row.is_clear(plain):
         return {"ready": ready, "middle" if any(plain) else "zero": plain}
+    # A turn at the first joint moves the limb as a whole, so that it stays clear of itself.
     aside = (ready[0] + _ASIDE, *ready[1:])
     first = effector.joints[0]
     fits = not first.slides and (first.endless or aside[0] < first.upper)
@@ -168,12 +182,14 @@ def _coordinate(joint: UrdfJoint, position: float) -> str:
     if joint.slides:
         return f"{position:.7g} m" if position else "0"
     degrees = math.degrees(position)
+    # Whole degrees are easier to read than 0.7853982 rad.
     whole = position and math.isclose(degrees, round(degrees), abs_tol=1e-6)
     return f"{round(degrees)} deg" if whole else f"{position:.7g}"
 
 
 def _margin(effectors: Mapping[str, SemanticGroup]) -> float:
     """Return the margin of joints at their limits, rad or m: at most 5 % of the smallest range."""
+    # A margin of 0.01 m at both ends would block a gripper with a stroke of 2 cm.
     ranges = [j.upper - j.lower for each in effectors.values() for j in each.joints]
     return min(_MOST_MARGIN, _SHARE * min(ranges, default=math.inf))
 
@@ -182,9 +198,11 @@ def _alike(effectors: Mapping[str, SemanticGroup]) -> dict[str, tuple[str, ...]]
     """Return groups of effectors that differ only in their side, or of all similar limbs."""
     pairs: dict[tuple[str, int], list[str]] = {}
     for name, effector in effectors.items():
+        # ``left_arm`` and ``right_arm`` are both of the kind ``arm``, and form the group ``arms``.
         kind = _SIDE.sub("_", name).strip("_")
         if effector.tip is not None and _SIDE.search(name):
             pairs.setdefault((kind, len(effector.joints)), []).append(name)
+    # The numbers of joints are equal in each pair, because they are a part of the key.
     groups = {_plural(kind): (*each,) for (kind, _), each in pairs.items() if len(each) == 2}
     if groups:
         return {name: each for name, each in groups.items() if name not in effectors}
@@ -245,6 +263,7 @@ def _limits(joint: UrdfJoint) -> str:
     if joint.endless:
         return "without end"
     scale, form, unit = (1.0, "g", "m") if joint.slides else (math.degrees(1.0), ".0f", "deg")
+    # A joint may be limited on one side only; a URDF may also state infinite limits.
     if math.isfinite(joint.upper - joint.lower):
         return f"{scale * joint.lower:{form}} to {scale * joint.upper:{form}} {unit}"
     below, above = math.isfinite(joint.lower), math.isfinite(joint.upper)
@@ -319,6 +338,7 @@ def _word(why: UnsupportedJoint) -> str:
 
 def _scalar(text: str) -> str:
     """Return a text as a YAML scalar, quoted as in JSON if necessary."""
+    # Names such as ``on`` or ``1e3`` are not strings in YAML without quotes.
     if _PLAIN.match(text):
         return text
     return seen(json.dumps(text, ensure_ascii=False), lambda sign: f"\\u{ord(sign):04x}")

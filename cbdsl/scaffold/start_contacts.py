@@ -51,6 +51,7 @@ def start_contacts(
         return StartContacts(dict(postures))  # the document gets a diagnostic for it
     always = contacts.always()
     chosen, there = _cleared(contacts, effectors, dict(postures))
+    # Pairs that the start posture separates are not permanent contacts.
     always &= there
     return StartContacts(chosen, tuple(sorted(always)), tuple(sorted(there - always)))
 
@@ -63,7 +64,11 @@ def _cleared(
     for name, own in chosen.items():
         if effectors[name].postures:
             continue
+        # Greedy: one effector at a time, with the others where they are. All combinations would be
+        # too many for robots with several limbs.
         for start in own:
+            # The first posture of an effector is its start; the merged dictionary keeps the others
+            # behind it.
             tried = {**chosen, name: {start: own[start], **own}}
             touching = _touching(contacts, effectors, tried)
             if len(touching) < len(there):
