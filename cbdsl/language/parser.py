@@ -49,6 +49,8 @@ class LookAlikeError(CompositionError):
         self.suggestion = suggestion
 
 
+# Actions, policies and conditions repeat the same texts. Syntax trees are immutable, so that one
+# scan per text is enough.
 @lru_cache(maxsize=1_000)
 def parse(text: str) -> Expression:
     """Read a composition such as ``posture ◁ reach(sat_10, right_arm)``.
@@ -71,6 +73,7 @@ class _Scanner:
         while self._take(_SUBJECT_TO):
             terms.append(self._term())
         if self._next() < len(self._text):
+            # A term that has arguments cannot be called a second time, so that '(' is not proposed.
             call = () if terms[-1].arguments else ("'('",)
             raise self._look_alike() or self._error(*call, "'◁'", "the end")
         return Expression(tuple(terms))
@@ -114,8 +117,10 @@ class _Scanner:
         """Return the error that the next token is none of the allowed ones."""
         wanted, start = " or ".join(allowed), self._next()
         if start == len(self._text):
+            # The missing part belongs one column behind the last token, in front of trailing space.
             end = self._read + 1
             return CompositionError(f"expected {wanted} at the end", Span(end, end + 1))
+        # The message quotes a whole word such as ``$arm.position``, otherwise a single character.
         token = _SUBJECT_TO.match(self._text, start) or _ARGUMENT.match(self._text, start)
         sign = token[0] if token else self._text[start]
         span = Span(start + 1, start + 1 + len(sign))

@@ -39,4 +39,5 @@ ALLOTMENTS = {
 
 def allotment(text: str) -> Allotment | None:
     """Return the kind that a text names, or ``None``."""
+    # YAML allows several spaces and line breaks between the words.
     return ALLOTMENTS.get(" ".join(text.split()))

@@ -69,6 +69,8 @@ CASTS: tuple[Cast, ...] = (
     TRIANGULATION,
     Cast("oculomotor Jacobian", "position", "heading", "section 3.2.2", value=False),
     *(
+        # The stiffness of a contact is not measured; control assumes constants of the robot
+        # document.
         Cast("compliance", load, "configuration", "Eq 3.37", value=False)
         for load in ("force", "torque", "wrench")
     ),
@@ -93,6 +95,12 @@ SIZE_TURN = CAMERA_TURNS[0]._replace(source="length")
 SIGHTING = Cast("inverse sighting Jacobian", "heading", "position", "section 3.2.2", value=False)
 
 
+# The graph has types as nodes and casts as edges. A chain is a path that visits no type twice.
+# Breadth-first search yields chains in the order of their length. When the first longer chain is
+# dequeued, all chains of minimum length are complete. A set of visited types for all chains would
+# lose the second of two equally long chains through one type. A cast of two signals, such as
+# triangulation, needs exactly the factors of the start type. It can only come first, because no
+# cast produces a product.
 @cache
 def chains(start: ResourceType, goal: ResourceType) -> tuple[Chain, ...]:
     """Return the shortest chains of casts from one type to another, by breadth-first search.

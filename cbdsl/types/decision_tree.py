@@ -38,6 +38,7 @@ def decide(tree: Tree[Answer], features: Mapping[str, float]) -> Answer | None:
     """Return the answer of a tree, or ``None`` if a required feature is unknown or NaN."""
     while isinstance(tree, Split):
         value = features.get(tree.feature, math.nan)
+        # NaN is not larger than any threshold, and would silently choose the branch ``below``.
         if math.isnan(value):
             return None
         tree = tree.above if value > tree.threshold else tree.below

@@ -82,6 +82,13 @@ class PotentialType(NamedTuple):
 
 _MET, _ROBOT, _NOT_MET = Condition.MET, Condition.ROBOT, Condition.NOT_MET
 
+# Navigation functions (Section 3.1) are analytic, polar, admissible and Morse. The gradient flow of
+# such a function ends at its only minimum, with bounded commands. Springs and ranges meet all four
+# conditions on their domains. The gradient of a harmonic function is not fit as a command; control
+# follows its direction and shapes its magnitude. A bound is flat where it is met. Its minima fill a
+# region, and its curvature jumps at the edge of this region. The minima of manipulability depend on
+# the mechanism. Localizability falls to 0 towards each camera and thus has no minimum within its
+# domain.
 _BUILT_IN = (
     PotentialType(
         "spring",
@@ -222,6 +229,8 @@ class PotentialTable(Mapping[str, PotentialType]):
 
     def __init__(self) -> None:
         self._built_in = {potential.name: potential for potential in _BUILT_IN}
+        # These places only reserve the names against packages. They are never imported, because
+        # ``__getitem__`` returns built-in potentials first.
         places = {name: f"{__name__}:{name}" for name in self._built_in}
         self.registry: Registry[PotentialType] = Registry(
             "potential", "cbdsl.potentials", places, _validate

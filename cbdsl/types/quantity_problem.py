@@ -9,8 +9,12 @@ from cbdsl.types.unit import NUMBER, UNITS, QuantityError, is_quantity
 # Real quantities are shorter; the time of matching grows with the square of the length.
 _LONGEST = 200
 
+# A regular expression takes the first alternative that matches, so that ``m/s`` has to come before
+# ``m``.
 _UNIT = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
 _ONE = rf"{NUMBER}(?: *(?:{_UNIT})(?![\w/^]))?"
+# Inputs that the following patterns match, in their order: ``2 - 5 cm``, ``20 cm,``, ``20 cm#
+# wide``, ``2x10^-3 m``, ``1/2``, ``50 %``, ``-pi/2 rad``, ``s 15`` and ``15 sec``.
 _SPAN = re.compile(rf"\s*({_ONE})\s*(?:-|\.\.+|to|and|\u2026|~)\s*({_ONE})\s*")
 _END = re.compile(r"(?P<core>.*?)\s*(?P<sign>[,;]+)\s*")
 _COMMENT = re.compile(r"(?P<core>.*?)\s*(?:#|//)\s*(?P<words>.*)")
@@ -114,9 +118,9 @@ def _span(text: str) -> str | None:
     match = _SPAN.fullmatch(text)
     if match is None or not all(map(is_quantity, match.groups())):
         return None
-    first = match[1]
-    if re.fullmatch(NUMBER, first):
-        first += re.sub(rf"^{NUMBER}", "", match[2])
+    # In ``2 - 5 cm``, the unit of the last number is meant for both.
+    unit = match[2].lstrip("+-.0123456789")
+    first = match[1] if re.search("[a-zA-Z]", match[1]) else match[1] + unit
     return f"a span is a list of two values; write [{first}, {match[2]}]"
 
 

@@ -66,6 +66,7 @@ class Registry(Generic[Entry]):
             PluginError: The plug-in of this name cannot be used.
             ImportError: A built-in entry needs a package that is not installed.
         """
+        # The first error is kept, so that a faulty plug-in is not imported at each request.
         if name in self._faulty:
             raise self._faulty[name]
         if name not in self._loaded:
@@ -129,6 +130,7 @@ class Registry(Generic[Entry]):
 
     def refresh(self) -> None:
         """Forget all entries and packages, after ``sys.path`` changed."""
+        # The import system caches the contents of folders, and would miss a new package.
         invalidate_caches()
         self._loaded, self._faulty, self._offers = {}, {}, None
 
@@ -164,6 +166,8 @@ class Registry(Generic[Entry]):
 
     def _plugins(self) -> dict[str, list[EntryPoint]]:
         """Return the entry points of other packages, by name, in alphabetical order."""
+        # Entry points come in the order of the search path. Sorting makes messages equal
+        # everywhere.
         offered = self._offered()
         return {name: offered[name] for name in sorted(offered) if name not in self._builtins}
 

@@ -365,6 +365,7 @@ Source = (
 )
 
 
+# These values are random. A new one in each tick would be a reference that no controller can reach.
 _DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
 #: Sources that are computed from other resources, their ``features``.
 DERIVED = (AffordanceProbability, PairLikeness)

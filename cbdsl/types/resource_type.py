@@ -60,6 +60,7 @@ def configuration(joints: int, units: Sequence[str] = ("rad",)) -> ResourceType:
         joints: Number of joints.
         units: Unit of each joint's position, or one for all.
     """
+    # Mixed joints have one unit each, as in ``rad, m`` for a rotary joint with a slide.
     unit = units[0] if len(set(units)) == 1 else ", ".join(units)
     return ResourceType("configuration", f"C_{joints}", joints, unit)
 

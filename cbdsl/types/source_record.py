@@ -95,6 +95,11 @@ _HELD, _SEEN = (Carrier.HOLD,), (Carrier.CAMERAS, Carrier.HOLD)
 _ONE, _TWO = ("channel",), ("channel", "other")
 _HOLD: Chain = (RIGID_HOLD, *chains(POSITION, configuration(1))[0])
 
+# ``carriers`` determine the joints that change a signal: all joints above one of these bodies.
+# ``differs`` removes the joints above all of them. An arm moves every finger of its hand, and does
+# not change their opening. A heading is relative to its cameras, so that it changes with the
+# cameras and with a held object. A position is in the world frame, so that only a holding hand
+# changes it.
 RECORDS: Mapping[type, SourceRecord] = {
     EffectorConfiguration: SourceRecord(_EFFECTOR, "effector", moves=True),
     Tip: SourceRecord(_EFFECTOR, "effector", moves=True, carriers=_TIPS),

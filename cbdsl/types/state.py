@@ -43,6 +43,8 @@ def overlap(one: str, other: str) -> str | None:
     return "".join(letters)
 
 
+# Patterns are boxes in the product of the members' letters. The rest of one box outside of another
+# is a union of disjoint boxes, which repeated splits find one letter at a time.
 def split(region: str, pattern: str) -> Iterator[str]:
     """Yield parts of a region, one per predicate at the first place that only the pattern fixes.
 
@@ -58,4 +60,5 @@ def split(region: str, pattern: str) -> Iterator[str]:
 
 def closest_first(patterns: Iterable[str]) -> list[str]:
     """Return patterns sorted by their number of wildcards; the first match of a state applies."""
+    # The sort is stable: equally close patterns keep the order of the document.
     return sorted(patterns, key=lambda pattern: pattern.count(ANY))

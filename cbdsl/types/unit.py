@@ -7,6 +7,7 @@ from typing import NamedTuple
 #: Regular expression of a decimal number.
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(rf"^\s*({NUMBER})\s*(\S.*?)?\s*$")
+# Input such as ``0,5 m``, which has a decimal comma instead of a point.
 _DECIMAL_COMMA = r"^\s*([+-]?\d+),(\d+(?:\s*[a-zA-Z/][\w/^ ]*)?)\s*$"
 
 
@@ -19,6 +20,8 @@ class Unit(NamedTuple):
 
 
 def _units() -> dict[str, Unit]:
+    # The first unit of each dimension is its SI unit; the JSON Schemas rely on this order. Each
+    # symbol belongs to one dimension only.
     table = {
         "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3},
         "angle": {"rad": 1.0, "deg": math.pi / 180, "mrad": 1e-3},
@@ -98,18 +101,21 @@ def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:
     Raises:
         QuantityError: The value is neither, is not finite, or has a unit of another dimension.
     """
+    # In Python, a truth value is an integer as well, but ``true`` is not a quantity.
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise QuantityError(f"expected {_wanted(dimensions)}")
     try:
         number, unit = parse_quantity(value) if isinstance(value, str) else (float(value), None)
     except QuantityError as error:
         raise QuantityError(f"{error}; expected {_wanted(dimensions)}") from None
+    # An integer of 400 digits is valid YAML and exceeds the range of a float.
     except OverflowError:
         raise QuantityError("this number is too large") from None
     if unit is not None and unit.dimension not in dimensions:
         raise QuantityError(
             f"'{value}' has the dimension {unit.dimension}; expected {_wanted(dimensions)}"
         )
+    # A text such as ``1e400`` becomes infinite without an exception.
     if not math.isfinite(number):
         raise QuantityError(f"{value!r} is not finite")
     return number
