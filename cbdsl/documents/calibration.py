@@ -65,6 +65,7 @@ class CalibrationDocument(Document):
 
 def with_corrections(robot: RobotDocument, known: Mapping[str, Correction]) -> RobotDocument:
     """Return a robot with the given corrections of its cameras."""
+    # A camera without a known correction ends without any, even if the robot document has one.
     cameras = {
         name: camera.model_copy(update={"correction": known.get(name)})
         for name, camera in robot.cameras.items()
@@ -74,6 +75,7 @@ def with_corrections(robot: RobotDocument, known: Mapping[str, Correction]) -> R
 
 def calibrated(robot: RobotDocument, calibration: CalibrationDocument) -> RobotDocument:
     """Return a robot with its cameras corrected by a calibration."""
+    # Deviations and errors describe the estimate. Only its position and rotation move a camera.
     known = {
         name: Correction(position=camera.position, rotation=camera.rotation)
         for name, camera in calibration.cameras.items()

@@ -22,6 +22,10 @@ from cbdsl.documents.policy import Identity, Sha256
 Probability = Annotated[float, quantity(ge=0, le=1)]
 
 
+# An affordance model is the density Pr(f | reward, a) of the features f at the start of an action a
+# that is rewarded (Eq 6.1). It is a Gaussian, so that its mean and covariance and the number of
+# samples determine it. The covariance alone does not show how certain a model is: few samples may
+# lie close together by chance.
 class SampleModel(Section):
     """Multivariate Gaussian of features, as mean and covariance of its samples."""
 
@@ -34,6 +38,8 @@ class SampleModel(Section):
 
     @model_validator(mode="after")
     def _is_square(self) -> Self:
+        # Only the shape is checked here. Symmetry and definiteness need arrays, and are checked
+        # together with the signals of the robot.
         size = len(self.mean)
         if len(self.covariance) != size or any(len(row) != size for row in self.covariance):
             raise ValueError(f"a mean of {size} components has a covariance of {size} by {size}")

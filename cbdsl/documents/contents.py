@@ -39,6 +39,7 @@ def contents(path: Path, most: int) -> bytes:
                 errno.ENOENT, f"it is a link to {os.readlink(path)}, which is not there", str(path)
             ) from None
         raise
+    # ``stat`` follows links, so that a link to a device or a pipe is refused as well.
     if not stat.S_ISREG(status.st_mode):
         kind = _KINDS.get(stat.S_IFMT(status.st_mode), "no file")
         raise OSError(errno.EINVAL, f"it is {kind}", str(path))

@@ -74,6 +74,8 @@ class PlaceSection(Section):
 
     @model_validator(mode="after")
     def _says_where(self) -> Self:
+        # Valid places have one height: ``z: 1 m``, ``on: table``, ``gap: 2 cm`` from the tip of a
+        # hand, or the level of the neighbour for ``beside`` alone.
         given = 3 - [self.z, self.on, self.gap].count(None)
         if given != 1 and not (given == 0 and self.beside is not None):
             raise ValueError("a place needs exactly one of z, on and gap, or `beside` alone")

@@ -36,6 +36,9 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
         document: Document.
         leave_out: Further keys at the top level that do not count.
     """
+    # Knowledge stays valid as long as the digest of its inputs does. Omitted defaults let a new
+    # optional key keep all digests, and aliases let a field change its Python name. The context
+    # makes meshes count by content.
     data = document.model_dump(
         mode="json",
         by_alias=True,
@@ -43,4 +46,5 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
         exclude={"description", "drivers", *leave_out},
         context={"by_content": True},
     )
+    # Sorted keys make the text independent of the order in the document.
     return digest_of_text(json.dumps(data, sort_keys=True, ensure_ascii=True))

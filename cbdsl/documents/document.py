@@ -42,6 +42,7 @@ def _several(part: ValueSchema, count: int) -> ValueSchema:
 def _span(part: ValueSchema) -> ValueSchema:
     """Return the type of a first and last value; a single value is both."""
 
+    # A single value such as ``5 cm`` is a span whose ends are equal, so that nothing is drawn.
     def pair(value: Any) -> Any:
         return value if isinstance(value, (list, tuple)) else (value, value)
 
@@ -54,6 +55,7 @@ def _named(element: str) -> ValueSchema:
         f'the name of a {element}, as in <{element} name="..."> of the URDF, in quotes if a number'
     )
 
+    # A URDF may name a link ``1``, which YAML reads as a number unless it is in quotes.
     def require_text(value: Any) -> Any:
         if isinstance(value, str):
             return value
@@ -62,6 +64,8 @@ def _named(element: str) -> ValueSchema:
     return ValueSchema(no_info_before_validator_function(require_text, str_schema()))
 
 
+# Units are part of the types below. A text with a unit is converted to SI when the document is
+# read, and a number without a unit is in SI already. All other code computes in SI.
 _NUMBER, _SHARE = quantity(), quantity(ge=0, le=1)
 _LENGTH, _ANGLE, _SPEED = quantity("length"), quantity("angle"), quantity("speed")
 _TIME, _MASS = quantity("time", ge=0), quantity("mass", gt=0)
@@ -111,6 +115,7 @@ Color = Annotated[tuple[float, float, float], _several(_SHARE, 3)]
 class Section(BaseModel):
     """Part of a document: immutable, without unknown keys."""
 
+    # An unknown key is an error: a misspelled optional key would otherwise have no effect.
     # Sections are built with the document that holds them, which halves the time to start.
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 

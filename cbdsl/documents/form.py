@@ -75,6 +75,7 @@ class BallForm(Section):
     @model_validator(mode="after")
     def _has_room_for_the_spots(self) -> Self:
         _require_own_sides(self.all_spots)
+        # The smallest ball that may be drawn has to have room as well.
         if any(spot.radius >= self.radius[0] for spot in self.all_spots):
             raise ValueError("the spot is larger than the side of the ball")
         return self
@@ -120,6 +121,8 @@ class BoxForm(Section):
     def _has_room_for_the_spots(self) -> Self:
         _require_own_sides(self.all_spots)
         (depth, _), (width, _), (height, _) = self.size
+        # The least sizes count, since any size may be drawn. Sides -x and +x span the edges along y
+        # and z; sides -y and +y span those along x and z.
         for spot in self.all_spots:
             across = width if spot.face.endswith("x") else depth
             if 2 * spot.radius > min(across, height):
@@ -148,6 +151,8 @@ class CylinderForm(Section):
     """Height, or the range to draw it from."""
 
 
+# Engines collide convex solids, which have no bore. A hollow form is a union of boxes that leaves
+# its inside free.
 class TubeForm(Section):
     """Upright cylinder with a bore along its axis; 12 boxes make its wall."""
 
@@ -201,6 +206,8 @@ class Piece(Section):
         spans = form.size if isinstance(form, BoxForm) else (form.radius,)
         if isinstance(form, CylinderForm):
             spans = (*spans, form.height)
+        # The box around a composed form is computed from one size per piece, before anything is
+        # drawn.
         if any(first != last for first, last in spans):
             raise ValueError("a piece has one size, which is not drawn")
         if isinstance(form, (BallForm, BoxForm)) and form.all_spots:
@@ -226,6 +233,9 @@ class Piece(Section):
         x, y, z = self.halves
         if not isinstance(self.form, BoxForm):
             return x, y, z
+        # The box around a rectangle with half edges x and y, turned by psi, reaches |cos psi| x +
+        # |sin psi| y along the first axis. Balls and upright cylinders look the same after a turn
+        # about z.
         c, s = abs(math.cos(self.yaw)), abs(math.sin(self.yaw))
         return c * x + s * y, s * x + c * y, z
 
@@ -273,6 +283,7 @@ class MeshForm(Section):
 
     @model_validator(mode="after")
     def _is_in_a_folder(self, info: ValidationInfo) -> Self:
+        # A document does not hold its own path, so that its folder comes with the validation.
         if info.context is not None:
             self._folder = info.context["folder"]
         return self

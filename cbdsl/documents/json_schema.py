@@ -69,6 +69,10 @@ def common_values() -> dict[str, dict[str, list[Any]]]:
     return tomllib.loads(Path(__file__).with_name("examples.toml").read_text(encoding="utf-8"))
 
 
+# Each kind of quantity becomes one definition that all its keys share, such as ``PositiveLength``.
+# It is a number in SI, or a text with a unit of the dimension. The dimension is read from the
+# validator, since the schema of the number does not hold it. A definition that is shared cannot
+# describe the purpose of a key. The docstring below a field does, and the unit is added to it.
 class _Generator(GenerateJsonSchema):
     """Pydantic's generator with docstrings of fields, units and spans."""
 
@@ -169,6 +173,9 @@ class _Generator(GenerateJsonSchema):
         return reference
 
 
+# JSON Schema cannot compare a number within a text, so that the sign is part of the pattern. A
+# positive number has a digit from 1 to 9 behind its leading zeros: ``0.05 m`` has one, ``0.0 m``
+# and ``0e5 m`` have none.
 _SIGNS = {"any": "", "not negative": "NonNegative", "positive": "Positive"}
 _SIGN_PATTERNS = {"any": "[+-]?", "not negative": r"\+?", "positive": r"\+?(?=[0.]*[1-9])"}
 
@@ -181,6 +188,8 @@ def _sign(number: Mapping[str, Any]) -> str:
 
 def _pattern(sign: str, dimensions: tuple[str, ...]) -> str:
     symbols = [re.escape(symbol) for dimension in dimensions for symbol in _symbols(dimension)]
+    # Patterns of JSON Schema are ECMA-262 regular expressions, in which an escaped space is
+    # invalid.
     units = "|".join(symbols).replace(r"\ ", " ").replace("/", r"\/")
     return rf"^\s*{_SIGN_PATTERNS[sign]}{_NUMBER}\s*(?:(?:{units})\s*)?$"
 
@@ -233,6 +242,7 @@ def _said_of(field: FieldInfo) -> str:
 def docstrings(model: type[BaseModel]) -> dict[str, str]:
     """Return the docstrings of the fields of a model and its bases."""
     texts: dict[str, str] = {}
+    # Bases come first, so that a subclass may describe an inherited field differently.
     for section in reversed(model.__mro__):
         if issubclass(section, BaseModel) and section is not BaseModel:
             texts |= _literals(section.__module__).get(section.__name__, {})
@@ -242,6 +252,7 @@ def docstrings(model: type[BaseModel]) -> dict[str, str]:
 @cache
 def _literals(module: str) -> dict[str, dict[str, str]]:
     """Return the docstrings of all fields in a module, by class and name."""
+    # Python discards a string below a field when it compiles a module; only the source holds it.
     tree = ast.parse(inspect.getsource(sys.modules[module]))
     return {
         node.name: dict(_field_literals(node.body))

@@ -43,6 +43,7 @@ def _taken(entries: tuple[Entry, ...]) -> list[str]:
     return [entry.code for entry in entries if entry.code in hundred(entry.code)]
 
 
+# Entries are places of modules, so that a model is imported when its kind is first requested.
 KINDS: Registry[Kind] = Registry(
     "kind of document",
     "cbdsl.documents",

@@ -15,6 +15,9 @@ Relation = Literal["on", "in"]
 Stiffness = Annotated[float, quantity("stiffness", "torsional stiffness", ge=0)]
 
 
+# A meta-catalog is a graph. Its nodes are objects, each with a catalog of its own affordances. A
+# directed edge leads from the object that is brought to the one below it or around it. The edge
+# holds the affordance of bringing them together, and the measured impedance of their contact.
 class KnownThing(Section):
     """Object with its channel and its catalog."""
 
@@ -40,6 +43,7 @@ class ImpedanceSection(Section):
 
     @model_validator(mode="after")
     def _is_of_its_profiles(self) -> Self:
+        # Each profile tracks a direction at most once, and gets at most one name.
         most = max(self.tracked.values(), default=0)
         if most > self.profiles or sum(self.names.values()) > self.profiles:
             raise ValueError(f"{self.profiles} profiles have no more than so many loads and names")

@@ -8,6 +8,11 @@ from cbdsl.documents.document import Coordinate, Document, Extent, Name, NonNega
 from cbdsl.documents.kind import Kind
 
 
+# A density is a mixture of normal distributions with diagonal covariances. A Gaussian has one
+# centre, and a kernel density has one for each sample, all of equal weight. With probability
+# ``uniform``, a sample is drawn between the joint limits instead. A positive share keeps
+# configurations possible that were never rewarded. Samples beyond the joint limits are drawn again,
+# so that the density within the limits keeps its shape.
 class Gaussian(Section):
     """Independent normal distributions, one per joint or axis."""
 

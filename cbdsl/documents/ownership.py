@@ -55,9 +55,12 @@ def _top(text: str, key: str) -> str | None:
     root = _BEFORE.match(text)
     assert root is not None, "it matches nothing, too"
     value = rf"[\"']?{key}[\"']?\s*:(?=\s|\Z|[\"'])[ \t]*[\"']?([\w.-]*)"
+    # The root is in braces, as in ``{cbdsl: 1, kind: robot}``: keys follow a brace or a comma.
     if root[1] is not None:
         match = re.compile(rf"[{{,]\s*{value}").search(text, root.start(1))
     else:
+        # The first key may be indented. Any further key is at the top level only at the start of a
+        # line.
         at_start = re.compile(value).match(text, root.end())
         match = at_start or re.compile(rf"^{value}", re.MULTILINE).search(text)
     return None if match is None else match[1]

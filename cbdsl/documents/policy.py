@@ -98,6 +98,8 @@ class PolicyDocument(Document):
     """Internal models that replace the program's, such as ``head.uniform``."""
     values: dict[State, dict[str, Number]] = {}
     """Learned values: expected discounted reward by state and tried action."""
+    # Counts show which states lie on the way to a reward, even if too few episodes were learned for
+    # the action values to converge.
     transitions: dict[State, dict[str, dict[State, PositiveCount]]] = {}
     """Number of transitions by state, action and next state."""
     curve: Curve | None = None

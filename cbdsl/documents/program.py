@@ -110,6 +110,7 @@ class ObstacleSection(Section):
 
     @model_validator(mode="after")
     def _is_a_ball_or_a_box(self) -> Self:
+        # Neither ``{lower: [...]}`` alone nor a radius without a center determines a shape.
         is_box = self.lower is not None and self.upper is not None
         is_half_a_box = (self.lower is None) != (self.upper is None)
         has_radius_alone = self.radius is not None and self.center is None
@@ -141,6 +142,11 @@ Axis = Annotated[Text, Field(json_schema_extra={"pattern": r"^([xyz]|\$[A-Za-z][
 """An axis of the world frame, or a parameter that stands for one."""
 
 
+# A controller c(phi, sigma, tau) moves its effector tau so that the potential phi of its feedback
+# sigma falls. Its law is Delta tau = -kappa J^# phi(sigma) with the task Jacobian J = d phi(sigma)
+# / d tau (Eq 3.18). J^# is the pseudoinverse, and kappa the gain. Feedback and effector may be of
+# different types, if casts connect them (Section 3.2.4). The keys below the triple are settings of
+# this law, and conditions under which sigma or the reference counts as undefined.
 class ControllerSection(Section):
     """Typed triple c(phi, sigma, tau)."""
 
@@ -198,6 +204,8 @@ class ControllerSection(Section):
 
 def _may_be_several(text: str) -> bool:
     """Return whether a text may hold more than one quantity."""
+    # A cheap test that most references fail, such as ``sat_10`` or ``5 cm``. It admits ``1 cm, 2
+    # cm`` in quotes, which YAML reads as one text.
     numbers = (word for word in text.split() if word.lstrip("+-.")[:1].isdigit())
     return "," in text or text[:1] in ("[", "(") or len(list(numbers)) > 1
 
@@ -260,6 +268,8 @@ def _required_without_use(value: Any, info: ValidationInfo) -> Any:
     """Let a program that uses others have no controllers of its own."""
     if value is not _ABSENT:
         return value
+    # Fields are validated in order, and ``use`` comes first. A faulty ``use`` is missing here and
+    # counts as given, so that its fault is not reported a second time.
     if not info.data.get("use", True):
         raise PydanticKnownError("missing")
     return {}

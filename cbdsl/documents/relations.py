@@ -11,6 +11,8 @@ from cbdsl.documents.kind import Kind
 from cbdsl.documents.policy import Curve, Provenance
 
 
+# A contact is named by its stiffness: an object on a table resists motion down, and one in a box
+# resists motion sideways as well. Thresholds split each direction into free and resisted.
 class RelationQuestion(Section):
     """Condition of the tree that names relations."""
 

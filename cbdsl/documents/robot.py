@@ -131,6 +131,9 @@ class Correction(Section):
     """Rotation vector from the link's axes to the camera's: axis times angle."""
 
 
+# A point (x, y, z) in the camera's frame is seen at column w / 2 - f y / x and row h / 2 - f z / x.
+# The image has w columns and h rows, and the focal length f is in px. Pixels are square, the
+# optical axis meets the middle of the image, and there is no distortion.
 class Camera(Section):
     """Pinhole camera; its frame has +x forwards, +y to the left and +z up."""
 
@@ -165,6 +168,10 @@ class Channels(Section):
     """Further names of channels, such as ``green: hue_4``."""
 
 
+# Positions of moving regions are estimated by an alpha-beta filter with constant velocity. It
+# predicts x' = x + v T over the period T between images. The measured position z corrects x by
+# alpha (z - x') and v by beta (z - x') / T. ``gains`` are the settled alpha and beta; the first
+# images of a region have larger ones.
 class Regions(Section):
     """Conditions on regions of a channel, and memory of their positions."""
 
@@ -209,6 +216,8 @@ class VisionSection(Section):
     regions: Regions = Regions.model_construct()
 
 
+# Eq 4.1 calls a controller quiescent while |d phi / dt| is at most epsilon. A derivative of
+# sampled, noisy values is unreliable, so that the range of phi over a window replaces it.
 class QuiescenceSection(Section):
     """Criterion of a controller at rest: range of phi over a window, per window (Eq 4.1)."""
 

@@ -14,6 +14,11 @@ from cbdsl.documents.program import Use
 Probability = Annotated[float, quantity(ge=0, le=1)]
 
 
+# A schema splits a program in two (Section 5.3). The declarative part is a policy pi over abstract
+# actions a(phi, t_in, t_out), which name types instead of resources. The procedural part psi
+# chooses resources of these types by the features f of the context (Eq 5.3). Here, psi is a
+# decision tree that chooses one allocation for all actions of the program. A second tree predicts
+# Pr(reward | pi, f). If it is too low, the schema is undefined for the program that uses it.
 class AbstractAction(Section):
     """Abstract action a(phi, t_in, t_out): a controller without its resources."""
 
