@@ -45,6 +45,7 @@ def allocations(
         name: list(_choices({key: allotment(text) for key, text in group.items()}, robot))
         for name, group in _own_groups(document).items()
     }
+    # Groups are independent, so that their numbers of choices multiply.
     count = 1
     for choices in groups.values():
         count *= len(choices)

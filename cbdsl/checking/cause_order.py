@@ -34,6 +34,9 @@ def causes_first(diagnostics: Iterable[Diagnostic], library: Library) -> list[Di
 
 def _named_first(files: Iterable[Path], library: Library) -> Iterable[Path]:
     """Return files and all files that they name, directly or not, each after the files it names."""
+    # Depth-first search in postorder: a file is done after all files that it names. An explicit
+    # stack allows chains of any length. A file that is met again within a circle is not entered
+    # twice.
     done: dict[Path, None] = {}
     entered: set[Path] = set()
     waiting = list(files)[::-1]

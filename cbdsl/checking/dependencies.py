@@ -86,6 +86,7 @@ class Dependencies:
         robot, source = self._document.robot, self._source
         if self.robot is None or robot in (other, UNKNOWN) or other is UNKNOWN:
             return True
+        # Suggest only documents for this robot: any other name would be the same mistake again.
         kind, library = _KINDS[str(steps[0])], self._session.library
         names = for_robot(kind, robot, self._loaded.path, library)
         related = [(source.place("robot"), f"this program is for '{robot}'")]

@@ -126,6 +126,8 @@ class MemberExchange:
         shared = {key: given[key] for key in document.parameters if key in given}
         effectors = self._effectors(document.robot)
         seen = {key: value for key, value in shared.items() if value not in effectors}
+        # A substitute keeps its own effectors if it fits with them. A transfer between hands, for
+        # example, uses other effectors than the grasp that it replaces.
         for values in (seen, shared):
             key = name, tuple(values.items())
             if key not in self._checked:
@@ -170,6 +172,8 @@ def _refusal(
         places: Seen positions that it uses.
         other: Program to stand in for it.
     """
+    # Requirements come from general to special: kind of the reward, its signal, its rest at the
+    # end, and the positions that the motion depends on.
     earned = earned_signals(other)
     kinds = sorted({str(each.kind) for each in wanted})
     if not {each.kind for each in wanted} & {each.kind for each in earned}:

@@ -167,6 +167,7 @@ class _ProgramCheck:
         members = actions.members if is_known else None
         check_states(policy, members, context.source, context.diagnostics)
         ends = read_ends(context, members)
+        # Taken before all controllers are checked, because this visits unused ones as well.
         used = frozenset(context.used)
         self._compositions.check_all()
         self._compositions.check_rewards()
@@ -174,11 +175,14 @@ class _ProgramCheck:
         running = _running(checked, background)
         is_sound = background is not None or self._document.background is None
         complete = are_complete and are_shown and is_sound and None not in checked
+        # A background with a fault may run the controllers that seem to be missing.
         if context.source.is_whole("background"):
             self._conditions(running, complete)
         self._used.report_values(context.wrong_parameters)
         if context.diagnostics.failed:
             return None
+        # The checks below need a sound program. A part with errors may be the use or the end that
+        # another part seems to lack.
         check_unused(context, used)
         program = self._program(checked, policy, background)
         check_ends(context, program, ends)

@@ -61,6 +61,7 @@ class QuestionTrees:
         known = spans or {}
         feature, threshold, is_above = self._question(tree.if_, (*steps, "if"))
         low, high = known.get(feature, (-math.inf, math.inf))
+        # Below ``x > 2``, the question ``x > 1`` has only one possible answer.
         if feature and not low < threshold < high:
             self._diagnostics.add("CB642", self._source.place(*steps, "if"), feature=feature)
         above, below = {**known, feature: (threshold, high)}, {**known, feature: (low, threshold)}

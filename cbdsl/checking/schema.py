@@ -69,6 +69,7 @@ class _SchemaCheck:
         self._counts: dict[str, int] = {}
 
     def check(self) -> CheckedProgram | None:
+        # Diagnostics of this schema are collected apart, since earlier ones must not make it fail.
         own = Diagnostics()
         outer, self._diagnostics = self._diagnostics, own
         program = self._check()
@@ -188,6 +189,7 @@ class _SchemaCheck:
         known = self._session.library.read(path, ProgramDocument).document.parameters
         own = {key: value for key, value in values.items() if key in known}
         members = {k: value for k, value in values.items() if k not in known and k != WHOLE}
+        # An allocation either replaces the whole program, or some of its members.
         if WHOLE in values and members:
             return None, f"'{values[WHOLE]}' takes the place of all members already"
         if WHOLE in values:

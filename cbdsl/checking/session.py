@@ -93,6 +93,7 @@ class Session:
         if not self.library.replace(path, data):
             return False
         self.uses = Uses(self.library)
+        # Any program may depend on the replaced file, directly or through other documents.
         self._programs.clear()
         return True
 

@@ -29,6 +29,8 @@ def apply_suppressions(
     places = (Path(diagnostic.place.file) for diagnostic in diagnostics)
     texts = {**{library.real(path): path for path in places}, **own}
     ignores = {file: _ignores(path, library) for file, path in texts.items()}
+    # A suppression applies to one code on one line. The resolved file is part of the key, because
+    # one file may have several paths.
     silencing = {
         (file, ignore.line, ignore.code): ignore
         for file, all_ in ignores.items()

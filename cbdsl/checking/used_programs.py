@@ -98,12 +98,17 @@ class UsedPrograms:
         values = self._values(name, use, used)
         faults = Diagnostics()
         program = self._examine(path, values, faults)
+        # A program may fail with the given values because of these values, or because of faults of
+        # its own. A second check with its default values decides. Faults of values are reported
+        # here, where the values are written.
         if faults.failed and not faults.holds(_ENDLESS):
             own = Diagnostics()
             self._examine(path, {}, own)
             if not own.failed:
                 # A value that is missing because of its own error may be needed to run.
                 if len(values) == len(use.with_) and self._source.is_whole("use", name, "with"):
+                    # Each value is tried alone beside the defaults. If only their combination
+                    # fails, the first value is reported.
                     wrong = [key for key in values if not self._runs(path, {key: values[key]})]
                     self._unsuitable.append((name, path, (*wrong, *values)[0], faults))
                 return None

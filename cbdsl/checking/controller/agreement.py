@@ -16,6 +16,11 @@ from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource
 
 
+# The feedback is the only part that all others depend on: potential, reference, effector and
+# options. If one part does not suit it, this part is most likely the mistake. If several parts do
+# not, the feedback is, and one diagnostic replaces theirs. The feedback may nevertheless suit all
+# parts by its type, and the parts have faults of another kind. An example is a missing reference
+# beside a speed in the wrong unit. Such faults are reported one by one.
 class Agreement:
     """Check of the parts of one controller against its feedback.
 

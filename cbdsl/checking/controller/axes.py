@@ -46,6 +46,8 @@ def fill_axes(
         if value is not None and value not in AXES:
             problem = f"unknown axis '{value}'; allowed are x, y and z"
             context.add("CB580", context.source.place(*at), problem=problem)
+        # A replacement keeps the number of axes, so that the components of the reference can be
+        # checked.
         if value is None or value not in AXES:
             value = next((axis for axis in AXES if axis not in (*document.axes, *filled)), AXES[-1])
         filled.append(value)
@@ -116,6 +118,9 @@ def check_contradictions(
 
 def _shared(above: Controller, below: Controller) -> set[int]:
     """Return the axes that two controllers both state for the same joints, but cannot share."""
+    # Two controllers that state an axis for common joints cannot share it: the upper one always
+    # decides. A force above a position is exempt, because it is undefined before contact and leaves
+    # the axis to the position until then.
     if below.axes is None or (above.axes is None and above.feedback.type.name not in _WHOLE):
         return set()
     if _are_apart(above.feedback, below.feedback):
@@ -129,6 +134,7 @@ def _shared(above: Controller, below: Controller) -> set[int]:
 
 def _are_apart(one: Resource, other: Resource) -> bool:
     """Return whether two feedbacks of tips are independent: their centroid and their separation."""
+    # The mean and the difference of two positions are independent coordinates.
     return {type(one.source), type(other.source)} == {Centroid, Separation}
 
 

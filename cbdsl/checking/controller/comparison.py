@@ -147,6 +147,7 @@ def _of_its_type(
     if reference.type == feedback.type:
         return reference
     body, source = context.body, context.source
+    # ``look_at`` compares a pose with a position, and changes the type of its feedback to that end.
     own = body.resources.get(feedback.name, feedback)
     if own.type != feedback.type:
         diagnostics.add(

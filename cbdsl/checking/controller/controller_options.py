@@ -118,6 +118,7 @@ def settings_of(
     candidates: list[written.ControllerSection | TaskSettings] = [document]
     if general is not None:
         candidates.append(general)
+    # A section of the controller replaces that of the robot as a whole: quiescences are not merged.
     gain = _first(settings.gain for settings in candidates)
     quiescence = _first(settings.quiescence for settings in candidates)
     if gain is None or quiescence is None:
@@ -139,6 +140,7 @@ def settings_of(
 def _task(document: written.ControllerSection, feedback: Resource) -> ResourceType:
     """Return the type that a controller's settings are for."""
     potential = POTENTIALS.get(document.potential)
+    # ``look_at`` reads a pose and reduces an angle, so that it has the settings of an orientation.
     name = potential.task if potential else None
     return feedback.type if name is None else TYPES[name]
 

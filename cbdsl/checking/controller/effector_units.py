@@ -53,6 +53,7 @@ def _stiffness(robot: RobotDocument, feedback: Resource) -> float:
             fingers = len(robot.load_cells[robot.members(name)[0]])
         case _:
             fingers = 1
+    # Fingers are springs in parallel, whose stiffnesses add up.
     return fingers * robot.control.contact_stiffness
 
 

@@ -187,6 +187,8 @@ class _Field:
     def _has_room(self, lower: Corner, upper: Corner) -> bool:
         """Return whether a grid has two cells along each axis; report it also if it is too fine."""
         spacing = self._field.spacing
+        # A multiple of the spacing may be rounded down: 0.3 / 0.1 is less than 3. The outer
+        # vertices of the grid are walls, so that two cells leave one free vertex between them.
         cells = [math.floor((b - a) / spacing + 1e-9) for a, b in zip(lower, upper, strict=True)]
         if min(cells) < 2:
             axis = cells.index(min(cells))
@@ -219,6 +221,7 @@ class _Field:
                 "feedback_type": feedback.type.apart_from(resource.type),
             }
             self._add("CB522", *steps, name=resource.name, feedback=feedback.name, **kinds)
+        # Only a seen object has a radius that the robot measures.
         elif radius is None and not isinstance(resource.source, StereoPosition):
             self._add("CB523", *steps, name=resource.name)
         return Ball(resource, radius)
@@ -259,6 +262,7 @@ class _Field:
             if not all(inside):
                 self._context.add("CB527", place, axis=inside.index(False))
         for obstacle in obstacles:
+            # A ball may move out of the way, and a shaft keeps the surroundings of the goal free.
             if not isinstance(obstacle, Box) or obstacle.shaft is not None:
                 continue
             if _distance(goal, obstacle) <= self._field.clearance:

@@ -30,6 +30,8 @@ def movers(body: CheckedRobot, feedback: Resource) -> list[str]:
 
 def acting_chains(body: CheckedRobot, feedback: Resource, effector: Resource) -> tuple[Chain, ...]:
     """Return the chains from a feedback to the joints along which an effector moves it."""
+    # A heading has one chain through the cameras and one through a hand that holds the object. An
+    # arm without a camera moves the heading along the second chain alone.
     joints, all_chains = body.effector_joints(effector), chains_of(feedback)
     moved = tuple(
         chain for chain in all_chains if not body.joints_of(feedback, chain).isdisjoint(joints)

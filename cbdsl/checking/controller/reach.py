@@ -57,6 +57,10 @@ def _farthest(body: CheckedRobot, feedback: Resource) -> float | None:
     return None
 
 
+# By the triangle inequality, no posture moves a tip farther from the base than the sum of the link
+# lengths between them. Limits of angles and collisions are ignored: an unreachable position may
+# pass, and a reachable one is never reported. The mean of several tips is within the largest bound.
+# The difference of two tips is within the sum of both.
 def _reaches(body: CheckedRobot, effector: str) -> list[float]:
     """Return a bound on each member tip's distance from the base, m; empty if one has none."""
     robot, model, reaches = body.document, body.model, []

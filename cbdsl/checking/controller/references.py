@@ -89,6 +89,8 @@ def read_literal(
         return _along_normals(match["force"], feedback)
     items = value if isinstance(value, tuple) else (value,)
     kind = feedback.type
+    # An orientation has 3 components and a pose 6, so that 4 or 7 numbers can only end with a
+    # quaternion.
     if kind.factors == 1 and len(items) == _QUATERNIONS.get(kind.name, math.inf) + 4:
         items = _with_rotation_vector(items)
     places = range(kind.size) if axes is None else _places(axes, kind.factors)
@@ -121,6 +123,9 @@ def _with_rotation_vector(items: tuple[str | float, ...]) -> tuple[str | float, 
         raise LiteralError("CB593", {"norm": f"{norm:.4g}"})
     # Of the two quaternions of a rotation, use that of the shorter turn.
     x, y, z, w = (number if numbers[3] >= 0 else -number for number in numbers)
+    # A quaternion is (sin(theta / 2) u, cos(theta / 2)) for a turn by theta about the unit vector
+    # u. The rotation vector is theta u. The factor theta / sin(theta / 2) tends to 2 as theta tends
+    # to 0.
     sine = math.hypot(x, y, z)
     factor = 2.0 * math.atan2(sine, w) / sine if sine > 0.0 else 2.0
     return (*items[:first], factor * x, factor * y, factor * z)

@@ -80,6 +80,8 @@ def _problems(
     moved = context.body.effector_joints(effector)
     if document.potential == "range":
         yield from _ranges(context, feedback.source.effector, moved)
+    # The measure of manipulability is sqrt(det(J J^T)) (Eq 3.5). With more rows than joints, J J^T
+    # is singular in every posture, and the measure is 0 everywhere.
     if document.potential == "manipulability":
         members = context.body.document.members(feedback.source.effector)
         rows = len(members) * (6 if document.manipulator == "pose" else 3)
@@ -93,11 +95,15 @@ def _ranges(context: ProgramContext, effector: str, moved: tuple[str, ...]) -> I
     if joints != moved:
         yield f"it applies to the joints of '{effector}', but others are moved"
     for joint, span in zip(joints, context.body.limits(joints), strict=True):
+        # The potential divides by the range of each joint, and its minimum is in the middle
+        # (Eq 3.4).
         if span is not None and not (math.isfinite(span[1] - span[0]) and span[0] < span[1]):
             yield f"joint '{joint}' has no limits with a middle between them"
 
 
 def _sight(context: ProgramContext) -> Iterator[str]:
     links = [camera.link for camera in context.body.document.cameras.values()]
+    # Triangulation needs a baseline: cameras in one place see an object in the same direction at
+    # any distance.
     if len(set(links)) < len(links):
         yield "both cameras are in the same place"

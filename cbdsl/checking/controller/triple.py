@@ -72,6 +72,7 @@ class _Triple:
         document = fill_axes(self._context, self._steps, self._document, self._scope)
         self._document = document
         potential = self._potential()
+        # Without a robot no resource is known, and only the potential can be checked.
         if not self._context.has_body:
             return None
         feedback = self._resource(document.feedback, "feedback")
@@ -91,6 +92,8 @@ class _Triple:
             return None
         reference = agreement.check(feedback)
         check_numbers(self._context, self._steps, document)
+        # ``look_at`` has a reference of another type, to which the bounds of its feedback do not
+        # apply.
         if potential is None or potential.compares is None:
             check_reference(self._context, self._steps, reference, feedback)
         if not check_relative(self._context, self._steps, document, reference, feedback):

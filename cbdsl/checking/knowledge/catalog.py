@@ -127,6 +127,9 @@ def _check_model(
         details = {"wanted": count(wanted, "component"), "found": f"{len(model.mean)}"}
         diagnostics.add("CB653", source.place(*steps, "mean"), **details)
         return
+    # A covariance is symmetric without negative eigenvalues, up to the rounding of the document. By
+    # Weyl's inequality, an error E moves an eigenvalue by at most its norm. This norm is at most n
+    # max |E_ij| for n components.
     covariance = np.array(model.covariance)
     bound = _ROUNDING * len(covariance) * max(float(np.abs(covariance).max()), 1e-12)
     fault = ""

@@ -24,6 +24,8 @@ _BESIDE_THE_POINT = ("policy", "stage", "resources")
 _HISTORY = ("values", "transitions", "curve", "provenance")
 
 
+# The digest of a program includes those of all documents that it uses, as in a Merkle tree. The
+# recursion ends, because programs without diagnostics do not use each other in a circle.
 def program_digest(path: Path, library: Library) -> ProgramDigest:
     """Return the digest of a program with all documents that it uses.
 

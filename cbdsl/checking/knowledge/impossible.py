@@ -12,6 +12,10 @@ from cbdsl.types.resource import Origin
 from cbdsl.types.state import Predicate
 from cbdsl.yaml_text.source_map import SourceMap
 
+# The predicate - stands for a potential that cannot be computed, because a signal is undefined
+# (Eq 4.1). Joints, kinematics, constants and drawn references have a value in every tick, while a
+# camera may lose its object. Only residuals count as computable for any value of their signals:
+# other potentials have smaller domains, such as the free space of a harmonic function.
 _ALWAYS_KNOWN = frozenset({Origin.PROPRIOCEPTION, Origin.KINEMATICS, Origin.CONSTANT, Origin.MODEL})
 
 

@@ -73,6 +73,8 @@ class _PolicyCheck:
         for pattern, text in self._document.policy.items():
             self._action(text, ("policy", pattern))
         check_states(self._document.policy, self._members, self._source, self._diagnostics)
+        # The letters of a state stand for the members in order. With other members, or with invalid
+        # patterns, each letter may be assigned to a wrong controller.
         if self._members == self._program.members and not self._diagnostics.holds(
             ("CB611", "CB612")
         ):

@@ -85,6 +85,7 @@ def _check_ends(loaded: Loaded[MetaCatalogDocument], diagnostics: Diagnostics) -
         if pair.upper == pair.lower:
             diagnostics.add("CB662", source.place("pairs", name, "lower"), name=pair.lower)
             continue
+        # The same two objects may be joined by ``on`` and by ``in``, which are different edges.
         other = known.setdefault((pair.upper, pair.relation, pair.lower), name)
         if other != name:
             details = {"upper": pair.upper, "relation": pair.relation, "lower": pair.lower}

@@ -70,6 +70,7 @@ def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, diagnostics: Diagno
         place = source.place("effector")
         diagnostics.add("CB670", place, names=tipped, name=document.effector)
         return False
+    # Positions have no limits between which a uniform sample could be drawn.
     if is_place and document.density.uniform:
         diagnostics.add("CB671", source.place("density", "uniform"), share=document.density.uniform)
         return False

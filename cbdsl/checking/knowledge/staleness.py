@@ -17,6 +17,7 @@ from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library
 
+# Policies come first: the other documents may depend on them, and are learned again after them.
 #: Kinds of documents whose provenance names a command that learns them again.
 LEARNED: tuple[type[Document], ...] = (
     PolicyDocument,

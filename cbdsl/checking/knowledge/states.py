@@ -10,6 +10,14 @@ from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.types.state import ANY, PREDICATES, matches, overlap, split
 from cbdsl.yaml_text.source_map import SourceMap
 
+# A pattern is a box: the product of one set of letters per member, with all four letters for a
+# star. A state is decided by the matching patterns with the fewest stars. Two patterns with equally
+# many stars contradict each other if they choose different actions for a state that no closer
+# pattern decides. A pattern is idle if closer patterns cover its whole box. Whether boxes cover a
+# box is the tautology problem of a disjunctive normal form, which is co-NP-complete. A budget of
+# splits therefore bounds the search. When it ends, the rest is left without a diagnostic, since a
+# false one would be worse.
+
 # Letters that are easily mistaken for the letter of a predicate, with the intended letter.
 _MEANT = {"x": "X", "o": "0", "O": "0", "l": "1", "I": "1", "_": "-", "?": ANY}
 # Enough for each policy written by hand; a malicious document needs any number.
@@ -55,6 +63,7 @@ def _contradictions(
     sound: Mapping[str, str], patience: _Patience
 ) -> Iterator[tuple[str, str, str]]:
     """Yield each pattern that contradicts an earlier one, the earlier one, and a shared state."""
+    # Only equally close patterns can contradict each other, since a closer one always decides.
     equally_close: dict[int, list[str]] = {}
     for pattern in sound:
         equally_close.setdefault(pattern.count(ANY), []).append(pattern)
@@ -114,6 +123,8 @@ def is_sound(
     return True
 
 
+# Large integers compare all letters of two patterns in a few operations. A document may have
+# thousands of pairs of patterns, and most pairs have no state in common.
 def _bits(pattern: str) -> int:
     """Return a pattern as a number of four bits per letter, one for each letter that it allows."""
     bits = 0
@@ -128,6 +139,8 @@ def _ones(letters: int) -> int:
 
 def _meet(one: int, other: int, ones: int) -> bool:
     """Return whether some state matches both patterns: each letter has a bit in common."""
+    # The shifts fold the four bits of each letter onto its lowest bit. Bits from the next group end
+    # above the lowest bit, where the mask removes them.
     both = one & other
     return (both | both >> 1 | both >> 2 | both >> 3) & ones == ones
 
@@ -156,6 +169,7 @@ def _left_over(region: str, covers: Sequence[str], patience: _Patience) -> str |
     """
     if patience.ends():
         return None
+    # Covers that do not touch the region cannot touch its parts either, so that lists get shorter.
     touching = [cover for cover in covers if overlap(region, cover) is not None]
     if not touching:
         return region

@@ -40,6 +40,7 @@ def find_document(
     names = (
         library.names(kind, beside) if robot is None else for_robot(kind, robot, beside, library)
     )
+    # A document cannot use itself, so that its own name is not a useful suggestion.
     names = [each for each in names if each != own]
     hint = "" if robot is None or names else first_stage(kind, robot)
     diagnostics.add(kind_of(kind).unknown, place, names=names, name=name, hint=hint)

@@ -50,6 +50,9 @@ class MissingResources:
             steps: Path of the text.
             scope: Values of the parameters.
         """
+        # A value is wrong if one of its parts occurs in no name of a resource. With ``arm:
+        # lft_arm``, the text ``$arm.position`` is correct, and the value is reported once at its
+        # definition.
         values = {parameter: scope.values[parameter] for parameter in parameters_in(text)}
         parts = {part for known in self._known for part in known.split(".")}
         wrong = {p: v for p, v in values.items() if not parts.issuperset(v.split("."))}
@@ -73,6 +76,8 @@ class MissingResources:
 
     def _values_of(self, parameter: str, text: str, scope: Scope) -> list[str]:
         """Return the values of a parameter with which a text names a resource."""
+        # The text becomes a pattern, such as ``(.+)\.position`` for ``$arm.position``. Names that
+        # match it show the values that would be valid.
         others = {name: value for name, value in scope.values.items() if name != parameter}
         written = re.escape(text).replace(rf"\${parameter}", "(.+)", 1)
         for name, value in others.items():
@@ -91,10 +96,13 @@ class MissingResources:
             if self._source.is_whole("models"):  # otherwise an invalid model may be of this channel
                 self._diagnostics.add("CB674", place, names=siblings, name=name, channel=channel)
             return
+        # An effector without load cells, as in ``right_arm.net.force``: another spelling does not
+        # help.
         if siblings and _is_load(name) and not any(map(_is_load, siblings)):
             loads = list(dict.fromkeys(k.split(".")[0] for k in self._known if _is_load(k)))
             self._diagnostics.add("CB586", place, effector=first, name=name, names=loads, given="")
             return
+        # With a parameter ``arm``, the text ``arm.position`` most likely lacks its ``$``.
         signed = self._with_sign(text, scope)
         if signed is not None:
             names = siblings or self._firsts()

@@ -13,6 +13,8 @@ from cbdsl.yaml_text.unknown import UNKNOWN, Declared
 # Values that refer to values could double in length from program to program.
 _LONGEST = 1_000
 _PARAMETER = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*)")
+# A reference may negate a parameter, as in ``[30 cm, -$side]``. For the value ``-10 cm``, plain
+# replacement would give ``--10 cm``, which is not a quantity.
 _NEGATED = re.compile(r"(^|[\[,])(\s*)-\$([A-Za-z][A-Za-z0-9_]*)")
 
 
@@ -80,6 +82,7 @@ class Scope:
                 place = source.inside(steps, offset + match.start() + 1, offset + match.end() + 1)
                 hint = "" if self.values else "; declare it in 'parameters'"
                 diagnostics.add("CB402", place, names=sorted(self.values), name=name, hint=hint)
+        # The length is checked before the text exists, because the text may not fit into memory.
         if known and length > _LONGEST:
             diagnostics.add("CB409", source.place(*steps), bound=_LONGEST)
             known = False

@@ -24,6 +24,7 @@ class Uses:
             goal: File of another program; if it is the same, the path has no use.
         """
         first, wanted = self._real(start), self._real(goal)
+        # The first program precedes itself, which is where ``_traced`` ends.
         before = {first: first}
         waiting = list(before)
         for path in waiting:  # the list grows

@@ -52,6 +52,7 @@ def note_assumptions(
 ) -> None:
     """Note links without collision geometry, and drives whose effort is taken to be unlimited."""
     robot, place = loaded.document, loaded.source.place("model")
+    # A link that only houses a camera needs no geometry for contacts.
     housings = {camera.link for camera in robot.cameras.values()}
     shapeless = [link for link in model.shapeless if link not in housings]
     if shapeless:

@@ -132,6 +132,8 @@ class CheckedRobot(NamedTuple):
             return None
         if record.moves and not self.idle.isdisjoint(self.document.members(owner_of(source))):
             return None
+        # A joint changes a signal if it moves a body with a sensor or with the sensed object. A
+        # difference of two places stays the same under joints that move both bodies alike.
         above = [frozenset(self._above(link)) for link in links]
         shared = frozenset.intersection(*above) if record.differs else frozenset()
         return frozenset[str]().union(*above) - shared
@@ -154,6 +156,8 @@ class CheckedRobot(NamedTuple):
         links = [camera.link for camera in self.document.cameras.values()]
         if self.model is None or not self.model.links.issuperset(links):
             return True
+        # Triangulation (Eq 3.14) needs a constant pose between the cameras. A joint that moves only
+        # one of them would change it.
         return len({frozenset(self._above(link)) for link in links}) <= 1
 
     def has_tip(self, resource: Resource) -> bool:
@@ -202,6 +206,7 @@ class CheckedRobot(NamedTuple):
 
     def _holding_links(self) -> list[str]:
         """Return the tip links of effectors with load cells, with which a held object moves."""
+        # All joints of an arm are above the load cells of its hand, and those of a head are not.
         sensed = {
             joint
             for link in self._cell_links(self.document.load_cells)
@@ -216,6 +221,7 @@ class CheckedRobot(NamedTuple):
     def _above(self, link: str) -> list[str]:
         if self.model is None:
             return []
+        # A passive joint moves if the actuated joint that it follows does.
         couplings = self.document.couplings
         return [
             couplings[joint].follows if joint in couplings else joint

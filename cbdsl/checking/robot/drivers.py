@@ -183,6 +183,8 @@ class _DriverCheck:
         taken: dict[tuple[str, ...], str] = {}
         for name, driver in self._robot.drivers.items():
             for steps, address in addresses(driver):
+                # Several drivers may read one stream of joint states, one description and one
+                # emergency stop.
                 if steps[0] in ("states", "stop", "description"):
                     continue
                 keys = {steps if len(steps) > 1 else (), (steps[0], driver.kind, address)} - {()}

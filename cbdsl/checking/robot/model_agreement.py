@@ -21,6 +21,7 @@ def check_mimics(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: D
         mimic, coupling = joint.mimic, robot.couplings.get(joint.name)
         if mimic is None or joint.name in actuated or _agree(mimic, coupling):
             continue
+        # A joint that follows an undriven one rests with it, and needs no coupling.
         if coupling is None and mimic.joint not in actuated:
             continue
         here = "has no coupling" if coupling is None else f"its coupling says {_text(coupling)}"

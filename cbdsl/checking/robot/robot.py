@@ -137,6 +137,8 @@ class _RobotCheck:
 
     def _effector(self, name: str, effector: Effector) -> None:
         steps: Steps = ("effectors", name)
+        # A fixed joint of an effector is reported by itself. A posture that already leaves it out
+        # is not a second fault.
         movable = [joint for joint in effector.joints if joint not in self._unmovable]
         for posture, angles in effector.postures.items():
             if len(angles) not in (len(effector.joints), len(movable)):
@@ -416,5 +418,6 @@ class _ModelCheck:
 
 def _degrees_meant(angle: float, limits: UrdfJoint) -> str:
     """Return the remedy for an angle that is within the limits if read as degrees, or ''."""
+    # Up to 3.15, a number may well be radians: half a turn is 3.14 rad.
     fits = limits.lower <= math.radians(angle) <= limits.upper
     return f"; write {angle:g} deg if degrees are meant" if fits and abs(angle) > 3.15 else ""

@@ -103,6 +103,7 @@ def _rates(robot: RobotDocument, source: SourceMap, diagnostics: Diagnostics) ->
     control, physics = robot.control.rate, robot.simulation.physics_rate
     ratio = physics / control
     rate: Steps = ("control", "rate")
+    # A tiny control rate such as 1e-308 makes the ratio infinite, which ``round`` refuses.
     whole = round(min(ratio, _MOST_STEPS))
     if whole < 1 or abs(ratio - whole) > 1e-9:
         steps: Steps = ("simulation", "physics_rate")

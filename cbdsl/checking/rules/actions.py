@@ -95,6 +95,8 @@ class Actions:
 
     def only_composed(self) -> bool:
         """Report controllers that occur in composed actions only, so that no state shows them."""
+        # A state has one letter for each action of a single term. A controller in composed actions
+        # alone has none, so that no policy could respond to it.
         lacking = [
             (term, steps)
             for expression, steps in self._written
@@ -113,6 +115,8 @@ class Actions:
             expression = self._context.parse(text, steps)
             if expression is None:
                 continue
+            # An incomplete list may hold this action in a part with errors. Then only undeclared
+            # names are certain mistakes.
             is_known = str(expression) in known
             if not is_known and (are_complete or not self.is_declared(expression)):
                 self._lacks(expression, steps)

@@ -48,6 +48,7 @@ class Compositions:
             # Unreadable compositions, and names that an action lacks, are reported elsewhere.
             if isinstance(written, Unknown) or key in self.missing:
                 continue
+            # A single controller is its own only part, so that naming its parts has no meaning.
             if not isinstance(written, str):
                 names = [
                     name for name, each in document.controllers.items() if isinstance(each, str)
@@ -144,6 +145,8 @@ class Compositions:
         places: Mapping[str, Place],
     ) -> tuple[Controller, ...] | None:
         if name not in self._built:
+            # A controller with arguments also depends on their values, which the memory does not
+            # compare.
             controller = None if arguments else self._recalled(name, document)
             if controller is None:
                 scope = self._context.scope.inside(arguments, places)
@@ -170,6 +173,7 @@ class Compositions:
     def _composite(
         self, key: str, text: str, stack: tuple[str, ...]
     ) -> tuple[Controller, ...] | None:
+        # With ``a: b ◁ c`` and ``b: a``, a composition contains itself and cannot be flattened.
         if key in stack:
             cycle = " ◁ ".join((*stack[stack.index(key) :], key))
             place = self._context.source.key("controllers", key)

@@ -13,6 +13,7 @@ def check_guards(context: ProgramContext) -> None:
         return
     robot = context.body.document
     _check_joint_torque(context)
+    # Loads up to this force are taken for noise, so that a lower bound could not be enforced.
     least = least_force(robot)
     for key in ("finger_force", "hand_force"):
         bound = getattr(guards, key)

@@ -15,6 +15,12 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.policy_table import PolicyTable
 from cbdsl.types.state import ANY, Predicate, matches, overlap
 
+# Reachability is over-approximated. While an action runs, its members may have any predicate but X,
+# and an always defined member is never undefined. All other members are X. Every combination of
+# these letters counts as possible. A final state that is unreachable in this model is therefore
+# never reached. The reverse does not hold: the physical world may exclude a state that the model
+# reaches.
+
 # Handwritten actions have fewer states; a malicious document has any number.
 _MOST_STATES = 20_000
 
@@ -97,10 +103,13 @@ def _reached(program: CheckedProgram, possible: Mapping[str, Sequence[str]]) -> 
     """Return the names of the actions that the policy may choose from the beginning on."""
     ends = (*program.success, *program.failure)
     table, reached = PolicyTable(program.policy), set[str]()
+    # No controller is active at the start, so that each predicate is X.
     states = ["X" * len(program.members)]
     while states:
         state = states.pop()
         name = table.find(state)
+        # The possible states of an action do not depend on its first state, so that it is expanded
+        # once.
         if name is None or name in reached:
             continue
         reached.add(name)

@@ -20,6 +20,8 @@ def check_rewarded(program: CheckedProgram, path: Path, library: Library) -> tup
         path: File of the program.
         library: Library that has read it.
     """
+    # A reward is an event of quiescence of a controller whose feedback comes from the environment
+    # (Eq 4.2, 4.3). Without such a controller, every action is worth the same to a learner.
     if any(primitive.rewarded for primitive in program.primitives.values()):
         return ()
     diagnostics, source = Diagnostics(), library.read(path, ProgramDocument).source

@@ -83,6 +83,8 @@ class _ControllerCheck:
                 pass
             case _:
                 return
+        # Both 350 deg and -10 deg are common spellings of one absolute angle. A displacement beyond
+        # half a turn is reached by a shorter way, such as -90 deg for 270 deg.
         most = math.pi if is_relative else 2.0 * math.pi
         joints = body.effector_joints(controller.feedback)
         for i, (joint, angle) in enumerate(zip(joints, angles, strict=False)):
@@ -146,6 +148,7 @@ def _hasty(
     slow = [(c.quiescence.window, key, c.name) for key, c in controllers]
     slow = sorted((each for each in slow if each[0] >= longest), reverse=True)
     # If the limit is in the document, the limit is too short: report it once.
+    # Sorted by window, longest first: a limit above the first window suits all others.
     for window, key, name in slow[:1] if source.holds(*limit) else slow:
         own = ("controllers", key, "quiescence", "window")
         place = source.place(*(limit if source.holds(*limit) else own))
@@ -177,6 +180,10 @@ def _used(context: ProgramContext, program: CheckedProgram) -> None:
 
 def _levels(context: ProgramContext, program: CheckedProgram, action: Action, steps: Steps) -> None:
     """Warn of controllers whose joints a controller above them always takes completely."""
+    # Lower levels act in the null space of those above. A level that fixes as many directions as it
+    # has joints leaves no null space to these joints. A level below that moves no other joints is
+    # then without effect. The background is exempt, because it fills the remaining freedom of any
+    # action.
     own = [level for level in levels(program, action) if not level.background]
     idle: dict[str, list[str]] = {}
     for i, level in enumerate(own):

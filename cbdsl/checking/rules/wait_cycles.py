@@ -32,6 +32,8 @@ def check_waiting(context: ProgramContext, controllers: Iterable[tuple[str, Cont
     for key, controller in controllers:
         for steps, awaited in _named(key, controller):
             waits.setdefault(controller.name, []).append(_Wait(controller.name, awaited, steps))
+    # Circles of ``requires`` alone are reported first. The graph of all waits contains them again,
+    # so that controllers that were reported are skipped.
     requires = {name: [w for w in own if w.steps[-1] == "requires"] for name, own in waits.items()}
     reported: set[str] = set()
     for code, verb, graph in (("CB585", "requires", requires), ("CB710", "waits for", waits)):
@@ -57,6 +59,7 @@ def _circles(waits: Waits) -> Iterator[list[_Wait]]:
 
 
 def _way_back(name: str, waits: Waits) -> list[_Wait] | None:
+    # The search is breadth-first: the first way to a controller is a shortest one.
     ways: dict[str, list[_Wait]] = {name: []}
     ahead = [name]
     for each in ahead:  # the list grows

@@ -64,6 +64,8 @@ class _Solid(NamedTuple):
 
     def overlaps(self, other: _Solid) -> bool:
         """Return whether the two share more than their surfaces."""
+        # Boxes along the world's axes separate most pairs without arrays. Both solids shrink by the
+        # margin, so that an object that rests on another does not overlap it.
         extents = zip(self.position, other.position, self.reach, other.reach, strict=True)
         if any(abs(p - q) >= a + b - 2 * _MARGIN for p, q, a, b in extents):
             return False
@@ -204,6 +206,8 @@ class _Arrangement:
         other = self._fixtures.get(level) or self._thing(level)
         if other is None:
             return None
+        # Solids stand upright here, so that the third half extent is vertical. An object beside
+        # another has its lower side at the same height.
         if place.on is None:
             return x, y, other.position[2] - other.halves[2] + half_height
         return x, y, other.position[2] + other.halves[2] + half_height
@@ -211,6 +215,7 @@ class _Arrangement:
     def _across(self, place: PlaceSection) -> tuple[float, float] | None:
         if place.beside is None:
             definite = place.x[0] == place.x[1] and place.y[0] == place.y[1]
+            # On another thing, x and y are in the frame of that thing, which may be turned.
             in_world = place.on is None or place.on in self._fixtures
             return (place.x[0], place.y[0]) if definite and in_world else None
         other = self._fixtures.get(place.beside.name) or self._thing(place.beside.name)

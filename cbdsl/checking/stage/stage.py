@@ -100,6 +100,7 @@ def _names(loaded: Loaded[StageDocument], diagnostics: Diagnostics) -> None:
     stage, source = loaded.document, loaded.source
     shows = [each for context in stage.contexts.values() for each in context.presentations.values()]
     shown = {name for show in shows for name in show.things}
+    # A context with a place and without things most likely lacks the thing that seems unused.
     is_forgotten = any(idle_keys(show) and not show.things for show in shows)
     are_known = shown.issubset(stage.things) and source.is_whole("contexts")
     for name in stage.things:
