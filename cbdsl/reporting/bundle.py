@@ -28,6 +28,8 @@ class Bundle:
         """Keep an array unchanged, and return its reference: type, offset and shape."""
         kind = _NAMES[array.dtype.str[1:]]
         place = len(self._content)
+        # JavaScript's typed arrays read numbers in the byte order of the reader's processor. All
+        # processors with common browsers are little-endian.
         little = array.astype(array.dtype.newbyteorder("<"), copy=False)
         self._content += np.ascontiguousarray(little).tobytes()
         self._content += bytes(-len(self._content) % _ALIGNMENT)
@@ -36,6 +38,8 @@ class Bundle:
     def text(self, header: Mapping[str, object]) -> str:
         """Return the header's size, the header and the arrays, compressed and encoded as Base64."""
         plain = json.dumps(header, ensure_ascii=False, separators=(",", ":")).encode()
+        # JSON ignores trailing blanks. They align the arrays, which follow the header and its size
+        # of 4 bytes.
         plain += b" " * (-(4 + len(plain)) % _ALIGNMENT)
         size = len(plain).to_bytes(4, "little")
         packed = zlib.compress(size + plain + bytes(self._content), level=9)

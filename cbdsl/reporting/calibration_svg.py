@@ -65,7 +65,10 @@ def calibration_svg(title: str, panels: Sequence[CalibrationPanel]) -> str:
 def _magnification(panels: Sequence[CalibrationPanel]) -> float:
     """Return 1, 2 or 5 times a power of ten that makes lines visible within the images."""
     lengths = [np.linalg.norm(panel.before - panel.points, axis=1) for panel in panels]
+    # The median prevents one outlier from making all other lines invisible. The bound avoids a
+    # division by zero for cameras without errors.
     typical = max(float(np.median(np.concatenate(lengths))), 1e-3)
+    # Long errors are never shortened: a camera that is off by 60 px is drawn to scale.
     rough = max(_LENGTH / typical, 1.0)
     power = 10.0 ** math.floor(math.log10(rough))
     return next(factor * power for factor in (5, 2, 1) if factor * power <= rough * 1.001)
@@ -73,6 +76,8 @@ def _magnification(panels: Sequence[CalibrationPanel]) -> float:
 
 def _panel(panel: CalibrationPanel, left: float, times: float) -> list[str]:
     width, height = panel.size
+    # Lengthened lines may leave their image. The clip path keeps them out of the neighbouring
+    # panel.
     clip = f"image-{escape(panel.camera)}"
     lines = [
         _lines(panel.points, expected, color, times)

@@ -50,6 +50,8 @@ class _Axis(NamedTuple):
         factor, steps = SHOWN[self.joint.unit][0], _STEPS[self.joint.unit]
         lower, upper = factor * self.joint.lower, factor * self.joint.upper
         most = abs(self.end - self.start) / room
+        # The longest step is the last resort. A slide of 20 m, for example, has ticks that are
+        # closer than `room`.
         step = next((s for s in steps if (upper - lower) / s <= most), steps[-1])
         for number in range(math.ceil(lower / step), math.floor(upper / step) + 1):
             shown = number * step
@@ -76,9 +78,11 @@ def _map(model: InternalModel, landscape: Landscape) -> str:
     across, up = _Axis(first, _LEFT, _LEFT + _PLOT), _Axis(second, _TOP + tall, _TOP)
     values = landscape.over(landscape.angles(0), landscape.angles(1))
     (x, y), peak = landscape.peak()
+    # A density without mass within the limits has the peak 0, and would otherwise give 0 / 0.
     most = max(peak, np.finfo(float).tiny)
     where = f"{first.name} {_shown(x, first)}, {second.name} {_shown(y, second)}"
     area = f'x="{_LEFT}" y="{_TOP}" width="{_PLOT}" height="{tall:.1f}"'
+    # Images count rows downwards, and the axis of the second joint points upwards.
     picture = _image(values[::-1] / most)
     parts = [
         f'<image {area} preserveAspectRatio="none" href="{picture}"/>',
@@ -101,6 +105,7 @@ def _curve(joint: Joint, place: int, landscape: Landscape) -> str:
     across = _Axis(joint, _LEFT, _LEFT + _CURVE_WIDTH)
     angles = landscape.angles(place)
     values = landscape.along(place, angles)
+    # The axis always contains 1, the uniform density, because it is the reference of all values.
     bottom, most = _TOP + _CURVE_HEIGHT, 1.08 * max(1.0, float(values.max()))
     heights = bottom - values / most * _CURVE_HEIGHT
     pairs = zip(across(angles), heights, strict=True)
@@ -164,6 +169,7 @@ def _scale(most: float, x: float, tall: float) -> Iterator[str]:
 
 def _heights(most: float, bottom: float, across: _Axis) -> Iterator[str]:
     """Yield the axis of a curve's heights: densities relative to the uniform one."""
+    # The axis has at most five lines above zero, at 1, 2 or 5 times a power of ten.
     step = next((step for step in _HEIGHTS if most / step <= 5), most)
     for number in range(int(most / step) + 1):
         y = bottom - number * step / most * _CURVE_HEIGHT

@@ -69,9 +69,12 @@ def read_links(
         name: tuple(_shapes(body.visuals, folder, is_recorded))
         for name, body in model.bodies.items()
     }
+    # One visible shape suffices. Links without shapes, such as frames of tools, then stay
+    # invisible.
     shown = seen if any(seen.values()) else skeleton(model.joints.values())
     links: list[DrawnLink] = []
     places: dict[str, int] = {}
+    # Parents precede their children, so that `places` has the parent of each joint.
     for name in _outwards(model, above):
         shapes = shown.get(name, ())
         places[name] = len(links)
@@ -117,6 +120,7 @@ def _driven(
     if joint.name in couplings:
         follows, ratio, *offset = couplings[joint.name]
         return joints.index(follows), float(ratio), float(*offset)
+    # Joints that are neither recorded nor coupled, such as fixed ones, stay at their rest position.
     return -1, 1.0, rest
 
 
@@ -141,7 +145,9 @@ def _shapes(visuals: Sequence[UrdfShape], folder: Path, is_recorded: bool) -> It
             mesh = None if file is None else read_mesh(file, size)
             if mesh is None:
                 continue
+            # The size of a mesh in URDF is its scale, which `read_mesh` has applied.
             size = ()
+        # Pages draw no capsules; a cylinder lacks the rounded ends alone.
         kind = "cylinder" if kind == "capsule" else kind
         at = visual.origin
         yield LinkShape(kind, size, at.xyz, at.quaternion, visual.color or _GREY, mesh)

@@ -34,6 +34,10 @@ class Band(NamedTuple):
 Center = Callable[[Floats], Floats]
 
 
+# Model of the interquartile mean: of n sorted trials, trial i covers the share [(i - 1) / n, i /
+# n]. Its weight is the part of this span within [1/4, 3/4], times 2, so that all weights add up to
+# 1. Six trials have the weights 0, 1/6, 1/3, 1/3, 1/6 and 0. Each episode is sorted by itself: the
+# middle trials of one episode may be others in the next.
 def interquartile_mean(values: Floats) -> Floats:
     """Return the mean of the middle half of the trials; shape (..., trials, n) to (..., n).
 
@@ -63,12 +67,15 @@ def band(values: Floats, center: Center = interquartile_mean, seed: int = 0) -> 
         seed: Seed of the resampling.
     """
     rng, count = np.random.default_rng(seed), len(values)
+    # A single trial can only be drawn as itself, so that its interval is the curve.
     draws = _DRAWS if count > 1 else 1
     # In parts, because all draws of a hundred long trials together would take gigabytes.
     parts = [
         center(values[rng.integers(count, size=(min(_PART, draws - done), count))])
         for done in range(0, draws, _PART)
     ]
+    # The percentile bootstrap assumes independent trials. With fewer than about ten, it is too
+    # narrow.
     tail = (1 - _LEVEL) / 2
     lower, upper = np.quantile(np.concatenate(parts), (tail, 1 - tail), axis=0)
     return Band(center(values), lower, upper)
@@ -77,6 +84,7 @@ def band(values: Floats, center: Center = interquartile_mean, seed: int = 0) -> 
 def running_mean(values: Floats, window: int) -> Floats:
     """Return the mean of up to ``window`` last values, at each place along the last axis."""
     count = values.shape[-1]
+    # Differences of cumulative sums cost the same for each window. The first windows are shorter.
     sums = np.concatenate([np.zeros((*values.shape[:-1], 1)), values.cumsum(axis=-1)], axis=-1)
     ends = np.arange(1, count + 1)
     begins = np.maximum(ends - window, 0)

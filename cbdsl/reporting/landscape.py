@@ -17,6 +17,15 @@ _REPEATED = 2
 _erf = np.vectorize(math.erf, otypes=[float])
 
 
+# Model of the density, relative to the uniform one:
+#   f(x) = u + (1 - u) * sum_k prod_j r_j N(x_j; c_kj, s_j) / sum_k prod_j m_kj.
+# The share u is uniform. Kernel k has the centre c_kj and the deviation s_j along joint j. The
+# joint has the range r_j, and m_kj is the mass of the kernel within its limits. A Gaussian model is
+# the case of one kernel. The normalization divides by the mass of whole configurations, because a
+# sample is drawn again if any joint is beyond its limits. The marginal of one joint weights kernel
+# k by the masses m_ki of all other joints i. For an endless joint, kernels are repeated by whole
+# turns, a wrapped Gaussian. Turns beyond the second are at least 4 pi from every shown angle, and
+# are neglected.
 class Landscape:
     """Density within joint limits, as sampled: samples beyond the limits are drawn again.
 
@@ -106,6 +115,8 @@ class Landscape:
             values = self.over(self.angles(0), self.angles(1))
             row, column = np.unravel_index(values.argmax(), values.shape)
             return (float(self.angles(0)[column]), float(self.angles(1)[row])), float(values.max())
+        # A grid over more than two joints would be too large. The maxima of marginals need not
+        # belong to one configuration that is likely.
         heights = [self.along(joint, self.angles(joint)) for joint in joints]
         best = tuple(float(self.angles(joint)[heights[joint].argmax()]) for joint in joints)
         return best, float(max(height.max() for height in heights))

@@ -131,6 +131,7 @@ def find_learned(path: Path) -> list[Path]:
 
 def _numbered(file: Path) -> list[tuple[str, int]]:
     """Return a sort key by name, with numbers in names by their value."""
+    # `trial_10` follows `trial_9`, unlike in the order of letters.
     return [(word, int(number or 0)) for word, number in re.findall(r"(\D*)(\d*)", file.name)]
 
 
@@ -148,6 +149,7 @@ def read_learned(file: Path) -> Learned:
     require_legible(policy, file)
     episodes = tuple(_from_journal(file, len(policy.curve.reward)) or _from_curve(policy))
     models = []
+    # A policy without one of its densities is still worth a page; a note states the reason.
     for name, document in _models(file, policy):
         try:
             models.append(_model(library, file, name, document))
@@ -238,6 +240,7 @@ def _from_journal(file: Path, number: int) -> list[Episode]:
         lines = path.read_bytes().splitlines(keepends=True)
     except OSError as error:
         raise UsageError(f"{path}: {reason(error)}") from error
+    # The first line is the header of the journal. Episodes beyond those of the policy are left out.
     rows, _ = rows_of(b"".join(lines[: 1 + number]), path)
     experiences = [EPISODES.parse(row, path, line) for line, row in enumerate(rows[1:], 2)]
     if len(experiences) < number:

@@ -85,6 +85,7 @@ def _summary(results: Sequence[Measured]) -> str:
             len(each.group.trials),
             each.group.episodes,
             percent(each.group.hits().mean()),
+            # At this place, the window holds exactly the first episodes.
             _interval(each.rate[_SOME], min(_SOME, each.group.episodes) - 1),
             _interval(each.rate[_SOME], -1),
         )
@@ -151,6 +152,7 @@ def _trial(learned: Learned, place: int, above: float) -> str:
 def _transitions(learned: Learned, above: float) -> PolicyTransitions:
     """Return the policy's graph, with rewarded states from the journal, if there is one."""
     ends = [(episode.end, episode.reward > 0) for episode in learned.episodes]
+    # One unrewarded episode suffices: a final state counts as rewarded only without exception.
     unrewarded = {end for end, rewarded in ends if not rewarded}
     known = {end for end, _ in ends if end is not None}
     return policy_transitions(

@@ -18,8 +18,11 @@ def placed(link: DrawnLink, positions: Floats) -> tuple[Floats, Floats]:
     """
     angle = link.offset + (link.ratio * positions[link.column] if link.column >= 0 else 0.0)
     place, turn = np.array(link.position, dtype=float), np.array(link.quaternion, dtype=float)
+    # URDF allows axes of any length. A zero axis stays zero instead of NaN.
     axis = np.array(link.axis, dtype=float)
     axis /= np.linalg.norm(axis) or 1.0
+    # The motion of the joint follows its constant origin. Its axis is therefore in the turned
+    # frame.
     if link.motion == "slide":
         return place + turned(turn, axis * angle), turn
     if link.motion == "turn":

@@ -45,6 +45,7 @@ def write_mcap(recorded: Recorded, target: Path) -> int:
     Raises:
         OSError: The file cannot be written.
     """
+    # The file is complete in memory before it replaces another one.
     stream = io.BytesIO()
     messages = _Messages(Writer(stream), recorded)
     count = messages.write()
@@ -81,6 +82,7 @@ class _Messages:
         return self._count
 
     def _put(self, topic: str, schema: str, time: float, message: Json) -> None:
+        # Channels are registered with their first message, so that a file lists no empty topic.
         if topic not in self._channels:
             if schema not in self._schemas:
                 text = json.dumps(SCHEMAS[schema]).encode()
@@ -106,6 +108,7 @@ class _Messages:
             place, turn = placed(link, positions)
             transforms.append(_transform(time, parent, link.name, place, turn))
         for name, pose in zip(self._summary["scene"], self._scene(tick), strict=True):
+            # NaN marks an object that is not in the world at this tick.
             if not math.isnan(pose[0]):
                 frame = f"thing/{name}"
                 transforms.append(_transform(time, WORLD, frame, pose[:3], pose[3:]))

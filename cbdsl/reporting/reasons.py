@@ -17,6 +17,10 @@ _SMALL_SHARE = 0.5
 _SMALL_PHI = 1e-4
 
 
+# The examined end covers half a second, because values of a single tick change with contacts and
+# noise. Its last tick is the last one in which a controller acted, since a run may end later. A
+# missing signal comes first: it explains why a controller did not act at all. Blocked levels
+# follow, then guards and joint limits, which may hold without blocking anything.
 def reasons(recorded: Recorded) -> list[str]:
     """Return sentences, the most informative first; none if nothing blocked the episode."""
     end = _last_ticks(recorded)
@@ -89,6 +93,8 @@ def _achieved(share: float) -> str:
 def _cause(recorded: Recorded, tick: int, column: int) -> str:
     """Return the cause that kept a level from moving, as a clause."""
     arrays, names = recorded.arrays, recorded.controllers
+    # Indices of controllers are followed by two that stand for joint limits and for reach; -1 is
+    # none.
     holder = int(arrays["level_held_by"][tick, column])
     if holder == len(names):
         return "because joints were at their limits"

@@ -96,6 +96,7 @@ def find_recordings(path: Path) -> list[Path]:
         raise UsageError(
             f"{path}: no recording is in this folder; {_MAKING}, and none for a run that was killed"
         )
+    # Shorter names first: `episode_9` precedes `episode_10`.
     return sorted(files, key=lambda each: (len(each.name), each.name))
 
 
@@ -115,6 +116,7 @@ def read_recording(file: Path) -> Recorded:
     missing += [f"signal_{name}" for name in summary["signals"] if f"signal_{name}" not in arrays]
     if missing:
         raise UsageError(f"{file.with_suffix('.npz')}: lacks {', '.join(missing)}")
+    # All arrays but images have a row for each tick. Without ground truth, the scene is empty.
     ticks = {len(summary["predicates"])}
     ticks |= {len(array) for key, array in arrays.items() if not key.startswith("image_")}
     ticks -= {0} if not len(arrays["scene"]) else set()
@@ -177,6 +179,7 @@ def _require_bounded(file: Path) -> None:
     """
     if not file.is_file():
         raise UsageError(f"{file}: not a regular file")
+    # A small archive can unpack to terabytes, and a forged header can make `np.load` allocate them.
     with zipfile.ZipFile(file) as archive:
         parts = archive.infolist()
         if sum(part.file_size for part in parts) > _MOST_ARRAY_BYTES:

@@ -15,6 +15,8 @@ from cbdsl.robot.urdf_reader import parse_urdf
 _Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
+# Strict models reject texts such as "1" for numbers, which pydantic would otherwise convert here
+# and the page would not.
 class _Result(BaseModel, strict=True):
     program: str
     stage: str

@@ -41,7 +41,10 @@ def _shapes(joints: Iterable[UrdfJoint], radius: float) -> Iterator[LinkShape]:
 
 def _along(direction: Numbers) -> Numbers:
     """Return the quaternion (x, y, z, w) of the shortest turn from the z axis to a direction."""
+    # The shortest turn from z to a unit vector d is the quaternion (z x d, 1 + z . d), normalized.
+    # Its norm is sqrt(2 (1 + z . d)).
     x, y, z = (value / math.hypot(*direction) for value in direction)
+    # Opposite to z, the axis is arbitrary: half a turn about x.
     if z < -1 + 1e-9:
         return (1.0, 0.0, 0.0, 0.0)
     length = math.sqrt(2 * (1 + z))

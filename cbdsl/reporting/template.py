@@ -39,6 +39,7 @@ def filled(
         "title": escape(title),
         "licenses": _asset("vendor/LICENSES.txt"),
         "styles": "\n".join(map(_asset, styles)),
+        # In a string of JavaScript, `<\/` is the same as `</`.
         "scripts": "\n".join(_END_OF_SCRIPT.sub(r"<\\/", _asset(each)) for each in scripts),
         "body": _fill(name, slots),
         "data": data,

@@ -26,6 +26,7 @@ def encoded(images: NDArray[np.uint8]) -> list[bytes]:
 
 
 def _webp(image: NDArray[Any]) -> bytes:
+    # OpenCV encodes images in the order blue, green, red.
     blue_first = np.ascontiguousarray(image[..., ::-1])
     _, content = cv2.imencode(".webp", blue_first, [cv2.IMWRITE_WEBP_QUALITY, _QUALITY])
     return bytes(content)

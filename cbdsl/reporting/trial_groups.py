@@ -37,6 +37,7 @@ class TrialGroup(NamedTuple):
     @property
     def episodes(self) -> int:
         """Number of episodes that all trials have."""
+        # Trials of a group may differ in length, and curves over trials need all trials.
         return min(len(trial.episodes) for trial in self.trials)
 
     def rates(self) -> Floats:
@@ -84,6 +85,7 @@ def _identity(learned: Learned) -> object:
     provenance = learned.policy.provenance
     if provenance is None:
         return learned.file
+    # All that influences learning separates groups, except for the seed, the length, and versions.
     return provenance.model_dump_json(exclude={"command", "seed", "trial", "episodes", "versions"})
 
 

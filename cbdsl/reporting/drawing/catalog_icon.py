@@ -51,7 +51,10 @@ def icon_parts(words: str, layers: Sequence[Layer]) -> tuple[int, list[str]]:
         words: Label on the object.
         layers: Affordances, as for ``catalog_icon``.
     """
+    # An action without any reward is not afforded. All others were tried, so that no division below
+    # is by zero.
     afforded = [layer for layer in layers if layer.rewarded]
+    # Rows are drawn downwards. Ascending shares put the surest affordance directly on the object.
     ordered = sorted(afforded, key=lambda layer: layer.rewarded / layer.tried)
     height = 2 * _MARGIN + (len(ordered) + 1) * (_HEIGHT + _GAP)
     parts: list[str] = []

@@ -26,6 +26,7 @@ def _cluster(graph: Graph, key: str) -> Iterator[str]:
     """Yield one graph; ``key`` makes its nodes distinct from the nodes of other graphs."""
     yield f"subgraph cluster_{key} {{"
     yield f"  label={_quoted(graph.title, *graph.notes)} labeljust=l"
+    # States such as `X-*1` are no identifiers of DOT, so that nodes are numbered.
     keys = {node.key: f"{key}_{place}" for place, node in enumerate(graph.nodes)}
     for node in graph.nodes:
         yield f"  {keys[node.key]} [{_look(graph, node)}]"
@@ -34,13 +35,19 @@ def _cluster(graph: Graph, key: str) -> Iterator[str]:
             yield f"  {keys[node.key]}_start -> {keys[node.key]}"
     for edge in graph.edges:
         look = f"label={_quoted(edge.label)} penwidth={0.8 + 2.2 * edge.weight:.1f}"
+        # Without `constraint=false`, the edge would count in the ranking of nodes, like a further
+        # step forwards.
         look += " style=dashed constraint=false" if edge.back else ""
         yield f"  {keys[edge.source]} -> {keys[edge.target]} [{look}]"
     yield "}"
+    # Inner graphs follow after the closing brace. Within it, Graphviz would nest their clusters in
+    # this one.
     for node in graph.nodes:
         if node.inner is not None:
             inner = f"{keys[node.key]}_p"
             yield from _cluster(node.inner, inner)
+            # DOT has no edges to clusters. This edge leads to the first node, and `lhead` cuts it
+            # at the border.
             yield f"{keys[node.key]} -> {inner}_0 [style=dotted lhead=cluster_{inner}]"
 
 
@@ -75,5 +82,6 @@ def _cell(letter: str, program: bool) -> str:
 
 
 def _quoted(*lines: str) -> str:
+    # Backslashes come first. In the reverse order, those of escaped quotes would be escaped again.
     escaped = (line.replace("\\", r"\\").replace('"', r"\"") for line in lines)
     return '"' + r"\n".join(escaped) + '"'

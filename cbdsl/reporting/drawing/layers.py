@@ -62,6 +62,16 @@ class _Cell(NamedTuple):
     node: Key | None
 
 
+# Layered drawing of a directed graph, after Sugiyama, Tagawa and Toda (1981), in three steps:
+# 1. Rows. The row of a node is its distance, in arcs, from the first root that reaches it.
+#    Cycles are allowed: an arc may lead upwards, or stay within its row.
+# 2. Order. Each row is sorted by the mean places of the neighbours in an adjacent row.
+#    Sweeps alternate downwards and upwards; the order with the fewest crossings is kept.
+# 3. Places. Cells approach the weighted mean of their neighbours at a minimum distance from
+#    each other. Within one row, this least-squares problem is solved exactly.
+# An arc over several rows has a cell in each row that it passes, so that it crosses no node.
+# All steps are heuristics, deterministic, and for tens of nodes: the count of crossings is
+# quadratic in the arcs between two rows.
 def lay_out(
     sizes: Mapping[Key, Size],
     arcs: Sequence[tuple[Key, Key]],
@@ -118,6 +128,7 @@ def _rows(
         after[source].append(target)
     joined = {node for arc in arcs for node in arc}
     row_of: dict[Key, int] = {}
+    # Nodes that no root reaches begin searches of their own, also in the first row.
     for root in (*roots, *(node for node in nodes if node in joined)):
         waiting = [root] if root not in row_of else []
         row_of.setdefault(root, 0)
@@ -127,6 +138,8 @@ def _rows(
                 if target not in row_of:
                     row_of[target] = row_of[node] + 1
                     waiting.append(target)
+    # Nodes without arcs come last, a few in a row. In the first row, they would make the drawing
+    # too wide.
     loose = [node for node in nodes if node not in row_of]
     first = max(row_of.values(), default=-1) + 1
     return row_of | {node: first + place // _LOOSE for place, node in enumerate(loose)}
@@ -136,6 +149,7 @@ def _chain(arc: tuple[Key, Key], rows: Mapping[Key, int]) -> tuple[_Cell, ...]:
     """Return the cells of an arc: its source, the cells in passed rows, and its target."""
     (source, target), (first, last) = arc, (rows[arc[0]], rows[arc[1]])
     step = 1 if last > first else -1
+    # An arc within a row passes no row; `_routes` draws it as one bow.
     passed = range(first + step, last, step) if first != last else range(0)
     return (
         _Cell(first, None, source),
@@ -175,6 +189,7 @@ def _order(rows: list[list[_Cell]], chains: Sequence[tuple[_Cell, ...]]) -> list
         rows = [list(row) for row in rows]
         for number in range(len(rows))[::step]:
             if 0 <= number - step < len(rows):
+                # Downwards, the row above is fixed, and upwards the row below.
                 beside = {cell: place for place, cell in enumerate(rows[number - step])}
                 rows[number] = _by_barycentre(rows[number], beside, near)
         crossings = _crossings(rows, near)
@@ -187,6 +202,7 @@ def _by_barycentre(
     row: list[_Cell], beside: Mapping[_Cell, int], near: Mapping[_Cell, list[_Cell]]
 ) -> list[_Cell]:
     def weight(place: int) -> float:
+        # A cell without neighbours there keeps its place as its weight. The sort is stable.
         places = [beside[cell] for cell in near.get(row[place], ()) if cell in beside]
         return sum(places) / len(places) if places else float(place)
 
@@ -203,6 +219,8 @@ def _crossings(rows: Sequence[Sequence[_Cell]], near: Mapping[_Cell, list[_Cell]
             for other in near.get(cell, ())
             if other in below
         ]
+        # Both strict comparisons have one direction, so that each pair counts once, and shared ends
+        # do not count.
         total += sum(a < c and b > d for a, b in ends for c, d in ends)
     return total
 
@@ -246,10 +264,13 @@ def _apart(
     After subtraction of the space for preceding cells, places may not decrease: isotonic
     regression, by pooling adjacent violators.
     """
+    # The offset of a cell is its least distance from the first cell of the row.
     offsets, offset = [], 0.0
     for before, cell in zip((None, *row), row, strict=False):
         offset += 0.0 if before is None else (widths[before] + widths[cell]) / 2 + across
         offsets.append(offset)
+    # A pool is a run of cells with equal levels. Pools merge, weighted by their sizes, until levels
+    # do not decrease.
     pools: list[tuple[float, int]] = []
     for cell, offset in zip(row, offsets, strict=True):
         mean, size = wanted[cell] - offset, 1
@@ -285,6 +306,7 @@ def _routes(
             points.append((ports[arc, end], middles[cell.row] + side))
         between: list[Point] = []
         for cell in chain[1:-1]:
+            # Two points for each passed row keep the arc straight in the gap between its nodes.
             rim = tops[cell.row], tops[cell.row] + tall[cell.row]
             down = chain[-1].row > chain[0].row
             between += [(across[cell], y) for y in (rim if down else rim[::-1])]
@@ -320,6 +342,8 @@ def _ports(
     ports = {}
     for (cell, _), ends in sides.items():
         width = sizes[cell.node or ""].width
+        # In the order of the next cells, arcs of one side do not cross near the node. Ports stay
+        # off the corners, within 90 % of the side.
         for place, (_, arc, end) in enumerate(sorted(ends), start=1):
             ports[arc, end] = across[cell] + width * (place / (len(ends) + 1) - 0.5) * 0.9
     return ports

@@ -24,6 +24,7 @@ def mermaid(graph: Graph) -> str:
 def _subgraph(graph: Graph, key: str) -> Iterator[str]:
     """Yield one graph; ``key`` makes its nodes distinct from the nodes of other graphs."""
     yield f"subgraph {key}_box[{_quoted(graph.title)}]"
+    # States such as `X-*1` are no identifiers of Mermaid, so that nodes are numbered.
     keys = {node.key: f"{key}_{place}" for place, node in enumerate(graph.nodes)}
     for node in graph.nodes:
         yield from (f"  {line}" for line in _node(node, keys[node.key]))
@@ -37,6 +38,7 @@ def _subgraph(graph: Graph, key: str) -> Iterator[str]:
 
 
 def _node(node: Vertex, key: str) -> Iterator[str]:
+    # Mermaid has no double frame. Its shape for subroutines, with double sides, stands for it.
     left, right = ("[[", "]]") if node.frame else _BRACKETS.get(node.shape, "[]")
     letters = [symbols(node.letters)] if node.letters else []
     yield f"{key}{left}{_quoted(*letters, *(line.text for line in node.lines))}{right}"

@@ -39,6 +39,7 @@ def meta_catalog_graph(catalog: MetaCatalogDocument) -> str:
     of success. Above these, dashed, are the stacks of three that follow from the pairs.
     """
     rows = [_stacks(catalog), _pairs(catalog), _things(catalog)]
+    # A catalog without rewarded pairs has neither pairs nor stacks to draw.
     rows = [row for row in rows if row]
     widest = max(len(row) for row in rows)
     width = 2 * _MARGIN + widest * (_WIDTH + _GAP) - _GAP
@@ -55,6 +56,7 @@ def meta_catalog_graph(catalog: MetaCatalogDocument) -> str:
         f'<rect width="{width:g}" height="{height:g}" fill="#ffffff"/>',
     ]
     boxes = {key: box for row in rows for key, box in row.items()}
+    # Lines come first, so that the boxes cover their ends.
     for key, box in boxes.items():
         parts += [_line(places[key], places[other], box) for other in box.below]
     for key, box in boxes.items():

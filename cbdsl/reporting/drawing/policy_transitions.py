@@ -50,6 +50,8 @@ class Decision(NamedTuple):
 
         It is the share of all visits to this state. An episode that ended in it has no next state.
         """
+        # The counts of next states are conditional on a departure. The factor relates them to all
+        # visits.
         return (1 - self.end) * self.after.get(state, 0) / self.tried if self.tried else 0.0
 
 
@@ -95,6 +97,12 @@ class PolicyTransitions(NamedTuple):
     rewarded: frozenset[str]
 
 
+# A policy document counts transitions n(s, a, s'), but neither initial nor final states. Over
+# complete episodes, each state s satisfies the balance
+#   departures(s) - arrivals(s) = begun(s) - ended(s).
+# The sign of the difference shows which of both dominates, and the difference bounds it from below.
+# The visits to s are max(departures, arrivals) if s is not both initial and final. Where this
+# breaks: a state in which as many episodes begin as end counts as neither.
 def decisions(policy: PolicyDocument) -> tuple[Decision, ...]:
     """Return all states that a policy decides, in its order, then states that only ended episodes.
 
@@ -174,9 +182,13 @@ def policy_transitions(
     leading = {state: _arcs(decision, above) for state, decision in known.items()}
     began = [state for state, decision in known.items() if decision.started]
     shown = _reached(began, leading)
+    # A written policy has no transitions, and therefore no initial state: all of its states are
+    # drawn.
     if every or not began:
         shown = list(dict.fromkeys((*shown, *known)))
     if rewarded is None:
+        # The curve has the rewards of episodes, but not their final states. Only if all were
+        # rewarded, each final state is known to be rewarding.
         always = policy.curve is not None and all(policy.curve.reward)
         rewarded = [decision.state for decision in known.values() if always and decision.ended]
     return PolicyTransitions(

@@ -26,6 +26,8 @@ def schema_graph(schema: SchemaDocument) -> Graph:
     return Graph(
         name=schema.name,
         title=f"{schema.name}, a schema of {schema.program} under policy {schema.policy}",
+        # The first node is the root of the tree of reward, or of the allocations if there is no
+        # such tree.
         nodes=(nodes[0]._replace(started=True), *nodes[1:]),
         edges=tuple(part for part in parts if isinstance(part, Edge)),
         members=(),
@@ -46,6 +48,7 @@ def _reward(tree: RewardTree | None, key: str, schema: SchemaDocument) -> _Parts
             yield Edge(key, f"{key}_{word}", word)
             yield from _reward(below, f"{key}_{word}", schema)
         return
+    # An unlikely reward leaves the program undefined, shown as its predicate `-`, before it moves.
     likely = tree >= schema.least_reward
     words = f"reward {100 * tree:.0f} %"
     lines = (TextLine(words, "reward" if likely else ""), *([] if likely else [TextLine("-")]))

@@ -87,6 +87,7 @@ def svg(graph: Graph) -> str:
 
 def _all(graph: Graph, seen: list[Graph]) -> list[Graph]:
     """Return a graph and all graphs within it, each once."""
+    # A program that several actions use is drawn once; their nodes link to it.
     if graph not in seen:
         seen.append(graph)
         for node in graph.nodes:
@@ -119,6 +120,7 @@ class _Panel:
 
     def lines(self, top: float, wide: float) -> Iterator[str]:
         """Yield the panel from ``top`` downwards, centred in a width, px."""
+        # Columns begin at the left margin like text; diagrams in rows are centred.
         left = _MARGIN + (0 if self.graph.across else (wide - self._layout.size.width) / 2)
         yield f"<g id={quoteattr(self.graph.name)}>"
         yield text(self.graph.title, _MARGIN, top, "name")
@@ -160,6 +162,7 @@ class _Panel:
         for arc in self._arcs:
             path, points = _path(self._layout.routes[arc.source, arc.target], self.graph.across)
             yield f'<path class="arc" d="{path}" stroke-width="{_thickness(arc):.1f}"/>'
+            # The last two samples give the direction in which the arc reaches its node.
             (x1, y1), (x2, y2) = points[-2:]
             along, turned = (x2 - x1, 0) if self.graph.across else (y2 - y1, 90)
             yield _tip(points[-1], turned if along > 0 else turned - 180)
@@ -245,6 +248,11 @@ def _thickness(arc: Edge) -> float:
     return 0.8 + 2.2 * arc.weight
 
 
+# An arc is a chain of cubic Bezier curves with vertical tangents at all points of its route. The
+# control points are at half the height between two route points, so that the chain has no corners.
+# Within a row, the route has one middle point. Its curve bows beyond this point: by half of its
+# distance if both ends are at the same height. Horizontal layouts exchange x and y before and
+# after.
 def _path(route: Sequence[Point], across: bool) -> tuple[str, list[Point]]:
     """Return a route as a smooth path, and points along it.
 
@@ -260,8 +268,10 @@ def _path(route: Sequence[Point], across: bool) -> tuple[str, list[Point]]:
             ((x1, y1), (x1, (y1 + y2) / 2), (x2, (y1 + y2) / 2), (x2, y2))
             for (x1, y1), (x2, y2) in pairwise(route)
         ]
+    # Samples for labels and the tip precede the next step, which shortens the arc.
     points = [_on(bow, step / 16) for bow in bows for step in range(17)]
     start, control, approach, end = bows[-1]
+    # The line ends within the tip. A line up to the border would show beside the point of the tip.
     back = math.copysign(_HEAD - 1, end[1] - approach[1])
     bows[-1] = (start, control, approach, (end[0], end[1] - back))
     steps = [bows[0][0], *(point for bow in bows for point in bow[1:])]
@@ -297,6 +307,8 @@ def _label(
             for x, y, w, h in nodes
         )
 
+    # An arc without any free place keeps the preferred one: an overlap is better than a missing
+    # label.
     free = (each for each in labels if not hidden(each) and not any(map(each.meets, taken)))
     return next(free, labels[0])
 

@@ -66,12 +66,15 @@ def write_dataset(
     """
     _require_free(target, overwrite=overwrite)
     target.parent.mkdir(parents=True, exist_ok=True)
+    # An interrupted export leaves no folder that looks complete. The process number separates
+    # simultaneous exports.
     partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
     try:
         with _Dataset(partial, rate, videos=videos) as dataset:
             for recorded in recordings:
                 dataset.add(recorded, task)
         if target.exists():
+            # A folder with files cannot be replaced by a renamed one.
             shutil.rmtree(target)
         os.replace(partial, target)
     finally:
@@ -87,6 +90,7 @@ def _require_free(target: Path, *, overwrite: bool) -> None:
             f"{target}: already exists; choose another folder with --out, or replace the dataset "
             "with --overwrite"
         )
+    # A mistyped `--out` must not delete a folder of other data.
     if not (target / "meta" / "info.json").is_file():
         raise UsageError(f"{target}: not a LeRobot dataset, and not replaced; choose another --out")
 
@@ -123,6 +127,7 @@ class _Dataset:
         """Add an episode as a row group of its own."""
         self._rate = self._rate or frame_rate(recorded)
         frames = frames_of(recorded, self._rate, task)
+        # All row groups of a file share one schema, so that this check precedes any writing.
         self._require_like_first(recorded, _features(frames, self._rate if self._videos else None))
         task_index = self._tasks.setdefault(frames.task, len(self._tasks))
         columns = self._columns(len(frames), task_index)
@@ -138,6 +143,7 @@ class _Dataset:
 
     def _filmed(self, frames: Frames, rate: int) -> Json:
         """Write a video of each camera and return the columns of their places."""
+        # Each episode is a video of its own, with times from 0.
         chunk, file = divmod(self.episodes, _FILES_PER_CHUNK)
         place, columns = {"chunk_index": chunk, "file_index": file}, Json()
         for name, images in frames.images.items():
@@ -181,6 +187,7 @@ class _Dataset:
         writer = self._writer
         if writer is not None:
             path = self._folder / _DATA.format(**self._place())
+            # Files may exceed the limit by one episode, because no episode is divided.
             if path.stat().st_size < _LARGEST_FILE * _MEGABYTE:
                 return writer
             writer.close()

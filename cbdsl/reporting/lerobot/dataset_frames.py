@@ -74,6 +74,7 @@ def frames_of(recorded: Recorded, rate: int, task: str | None) -> Frames:
         raise UsageError(
             f"--fps {rate}: {recorded.file} has {control:.0f} ticks per second; choose at most that"
         )
+    # Sums of tick durations may end just below the time of a frame, which counts nevertheless.
     count = int((arrays["time"][-1] + _ROUNDING) * rate) + 1
     times = np.arange(count) / rate
     ticks = _newest(arrays["time"], times)
@@ -131,6 +132,7 @@ def _program(summary: Mapping[str, Any], times: Array) -> dict[str, list[str]]:
     """Return the state of the program at each frame, and the action that it runs there."""
     passed = _passed(summary)
     members = summary["members"][summary["result"]["program"]]
+    # Before the first transition, no member is active. After the last one, no action runs.
     states = ["X" * len(members), *(row["next_state"] for row in passed)]
     actions = [*(row["action"] for row in passed), ""]
     ends = np.array([row["time"] for row in passed])

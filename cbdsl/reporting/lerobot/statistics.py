@@ -68,6 +68,9 @@ def _of_numbers(values: Floats) -> Row:
     return row
 
 
+# Model: the q-quantile is the least value at which the cumulative share reaches q. Its resolution
+# is 1/255, the resolution of the images. `argmax` of a Boolean array is the index of its first
+# True.
 def _of_histogram(counts: NDArray[np.int64]) -> Row:
     """Return statistics per channel, each of shape (3, 1, 1), of values from 0 to 1."""
     shares = counts / counts.sum(axis=1, keepdims=True)

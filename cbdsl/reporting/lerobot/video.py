@@ -41,6 +41,7 @@ def write_video(path: Path, images: NDArray[np.uint8], rate: int) -> None:
         for image in images:
             frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image), format="rgb24")
             container.mux(stream.encode(frame))
+        # The encoder delays images; a call without one returns the rest.
         container.mux(stream.encode())
 
 

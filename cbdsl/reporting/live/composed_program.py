@@ -66,6 +66,8 @@ def composed_program(
     source = _plain(Library().text(file), str(file))
     before, controllers = source.get("name", ""), dict(source["controllers"])
     left_out = []
+    # A page also changes controllers of programs that are used. This document defines its own
+    # alone.
     for each in dict.fromkeys([*changes.gains, *changes.targets]):
         if not isinstance(controllers.get(each), dict):
             left_out.append(each)
@@ -94,12 +96,14 @@ def _plain(text: str, file: str) -> Plain:
 
 def _only(source: Plain, stack: Sequence[str]) -> Plain:
     """Return a program with a stack as its only action, and the definitions that it needs."""
+    # The stack begins with the highest priority, and the operator names it last.
     action = " ◁ ".join(reversed(stack))
     made = {key: value for key, value in source.items() if key not in _OF_STATES}
     needed = _needed(source["controllers"], f"{action} {source.get('background', '')}")
     made["controllers"] = {k: v for k, v in source["controllers"].items() if k in needed}
     # Each controller is an action as well, so that the states include all of them.
     made["actions"] = list(dict.fromkeys([*reversed(stack), action]))
+    # One pattern matches all states, so that the stack runs until a time limit.
     made["policy"] = {"*" * len(stack): action}
     read = {word for key in ("controllers", "background") for word in _words(made.get(key))}
     for key in ("parameters", "resources", "models"):
@@ -116,6 +120,8 @@ def _only(source: Plain, stack: Sequence[str]) -> Plain:
 
 def _needed(controllers: Plain, text: str) -> set[str]:
     """Return controllers that a text names, and their dependencies."""
+    # Texts are searched for names instead of parsed. An accidental match keeps a definition too
+    # many, which is harmless.
     needed: set[str] = set()
     waiting = [text]
     while waiting:

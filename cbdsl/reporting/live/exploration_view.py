@@ -136,4 +136,5 @@ def _state(affordance: Affordance, habituated: bool) -> str:
 
 
 def _number(value: float) -> float | None:
+    # JSON has neither NaN nor infinity. Six digits suffice on a page.
     return float(f"{value:.6g}") if math.isfinite(value) else None

@@ -13,6 +13,11 @@ class FullError(Exception):
     """Error of a page that exceeds the maximum number of pages."""
 
 
+# The log holds messages that every page needs, such as transitions and shapes of objects. Of all
+# other kinds, only the newest message is kept, numbered by a common counter. A page remembers its
+# place in the log and the highest number that it received. The publisher therefore keeps nothing
+# per page, and no slow page delays the control loop. A page that connects late receives the log
+# from the beginning of the episode.
 class Feed:
     """Messages of the current episode, from one thread to any number of pages.
 
@@ -112,6 +117,7 @@ class PageCursor:
         feed = self._feed
         with feed._changed:
             if not self._is_behind() and not feed._closed:
+                # A wake-up without news returns an empty list, which the caller allows.
                 feed._changed.wait(patience)
             return self._take()
 
@@ -124,6 +130,7 @@ class PageCursor:
         feed = self._feed
         if self._episode != feed._episode:
             self._episode, self._place = feed._episode, 0
+        # The log comes first, because frames refer to controllers and objects that it introduces.
         log, self._place = feed._log[self._place :], len(feed._log)
         newest = sorted(
             (each for each in feed._newest.values() if each[0] > self._seen), key=lambda e: e[0]

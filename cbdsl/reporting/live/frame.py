@@ -92,6 +92,7 @@ def images(tick: Tick) -> Callable[[], dict[str, str]]:
 
     It returns WebP images, encoded as Base64, by camera.
     """
+    # The copy is made now; encoding, which takes longer, is left to the thread of a page.
     small = {
         camera: cv2.resize(image, None, fx=_SCALE, fy=_SCALE)
         for camera, image in tick.observation.images.items()

@@ -77,6 +77,7 @@ class LiveView(EpisodeObserver):
             "past": self._past[-_KEPT:],
         }
         self._feed.begin(message("episode", header))
+        # `Feed.begin` drops all messages, even a catalog that is still valid.
         for each in self._kept.values():
             self._feed.renew(each)
         self._transport.begin()
@@ -101,6 +102,7 @@ class LiveView(EpisodeObserver):
 
     def note_tick(self, tick: Tick) -> None:
         """Note a tick; see ``EpisodeObserver.note_tick``."""
+        # The composer changes the run, which an observer first meets in a tick.
         if self._last is None and self._composer is not None:
             self._composer.begin(tick.run)
         self._last = tick
@@ -133,6 +135,7 @@ class LiveView(EpisodeObserver):
         tick = self._last
         if tick is None:
             return
+        # Frames name controllers by index and objects by name, so that both messages precede them.
         if not self._names:
             self._tell_controllers(tick)
         world = None if self._scenery is None else self._scenery()

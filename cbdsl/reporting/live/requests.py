@@ -73,6 +73,7 @@ class Requests:
         return {}
 
     def _step(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        # `isinstance` would accept true and false, which are integers in Python.
         ticks = request.get("ticks", 1)
         if type(ticks) is not int or not 1 <= ticks <= _MOST_TICKS:
             raise RequestError(f"ticks: {ticks!r} is not a whole number from 1 to {_MOST_TICKS}")

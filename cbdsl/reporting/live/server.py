@@ -75,6 +75,7 @@ class LiveServer:
     def close(self) -> None:
         """Release pages and port; no thread is left."""
         self._feed.close()
+        # Pages that receive the closing event end by themselves. All others are cut off afterwards.
         self._feed.wait_for_nobody(_FAREWELL)
         self._http.shutdown()
         self._thread.join()
@@ -82,6 +83,11 @@ class LiveServer:
         self._http.server_close()
 
 
+# Security: other machines cannot connect, because the server listens on the loopback address. Pages
+# of other sites in the same browser can. `Host` must name this machine, against DNS rebinding, and
+# `Origin`, if it is sent, must be this server. Requests that change the run need the token as well,
+# which only the page contains. Other users of this machine can load the page, and with it the
+# token: they are not excluded.
 class _Site:
     """Live page, with all data that handlers of requests need.
 
@@ -177,6 +183,7 @@ class _Handler(BaseHTTPRequestHandler):
             RequestError: The content is no JSON object, or too large.
         """
         length = self.headers.get("Content-Length", "")
+        # The number of digits is bounded first, because `int` is slow for very long texts.
         if not length.isdecimal() or len(length) > _DIGITS or int(length) > _LARGEST:
             raise RequestError(f"a request has at most {_LARGEST} bytes, and says how many")
         try:
@@ -269,6 +276,8 @@ def _free_near(port: int) -> int | None:
 
 def _is_free(port: int) -> bool:
     with socket.socket() as trial:
+        # The server binds with this option, too. Without it, ports of recently closed servers seem
+        # to be in use.
         trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             trial.bind((HOST, port))

@@ -120,6 +120,7 @@ class Transport:
                 must_show = self._paused and not is_shown
                 if not must_show:
                     self._changed.wait(pause)
+            # Without the lock, so that requests of pages do not wait for the frame.
             if must_show:
                 is_shown = True
                 show()
@@ -144,6 +145,8 @@ class Transport:
                 return 0.0
             self._origin = None
             return 1.0
+        # The tick of simulated time t is due at origin + t / speed. At infinite speed, each tick is
+        # due immediately.
         clock = self._clock()
         ahead = now / self._speed
         if self._origin is None or clock - self._origin - ahead > _LATE:

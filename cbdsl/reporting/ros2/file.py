@@ -58,6 +58,7 @@ def write_ros2_mcap(recorded: Recorded, target: Path) -> int:
     bag.put("/robot_description", 0.0, description, latched=True)
     bag.put("/tf_static", 0.0, fixed_frames(links, robot.get("cameras", {})), latched=True)
     bag.put("/objects", 0.0, markers(summary["scene"]), latched=True)
+    # The sort is stable: messages of one tick keep their order.
     for time, topic, message in sorted(_messages(recorded, links), key=lambda row: row[0]):
         bag.put(topic, time, message)
     content = bag.finish()
@@ -102,6 +103,8 @@ def _wrenches(
     for name, load in zip(names, recorded.arrays["loads"][tick], strict=True):
         # Recordings of earlier versions do not name the cells' links.
         frame = cells.get(name, WORLD)
+        # Loads are recorded in the axes of the world, and a stamped wrench is in those of its
+        # frame.
         back = inverse(turns.get(frame, UNTURNED))
         wrench = make(
             "geometry_msgs/Wrench",

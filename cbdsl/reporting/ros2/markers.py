@@ -65,6 +65,7 @@ def _corners(part: Mapping[str, Any]) -> list[Any]:
     """Return three points for each triangle of a mesh, and none for other parts."""
     if part["shape"] != "mesh":
         return []
+    # Lists of triangles have no indices, so that shared corners are repeated.
     mesh = part["mesh"]
     points = [vector(corner, "Point") for corner in mesh["corners"]]
     return [points[index] for triangle in mesh["triangles"] for index in triangle]

@@ -51,6 +51,7 @@ def world_turns(links: Sequence[DrawnLink], positions: Floats) -> dict[str, Floa
     """Return the orientation of each link in the world as a quaternion, by name."""
     turns: list[Floats] = []
     for link in links:
+        # Parents precede their children, so that the turn of the parent is known.
         _, turn = placed(link, positions)
         turns.append(turn if link.parent < 0 else product(turns[link.parent], turn))
     return {link.name: turn for link, turn in zip(links, turns, strict=True)}

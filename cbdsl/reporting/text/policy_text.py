@@ -88,6 +88,7 @@ def _branch(
     share: str,
     shown: set[str],
 ) -> Iterator[str]:
+    # A state is expanded once, so that cycles of transitions end.
     again = state in shown
     shown.add(state)
     yield f"{margin}{share}{_node_text(graph, known[state], again)}"
