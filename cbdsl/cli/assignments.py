@@ -15,6 +15,7 @@ def read_assignments(texts: Iterable[str], option: str = "--with") -> dict[str, 
     """
     values: dict[str, str] = {}
     for text in texts:
+        # The first sign separates, so that a value may contain further ones.
         name, equals, value = text.partition("=")
         if not (name and equals and value):
             raise UsageError(f"{option} {text}: expected name=value")

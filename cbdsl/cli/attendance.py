@@ -47,6 +47,8 @@ class TerminalPerson:
         Raises:
             UsageError: No terminal is there to ask at.
         """
+        # `--yes` answers only questions that may be answered in advance. A release after a
+        # disorderly stop, for example, needs a person.
         if self._yes and released:
             return True
         if not sys.stdin.isatty():

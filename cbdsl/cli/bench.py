@@ -46,6 +46,13 @@ _AWAY, _DEEP, _WIDE, _THICK, _AROUND, _BALL, _BELOW = (0.45, 0.6), 0.4, 0.8, 0.0
 _BASE, _STANDING = 0.02, 0.1
 
 
+# Model of a bench: all measures are fractions of the limb's length, so that proposals suit robots
+# of any size. The table is in the direction from the shoulder to the tip, at 0.45 to 0.6 lengths.
+# It is parallel to the axes, because stages place objects within ranges of x and y. Its top is
+# below the lowest named posture of the tip. If the limb is above the robot's base, the top is at
+# height 0, the surface on which the robot stands. The assumption is that objects near the tip's own
+# distance can be reached. No inverse kinematics is solved: joint limits may exclude a part of the
+# table.
 def bench(robot: RobotDocument, file: Path) -> Bench:
     """Return a bench in front of the longest limbs of a robot, below their tips.
 
@@ -96,6 +103,7 @@ def _before(limbs: Sequence[_Limb]) -> Bench:
         for points in ([limb.shoulder for limb in limbs], [limb.tip for limb in limbs])
     )
     aside = [tip[0] - middle[0], tip[1] - middle[1]]
+    # A tip above its shoulder shows no direction. The table is then ahead of the robot, along x.
     ahead = len(limbs) > 1 or math.hypot(*aside) < _STANDING * length
     axis = 0 if ahead or abs(aside[0]) >= abs(aside[1]) else 1
     sign = 1.0 if ahead else math.copysign(1.0, aside[axis])

@@ -105,6 +105,8 @@ def _estimates(calibration: CameraCalibration, cameras: str | None) -> Mapping[s
 
 def _command(context: typer.Context, robot: str, out: str) -> str:
     """Return the command that repeats the calibration."""
+    # The command is a part of the journal's identity. Without a canonical spelling, the same
+    # calibration would not continue its own journal.
     given = context.params
     words = ["cb", "calibrate", robot, "--out", out]
     for name in ("program", "stage", "seed", "backend", "cameras", "body"):
@@ -124,6 +126,7 @@ def _summary(document: CalibrationDocument, target: Path) -> str:
     lines = []
     for name, camera in document.cameras.items():
         x, y, z = (1000 * value for value in camera.position)
+        # Degrees: 1 rad is 57.29578 degrees.
         a, b, c = (57.29578 * value for value in camera.rotation)
         lines.append(
             f"  {name}: displaced by ({x:.1f}, {y:.1f}, {z:.1f}) mm and "

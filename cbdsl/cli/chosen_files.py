@@ -39,6 +39,7 @@ def choose_files(words: Iterable[str], stdin: Path, library: Library) -> ChosenF
     Raises:
         UsageError: A folder holds no documents, or no document has a name.
     """
+    # A dictionary keeps the first of equal paths, in order. `a.yaml .` names `a.yaml` twice.
     files: dict[Path, None] = {}
     others = unreadable = 0
     for word in words:

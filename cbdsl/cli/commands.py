@@ -44,6 +44,8 @@ def _validate(name: str, entry: object) -> Command:
 
     if not callable(entry):
         raise PluginError(f"is a {type(entry).__name__}, neither a function nor a typer.Typer")
+    # Typer reads the signature of a function when it builds a group. A faulty plug-in fails here,
+    # by itself, and does not break the list of all commands.
     app = typer.Typer()
     add_command(app, name, entry)
     try:

@@ -52,6 +52,8 @@ class _Teller(event.Listener):
         self._depth -= 1
         if self._progress is None:
             return
+        # Functions may be compiled that were not expected. The union keeps the total at or above
+        # the number of compiled ones.
         self._progress.note(len(self._compiled), len(self._pending | self._compiled))
         if self._depth == 0:
             self._progress.clear()

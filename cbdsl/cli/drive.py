@@ -146,6 +146,7 @@ def _endpoint_row(endpoint: Endpoint) -> dict[str, object]:
 def _joint_rows(driven: DrivenBackend) -> list[dict[str, object]]:
     """Return the joints that were heard as rows of a table."""
     joints = driven.supervisor.joints
+    # A joint without a message has no position; its initial value would look like a measurement.
     unheard = {name for _, names in joints.unheard() for name in names}
     return [
         {"joint": name, "position": f"{position:.4f}", "velocity": f"{velocity:.4f}"}

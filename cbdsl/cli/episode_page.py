@@ -55,5 +55,6 @@ def _write(folder: Path, target: Path, *, prints: bool) -> None:
     from cbdsl.reporting.page import page
     from cbdsl.reporting.recorded import find_recordings, read_recording
 
+    # The folder of `--record` may hold episodes of other runs.
     newest = max(find_recordings(folder), key=lambda file: file.stat().st_mtime)
     write_page(page(read_recording(newest)), target, prints=prints)

@@ -43,6 +43,7 @@ def _entries(code: str | None, every: bool) -> list[Entry]:
 
 def _suggestion(code: str, known: Iterable[str]) -> str:
     """Return the question for the nearest code, without regard to the common prefix."""
+    # With the common prefix, each code would be similar to each other.
     numbers = {each.removeprefix("CB"): each for each in known}
     nearest = nearest_name(code.upper().removeprefix("CB"), numbers)
     return f"; did you mean '{numbers[nearest]}'?" if nearest else ""

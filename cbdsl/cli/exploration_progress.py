@@ -54,6 +54,7 @@ class ExplorationProgress(TaskObserver[FinishedAction]):
 
     def _tell_of_absence(self, outcome: ActionOutcome) -> None:
         self._unseen = 0 if outcome.ahead else self._unseen + 1
+        # Equality reports an absence once, until the object is seen again.
         if self._looks_ahead and self._unseen == _GONE:
             print(f"  nothing that can be acted on was seen after the last {_GONE} actions")
 

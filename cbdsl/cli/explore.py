@@ -181,12 +181,14 @@ def _run(
 
 def _command(context: typer.Context) -> str:
     """Return the command that repeats the exploration, in a canonical spelling."""
+    # Folders differ between computers. The recorded command keeps the name of the file alone.
     given = context.params | {"out": context.params["out"].name}
     words = ["cb", "explore", *given["programs"]]
     for parameter in context.command.params:
         name, value = str(parameter.name), given[str(parameter.name)]
         if name in _NEVER:
             continue
+        # The default backend depends on the installed packages, so that it is always written.
         if value == parameter.default and name not in ("seed", "backend"):
             continue
         several = value if isinstance(value, (list, tuple)) else [value]

@@ -68,6 +68,7 @@ def export_mcap(what: Recording, out: Out = None, schemas: Schemas = "foxglove")
     """
     if schemas not in SCHEMAS:
         raise UsageError.unknown("kind of schemas", schemas, SCHEMAS)
+    # Imports are here, because packages of an extra may be missing.
     with needed("MCAP", "mcap"):
         from cbdsl.reporting.mcap_file import write_mcap
         from cbdsl.reporting.recorded import find_recordings, read_recording
@@ -80,6 +81,7 @@ def export_mcap(what: Recording, out: Out = None, schemas: Schemas = "foxglove")
     write = write_ros2_mcap if schemas == "ros2" else write_mcap
     for file in recordings:
         target = out or file.with_suffix(".mcap")
+        # Outside of the context that names the target: errors of reading name the recording.
         recorded = read_recording(file)
         with named_problems(target):
             messages = write(recorded, target)

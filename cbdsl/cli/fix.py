@@ -45,9 +45,11 @@ def fix_paths(paths: Iterable[str], values: Mapping[str, str]) -> None:
 
 def _fix_once(words: Iterable[str], values: Mapping[str, str]) -> list[Path]:
     """Correct each file once, and return the changed files."""
+    # A new library in each round reads the texts that the round before has written.
     library, changed = Library(), []
     session = Session(library, values)
     for file in choose_files(words, Path(STANDARD_INPUT), library).files:
+        # Diagnostics in other documents are corrected only if these are named as well.
         own = [each for each in check_safely(file, session) if each.place.file == str(file)]
         try:
             before = library.text(file)

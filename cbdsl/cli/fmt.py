@@ -52,6 +52,7 @@ def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
 def _print_formatted() -> int:
     """Format the standard input onto the standard output, and return the exit code."""
     file = Path("stdin.yaml")
+    # One byte beyond the limit shows `decode` that the text is too long.
     text = decode(read_standard_input(MOST_BYTES + 1), str(file))
     print(_formatted(text, file, is_named=True), end="")
     return 0

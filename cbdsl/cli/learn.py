@@ -128,6 +128,11 @@ EpisodeTime = Annotated[
 ]
 
 
+# Typer derives options from the signature of a command. The constants are declared once, in
+# `AccommodateConstants`, with their defaults and descriptions. Here they become keyword parameters,
+# and their values arrive in `**constants`, which typer itself cannot convert and which is left out.
+# All are texts with units, so that `read_constants` checks them in the same way as `--set`.
+# Annotations are evaluated, because this module postpones them.
 def with_constants(command: Callable[..., None]) -> Callable[..., None]:
     """Command with an option for each constant of ACCOMMODATE, before ``transitions``."""
     signature = inspect.signature(command, eval_str=True)
@@ -225,6 +230,8 @@ def learn(
     if learner != NAME_RELATIONS:
         _tell_of_no_reward(run)
     with needing_simulation():
+        # The recorded command contains the checked constants, and is therefore added to a complete
+        # request.
         command = _command(context, request.checked_constants())
         tasks = replace(request, command=command).tasks()
         _require_ready(tasks, resume)
@@ -257,11 +264,13 @@ def _require_here(workers: int, scheduler: str | None) -> None:
 
 def _command(context: typer.Context, constants: Section) -> str:
     """Return the command that repeats the learning, in a canonical spelling."""
+    # Folders differ between computers. The recorded command keeps the name of the file alone.
     given = context.params | {"out": context.params["out"].name}
     words = ["cb", "learn", given["program"]]
     for parameter in context.command.params:
         name = str(parameter.name)
         value = given[name]
+        # Constants have two spellings, `--epsilon 0.1` and `--set epsilon=0.1`. The record has one.
         if name == "set_":
             words += _set(constants)
         elif name in _NEVER or (value == parameter.default and name not in _ALWAYS):

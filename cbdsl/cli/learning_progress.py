@@ -42,6 +42,7 @@ class LearningProgress(TaskObserver[Experience]):
         last_ten = partial[deque[Experience]](deque, maxlen=_RECENT)
         self._recent: dict[int, deque[Experience]] = defaultdict(last_ten)
         self._seconds: deque[float] = deque(maxlen=_RECENT * at_once)
+        # The first episode is reported immediately.
         self._printed = -_PAUSE
         self._bar: tuple[Progress, TaskID] | None = None
 
@@ -88,6 +89,7 @@ class LearningProgress(TaskObserver[Experience]):
             bar, task = self._bar
             status = f"{self._name(number, ', ')}{self._lately(number)}"
             bar.update(task, completed=self.over, status=status)
+        # Fast episodes are reported in part, but the last one of a trial always is.
         elif time.monotonic() >= self._printed + _PAUSE or self._over[number] == self._episodes:
             self._printed = time.monotonic()
             print(self._line(number, item), flush=True)
@@ -112,6 +114,8 @@ class LearningProgress(TaskObserver[Experience]):
 
     def _left(self) -> str:
         """Return the remaining time, estimated from the duration of the last episodes."""
+        # Never empty here: lines are printed after an episode. The estimate assumes that `at_once`
+        # episodes end in the time of one.
         each = sum(self._seconds) / len(self._seconds)
         left = each * (self.total - self.over) / self.at_once
         return f"; about {left // 60:.0f} min {left % 60:02.0f} s left" if left else ""

@@ -66,6 +66,7 @@ def side_by_side(tasks: Sequence[LearningTask], workers: int, scheduler: str | N
     with needing_simulation():
         from cbdsl.backends.backend import find_backend
 
+        # An unknown backend fails once here, and not in each worker.
         find_backend(tasks[0].backend)
     from cbdsl.training.side_by_side import run_all
 
@@ -96,6 +97,7 @@ class Supervision:
         self._quiet_until = time.monotonic() + _QUIET
         self._followers = [(each, JournalFollower(each.journal, EPISODES)) for each in tasks]
         for task, follower in self._followers:
+            # A journal may hold more episodes than this call requests.
             finished = follower.poll()[: task.episodes]
             if follower.identity:
                 progress.begin(task.number, follower.identity["renderer"], finished)
@@ -107,6 +109,8 @@ class Supervision:
             self._progress.at_once = max(1, min(workers, len(self._followers)))
             print(f"workers: {workers}" if workers else "no workers: waiting for some", flush=True)
         seen = sum([self._read(*each) for each in self._followers])
+        # Without workers nothing compiles, so that the waiting time starts later. After an episode,
+        # the hint is never due.
         if workers == 0 or seen:
             self._quiet_until = time.monotonic() + _QUIET if workers == 0 else float("inf")
         elif time.monotonic() > self._quiet_until:
@@ -161,6 +165,7 @@ def _explained(*tasks: LearningTask) -> Iterator[None]:
     """Convert errors and interrupts of trials to one message that names the kept files."""
     try:
         yield
+    # Nothing can continue from an unusable journal, so that its message gets no such promise.
     except JournalError:
         raise
     except (UsageError, OSError) as error:

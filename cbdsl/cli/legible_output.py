@@ -62,11 +62,13 @@ class LegibleStream(io.TextIOBase):
 
     def __getattr__(self, name: str) -> Any:
         """Return an attribute that only the stream behind has, such as its name."""
+        # Without this case, a lookup before `__init__`, as by `copy`, would call itself forever.
         if name == "raw_stream":
             raise AttributeError(name)
         return getattr(self.raw_stream, name)
 
     def __getattribute__(self, name: str) -> Any:
+        # `TextIOBase` has these attributes itself, so that `__getattr__` is not called for them.
         if name in _OF_STREAM:
             return getattr(self.raw_stream, name)
         return super().__getattribute__(name)
@@ -107,6 +109,7 @@ def _flush(stream: TextIO | None) -> None:
 
 
 def _legible_lines(text: str, *, colors: bool = False) -> str:
+    # Nearly all texts end here; the pattern below is slower.
     if text.replace("\n", "").replace("\t", "").isprintable():
         return text
     kept = _COLORS if colors else ()

@@ -139,6 +139,7 @@ def live_page(
             _tell("begins when a browser shows it", prints)
             feed.wait_for_page()
         yield view
+        # An exception of the run is raised at the `yield`, so that its page closes without waiting.
         if not options.closes:
             _stay(prints)
     finally:

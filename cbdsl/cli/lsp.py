@@ -22,6 +22,7 @@ def lsp() -> None:
         raise UsageError(
             f"cb lsp needs {error.name}, which is not installed: pip install 'cbdsl[editor]'"
         ) from error
+    # `fill_closed_streams` has replaced a closed output by the null device.
     if sys.stdin is None or sys.stdout.name == os.devnull:
         raise UsageError("cb lsp needs the standard input and output, over which an editor talks")
     log_lines()

@@ -39,6 +39,7 @@ def build_app(names: Iterable[str] = ()) -> typer.Typer:
 def main() -> None:
     """Run ``cb``: exit 0 when all is well, 1 with diagnostics, 2 for a wrong call or a bug."""
     _start_quickly()
+    # Before any file is opened, which could otherwise get the number of a closed stream.
     fill_closed_streams()
     _deliver_lost_interrupts()
     with legible_output():
@@ -57,6 +58,7 @@ def _run(words: list[str]) -> None:
         build_app(_requested(words))(words)
     except KeyboardInterrupt as interrupt:
         _report_notes(interrupt)
+        # Shells report 128 plus the number of the signal; SIGINT is 2.
         sys.exit(130)
     except BrokenPipeError:
         # The reader has closed the pipe; nothing may be flushed at exit.
@@ -131,6 +133,7 @@ def _report_notes(error: BaseException | None) -> None:
     """Print further failures beside an error, such as the halt of a robot."""
     from cbdsl.cli.terminal import print_problem
 
+    # A `UsageError` often has no notes itself, but wraps the error that has them.
     while error is not None:
         for note in getattr(error, "__notes__", ()):
             print_problem(f"warning: {note}")

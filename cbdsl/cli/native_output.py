@@ -22,6 +22,7 @@ def shown_on_failure() -> Iterator[None]:
     with tempfile.TemporaryFile() as captured, _stdout_of_c(captured.fileno()):
         try:
             yield
+        # An interrupt is not among these: its reason is known.
         except Exception:
             _flush_c()
             captured.seek(0)
@@ -38,7 +39,10 @@ def _stdout_of_c(target: int) -> Iterator[None]:
         yield
         return
     before.flush()
+    # Libraries in C write to descriptor 1, regardless of `sys.stdout`. This descriptor leads to the
+    # file for a while, and Python's stream gets a copy of the previous one.
     kept = os.dup(1)
+    # A stream in memory, as in tests, does not use descriptor 1 and stays.
     if _descriptor(before) == 1:
         direct = os.fdopen(kept, "w", encoding=before.encoding, errors=before.errors, closefd=False)
         sys.stdout = cast(TextIO, LegibleStream(direct))
@@ -47,6 +51,7 @@ def _stdout_of_c(target: int) -> Iterator[None]:
         yield
         sys.stdout.flush()
     finally:
+        # Text in the buffers of C would otherwise appear on the restored output.
         _flush_c()
         os.dup2(kept, 1)
         sys.stdout = before
@@ -62,4 +67,5 @@ def _descriptor(stream: object) -> int | None:
 
 
 def _flush_c() -> None:
+    # For a null pointer, C flushes all of its output streams.
     ctypes.CDLL(None).fflush(None)

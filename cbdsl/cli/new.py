@@ -129,6 +129,7 @@ def _posture(robot: RobotDocument) -> tuple[str, str]:
     ]
     if not candidates:
         raise UsageError(f"robot '{robot.name}' has no postures; give one of its effectors one")
+    # False sorts before True. A program to the start posture would be at rest immediately.
     _, name, posture = min(candidates, key=lambda candidate: candidate[0])
     return name, posture
 

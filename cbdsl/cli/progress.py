@@ -28,6 +28,7 @@ class Progress:
         self._terminal = sys.stderr.isatty()
         self._pause = _PAUSE_ON_TERMINAL if self._terminal else _PAUSE_ELSEWHERE
         self._began = time.monotonic()
+        # The first report is due after `_PATIENCE`, and the following ones after `_pause` each.
         self._last = self._began + _PATIENCE - self._pause
         self._shown = False
 
@@ -54,6 +55,8 @@ class Progress:
             left = (now - self._began) / done * (total - done)
             text += f", about {left // 60:.0f} min {left % 60:02.0f} s left"
         if self._terminal:
+            # The escape that clears the line is intended, and has to pass the legible stream
+            # unchanged.
             print(f"\r\x1b[K{legible(text)}", end="", file=raw(sys.stderr), flush=True)
         else:
             print(text, file=sys.stderr, flush=True)

@@ -69,12 +69,15 @@ class Recorder:
         # The backend's ground truth is only in the recording, for display.
         scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
         recording = Recording(request.program, request.robot, request.urdf, scenery)
+        # The inner context names problems of the claim alone; errors of the episode keep their
+        # words.
         with ExitStack() as claimed:
             with self._named_problems():
                 claimed.enter_context(self._folder.claim(seed))
             try:
                 yield recording
             finally:
+                # An episode that fails before its first tick has nothing to replay.
                 if ended and recording.ticks:
                     self._write(recording, ended[0])
 

@@ -33,6 +33,7 @@ def replay(what: Recording, out: Out = None, open_: Open = True) -> None:
             f"--out {out}: {what} holds {len(recordings)} recordings; name one of them"
         )
     targets = {file: out or file.with_suffix(".html") for file in recordings}
+    # All targets are checked before the first page is made.
     for target in targets.values():
         require_room(target)
     pages = [_write(file, target) for file, target in targets.items()]

@@ -175,6 +175,8 @@ def run(
     _require_context(request.stage, context)
     if page is not None:
         require_page(page, episodes)
+    # Contexts end in reverse order: the page and the backend close while SIGTERM still interrupts,
+    # and the output of C is still captured.
     opened = simulation(request, backend, gui=gui, cameras=cameras)
     with ExitStack() as within:
         within.enter_context(shown_on_failure())
@@ -270,6 +272,8 @@ def _episode(
     ended: list[EpisodeResult] = []
     recorder = telling.recorder
     with nullcontext() if recorder is None else recorder.episode(seed, ended) as recording:
+        # The observers receive the result even if an exception ends the episode, unlike the caller
+        # of `run`.
         observer = EpisodeObservers(
             EpisodeListeners(on_end=ended.append), *_observers(telling, recording)
         )
@@ -278,6 +282,7 @@ def _episode(
         except BackendError as error:
             raise UsageError(f"seed {seed}: {error}") from error
         except DeadlineError:
+            # Scripts get one object for each episode, also for one that missed its deadline.
             if telling.as_json:
                 telling.print(ended[0])
             raise

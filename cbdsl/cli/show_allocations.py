@@ -30,6 +30,7 @@ def show_allocations(
     """
     form = read_format(format_, as_json, PLAIN)
     session, values = Session(), read_assignments(with_)
+    # Errors of the program itself come first: all of its allocations would repeat them.
     check_program(name, values, session.library)
     path = session.library.locate(ProgramDocument, name)
     combinations = sorted(allocations(path, session, values), key=lambda each: bool(each.refusal))

@@ -87,6 +87,8 @@ def _read(name: str) -> CatalogDocument:
 
 def _difference(other: CatalogDocument, catalog: CatalogDocument) -> str:
     before, after = (catalog_text(each).splitlines() for each in (other, catalog))
+    # The first three lines are the names of two files and their line numbers, which texts do not
+    # have.
     lines = list(unified_diff(before, after, lineterm="", n=len(before) + len(after)))[3:]
     return "\n".join(lines or ["no difference"]) + "\n"
 
@@ -120,6 +122,7 @@ def _predict(
             request.stage,
             actions,
             between.program,
+            # Maximum time of an action, s, as in explorations.
             60.0,
         )
 

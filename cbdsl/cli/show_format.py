@@ -47,6 +47,7 @@ def read_format(word: str, as_json: bool, offered: Collection[Format] = tuple(Fo
     Raises:
         UsageError: The command has no format of this name.
     """
+    # A wrong name is an error beside `as_json` as well.
     known = {form.value: form for form in offered}
     if word not in known:
         raise UsageError.unknown("format", word, known)

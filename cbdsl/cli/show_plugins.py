@@ -99,6 +99,7 @@ def _backend(name: str) -> dict[str, str]:
     from cbdsl.backends.backend import BackendError, find_backend
 
     try:
+        # A backend with missing packages stays in the table, with its remedy.
         factory = find_backend(name)
     except BackendError as error:
         return {"summary": str(error)}

@@ -77,8 +77,11 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
     """
     library = Library()
     try:
+        # Policies precede programs of the same name: a learned policy often has the name of its
+        # program.
         path = library.locate(PolicyDocument, name)
     except UsageError:
+        # The error about policies is the better one, because it lists the known names.
         if library.find(ProgramDocument, name, library.here / name) is None:
             raise
         path = library.locate(ProgramDocument, name)

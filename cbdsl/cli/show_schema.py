@@ -61,5 +61,7 @@ def _read(name: str) -> SchemaDocument:
 def _difference(other: SchemaDocument, schema: SchemaDocument) -> str:
     """Return the differing lines of two schemas' texts, with all lines around them."""
     before, after = (schema_text(each).splitlines() for each in (other, schema))
+    # The first three lines are the names of two files and their line numbers, which texts do not
+    # have.
     lines = list(unified_diff(before, after, lineterm="", n=len(before) + len(after)))[3:]
     return "\n".join(lines or ["no difference"]) + "\n"

@@ -25,6 +25,7 @@ def show_substitutes(
     """
     form = read_format(format_, as_json, PLAIN)
     session, values = Session(), read_assignments(with_)
+    # Errors of the program itself are reported before anything is compared with it.
     check_program(name, values, session.library)
     path = session.library.locate(ProgramDocument, name)
     rows = [

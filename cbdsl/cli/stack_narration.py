@@ -47,6 +47,7 @@ class StackNarration(EpisodeObserver):
         self._ticks += 1
         for level in self._last.levels:
             predicted, measured = self._changes.get(level.name, (math.nan, math.nan))
+            # Both sums have the same ticks, so that prediction and measurement can be compared.
             if not math.isnan(level.measured):
                 predicted = _sum(predicted, level.predicted)
                 measured = _sum(measured, level.measured)

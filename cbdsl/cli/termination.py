@@ -28,6 +28,8 @@ def stop_requests() -> Iterator[Callable[[], bool]]:
     Yields:
         Function that returns whether one of them came.
     """
+    # The handlers raise nothing. An exception at an arbitrary place could leave a message to a
+    # robot incomplete.
     came: list[int] = []
     numbers = (signal.SIGINT, signal.SIGTERM)
     before = [signal.signal(number, lambda n, _: came.append(n)) for number in numbers]

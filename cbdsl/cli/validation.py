@@ -71,6 +71,7 @@ def _writer(form: str) -> Callable[[ValidationReport], str]:
 
     if form not in FORMATS:
         raise UsageError.unknown("format", form, FORMATS)
+    # Only the chosen writer is imported, because this command has to start quickly.
     module, function = FORMATS[form]
     writer: Callable[[ValidationReport], str] = getattr(
         import_module(f"cbdsl.diagnostics.{module}"), function
@@ -89,6 +90,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     from cbdsl.yaml_text.library import Library
 
     words = list(paths)
+    # One byte beyond the limit shows the reader that the text is too long.
     given = {stdin: read_standard_input(MOST_BYTES + 1)} if STANDARD_INPUT in words else {}
     library = Library(given=given)
     chosen = choose_files(words, stdin, library)

@@ -21,6 +21,7 @@ def asks_for_backends(words: Sequence[str]) -> bool:
     """
     if words[-1:] == ["--backend"]:
         raise UsageError(f"--backend is given no name (known: {', '.join(_backends())})")
+    # Without this case, `--help` would be an unknown backend.
     pairs = pairwise(words)
     return any(before == "--backend" and word in _HELP for before, word in pairs)
 
@@ -49,6 +50,7 @@ def require_words(words: Sequence[str]) -> None:
         option, equals, text = word.partition("=")
         if option.startswith("--") and equals and not text:
             raise UsageError(f"{option} is given an empty text")
+        # `cb run "$PROGRAM"` reaches this with an unset variable.
         if not word:
             place = f"{before} is given" if before.startswith("--") else f"after '{before}' stands"
             raise UsageError(f"{place} an empty text")

@@ -23,6 +23,7 @@ def require_workers(workers: int) -> None:
     Raises:
         UsageError: The number of workers exceeds the limit.
     """
+    # The affinity excludes processors that a batch system withholds, unlike `os.cpu_count`.
     processors = len(os.sched_getaffinity(0))
     most = max(_ALWAYS, _PER_PROCESSOR * processors)
     if workers > most:
@@ -42,6 +43,7 @@ def warn_of_open_scheduler(address: str) -> None:
         host = urlsplit(f"//{rest}").hostname or ""
     except ValueError:
         return  # not an address; the failed connection is reported later
+    # The schemes `tls` and `wss` are encrypted. Without a scheme, Dask uses `tcp`.
     if scheme in ("", "tcp", "ws") and not _is_here(host):
         print_problem(
             f"warning: {address} is neither encrypted nor asks who connects: whoever reaches it "
