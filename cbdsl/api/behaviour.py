@@ -61,12 +61,18 @@ class ProgramBehaviour(Behaviour):
         except StopIteration as ended:
             self._ticks = None
             self.result = ended.value
+            # The last tick ends the generator without a value, so that the runner has the final
+            # predicate.
             predicate = self._robot.runner().predicate
         self.feedback_message = self.result.ending if self.result and not self._ticks else ""
+        # A program is idle (X), has ended without its aim (-), is on its way (0), or at its aim
+        # (1).
         return STATUS[predicate]
 
     def terminate(self, new_status: Status) -> None:
         """Interrupt the program if a behaviour of a higher priority takes over."""
+        # py_trees also terminates a behaviour that has succeeded or failed. Only this status
+        # interrupts it.
         if new_status is Status.INVALID:
             self._leave()
 

@@ -83,5 +83,6 @@ def calibrate(
         calibration.open_journal() as journal,
     ):
         estimates = calibration.estimate(opened.backend, opened.kinematics, journal, on_progress)
+    # The robot and the journal are closed here; writing removes the file of the journal.
     document = calibration.write(estimates)
     return CalibrationOutcome(calibration.target, calibration.picture, document)

@@ -64,6 +64,7 @@ class CalibrateRequest:
         target = self.out or Path("knowledge/calibrations", f"{run.robot.name}.yaml")
         _require_name(target)
         try:
+            # Checked while nothing moves, and not when the result is there.
             make_room(target)
         except OSError as error:
             raise UsageError(f"{target}: {error.strerror}") from error
@@ -90,6 +91,8 @@ class CalibrateRequest:
         library = Library()
         robot = library.read(library.locate(RobotDocument, self.robot), RobotDocument).document
         require_sight_and_touch(robot)
+        # The errors to estimate are relative to the poses of the model. A calibration that the
+        # robot already has would hide them.
         run = read_request(
             self.program, self.stage, None, self.values, body=self.body, uncalibrated=True
         )
@@ -98,6 +101,8 @@ class CalibrateRequest:
                 f"program '{self.program}' is for robot '{run.robot.name}', not for "
                 f"'{robot.name}'; name a program that shows a ball in its hand"
             )
+        # Without a number of a body, each episode draws other camera errors, which no file can
+        # correct.
         disturbance = run.stage.disturbance
         if disturbance.body is None and (
             disturbance.camera_position or disturbance.camera_rotation
@@ -191,6 +196,7 @@ class CameraCalibration:
             size = camera.width, camera.height
             panels.append(CalibrationPanel(name, size, each.points, each.before, each.after))
         title = f"Cameras of {robot.name}, before and after calibration"
+        # The journal goes last, so that an interruption loses no observation.
         write_text(calibration_svg(title, panels), self.picture)
         write(document, self.target)
         self.journal.unlink()
@@ -224,6 +230,7 @@ class CameraCalibration:
             cameras[camera] = CalibratedCamera(
                 position=each.correction.position,
                 rotation=each.correction.rotation,
+                # Six digits are micrometres and microradians.
                 position_deviation=round(position, 6),
                 rotation_deviation=round(rotation, 6),
                 views=len(each.points),

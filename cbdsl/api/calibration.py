@@ -54,6 +54,7 @@ def read_calibration(
     wanted = name or robot.calibration
     if wanted is None:
         return None
+    # A robot names its calibration from its own folder, and a command from the working folder.
     file = library.find(CalibrationDocument, wanted, beside)
     file = file or library.locate(CalibrationDocument, wanted)
     require_clean(file, library)
@@ -76,6 +77,7 @@ def require_body(calibration: CalibrationDocument, stage: StageDocument) -> None
     disturbance, origin = stage.disturbance, calibration.origin
     if not (disturbance.camera_position or disturbance.camera_rotation):
         return
+    # A calibration without a number, as of a real robot, is accepted for each numbered body.
     own = None if origin is None else origin.body
     if disturbance.body is None:
         hint = "a body's number keeps them" if own is None else f"it was made with body {own}"

@@ -31,6 +31,8 @@ def check(*documents: str | Path, values: Mapping[str, str] | None = None) -> li
     library = Library()
     session = Session(library, dict(values or {}))
     files = [file for word in documents for file in library.locate_any(str(word))]
+    # The diagnostics of a robot come with each of its programs. A dictionary keeps the first, in
+    # order.
     diagnostics: dict[Diagnostic, None] = {}
     for file in files:
         diagnostics.update(dict.fromkeys(check_safely(file, session)))

@@ -8,6 +8,8 @@ from __future__ import annotations
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
 from cbdsl.control.potential import Potential, Rule
+
+# Short names of functions are clear only beside their modules, such as `range.between`.
 from cbdsl.control.potentials.localizability import seen_by as localizability_potential
 from cbdsl.control.potentials.manipulability import of_jacobian as manipulability_potential
 from cbdsl.control.potentials.range import between as range_potential

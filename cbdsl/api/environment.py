@@ -31,6 +31,11 @@ _SEEDS = 2**31
 States = NDArray[np.int64]
 
 
+# Model: a semi-Markov decision process. The state is the tuple of predicates of the members, each
+# X, -, 0 or 1 (Eq 4.1). An action runs for many control ticks, until the state changes, and its
+# duration does not enter the reward. The assumption is that the predicates suffice to choose an
+# action. It breaks if equal states hide different situations, such as two objects at different
+# distances.
 class ProgramEnvironment(gymnasium.Env[States, np.int64]):
     """Program as an environment: the agent chooses the next action at each change of state.
 
@@ -95,6 +100,8 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         self._require_open()
         super().reset(seed=seed)
         self._leave()
+        # A reset without a seed goes on with the generator of the last seed. Successive episodes
+        # thus differ, and their sequence can be repeated.
         drawn = int(self.np_random.integers(_SEEDS))
         self._passed = []
         self._ticks = self._robot.ticks(
@@ -123,6 +130,8 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         reward = sum(transition.reward for transition in self._passed[before:])
         if run.outcome == "success":
             reward = max(reward, 1)
+        # The predicate 0 means that the program is on its way. An end without reward and outcome is
+        # one of time or of transitions, and truncates the episode.
         ended = run.predicate != "0"
         terminated = ended and (run.rewarded or bool(run.outcome))
         return self._observed(), float(reward), terminated, ended and not terminated, self._info()
@@ -142,11 +151,13 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         assert self._ticks is not None, "an episode runs"
         for tick in self._ticks:
             self._tick = tick
+            # The state has changed, and the deferred policy leaves the next action to the agent.
             if tick.run.is_open:
                 return
         self._ticks = None
 
     def _note(self, transition: Transition) -> None:
+        # Transitions of used programs are within one action of this program.
         if transition.depth == 0:
             self._passed.append(transition)
 

@@ -35,6 +35,9 @@ class SuccessRate:
         """Exact 95 % interval of the share (Clopper-Pearson), from 0 to 1."""
         from cbdsl.numeric.proportion import exact_interval
 
+        # The model is binomial: episodes are independent, with one probability of success. The
+        # interval covers it in at least 95 % of evaluations, also if no or all episodes succeed. A
+        # persistent world violates the assumption, because its episodes depend on each other.
         return exact_interval(sum(self.successes), len(self.successes))
 
     def __str__(self) -> str:
@@ -137,14 +140,18 @@ class _Campaign:
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import get_context
 
+        # Short evaluations still occupy all workers.
         step = max(1, min(_JOB, len(seeds) // workers))
         parts = [seeds[first : first + step] for first in range(0, len(seeds), step)]
+        # A forked process would inherit threads and simulators in the middle of their work. `map`
+        # returns results in the order of the seeds.
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
             for part in pool.map(self.listed, parts):
                 yield from part
 
     def listed(self, seeds: range) -> list[Verdict]:
         """Return the verdicts on some seeds."""
+        # A generator cannot be sent from one process to another.
         return list(self.verdicts(seeds))
 
     def verdicts(self, seeds: range) -> Iterator[Verdict]:
@@ -152,6 +159,8 @@ class _Campaign:
         from cbdsl.api.open_robot import open_robot
         from cbdsl.api.simulate import simulate
 
+        # Only a judge needs the truth. Without one, each backend will do, even one without
+        # simulation.
         if self.judge is None:
             with open_robot(self.request, backend=self.backend, cameras=self.cameras) as robot:
                 for seed in seeds:

@@ -55,11 +55,13 @@ def expect(
     file = library.locate(CatalogDocument, str(catalog))
     require_clean(file, library)
     document = library.read(file, CatalogDocument).document
+    # A catalog that was written by hand reaches this.
     if stage is None and document.provenance is None:
         raise UsageError(f"{file}: no provenance names a stage; give one")
     shown = str(stage or (document.provenance and document.provenance.stage.name))
     request, actions = recorded_actions(document, shown)
     require_persistent(request.stage)
+    # As in explorations, this program makes the robot ready for the next action.
     between = load("let_go", stage=shown)
     with open_robot(request, backend=backend, cameras=cameras) as robot:
         runner = ActionRunner(

@@ -98,10 +98,12 @@ def explore(
         cameras=cameras,
         between=between,
         algorithm=algorithm,
+        # Constants are read as from the command line, where a text such as `5 s` has a unit.
         constants={name: str(value) for name, value in (constants or {}).items()},
         join=join,
     )
     run, task = request.task()
+    # Joining goes on with the journal, too, and therefore allows that it exists.
     task.require_ready(resume=resume or join)
 
     def note(action: FinishedAction) -> None:

@@ -106,6 +106,7 @@ class ExplorePairsRequest:
         if self.relations is None:
             return None
         program = next(iter(pairs.values())).program
+        # All pairs are bound to the same program, so that the first one stands for all.
         if not ImpedanceGauge(program).listens:
             raise UsageError(f"{self.relations}: '{program.name}' tests no impedance to name")
         document = read_relations(self.relations, run.library).document
@@ -128,6 +129,7 @@ class ExplorePairsRequest:
         ):
             value = getattr(self, name)
             declared = type(self).__dataclass_fields__[name].default
+            # The default backend depends on the installation, so that the call always names it.
             if name in ("actions", "seed", "backend") or value != declared:
                 words.append(f"{name}={value!r}")
         if self.constants:

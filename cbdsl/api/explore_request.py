@@ -82,6 +82,7 @@ class ExploreRequest:
             between=read_request(self.between, self.stage, None, {}, folder=self.folder).program,
             feature=self.feature,
             robot=run.robot,
+            # Absolute paths remain valid in processes with other working folders.
             urdf=run.urdf.absolute(),
             stage=run.stage,
             backend=default_engine() if self.backend is None else self.backend,
@@ -104,6 +105,8 @@ class ExploreRequest:
             value = getattr(self, name)
             if name in ("programs", "stage", "out", "command", "join", "constants"):
                 continue
+            # These three are always written. The default backend, for example, depends on the
+            # installation.
             if name in ("seed", "actions", "backend") or value != declared.default:
                 words.append(f"{name}={value!r}")
         if self.constants:

@@ -40,6 +40,8 @@ def read_action(text: str) -> ActionText:
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.document import NAME_PATTERN
 
+    # The colon comes first, because values behind it have equals signs of their own. Without a
+    # label, `rpartition` leaves the whole head as the program.
     head, _, tail = text.partition(":")
     label, given, program = head.rpartition("=")
     pairs = [pair.partition("=") for pair in tail.split(",")] if tail else []
@@ -107,6 +109,9 @@ def recorded_actions(
     return resolved[0][0], tuple(action for _, action in resolved)
 
 
+# An action `poke` with an open parameter `feature` that finds the channel `red` adds an action
+# `poke_red`. Both have the same program and the same values, but for `feature`. Exactly this
+# pattern is recognised.
 def _opened(catalog: CatalogDocument, name: str) -> set[str]:
     """Return the parameters of an action whose values became actions of their own."""
     row = catalog.affordances[name]
@@ -129,6 +134,8 @@ def _explorable(
     open_keys = [key for key, value in text.values.items() if value == OPEN]
     if len(open_keys) > 1:
         raise UsageError(f"'{text.label}' leaves {' and '.join(open_keys)} open: one can be")
+    # The searching action itself has no value for the open parameter, and uses the program's
+    # default.
     closed = {key: value for key, value in text.values.items() if value != OPEN}
     request, action = bound_action(text._replace(values=closed), feature, stage, folder)
     if not open_keys:
@@ -153,6 +160,7 @@ def bound_action(
     library = Library(folder)
     document = library.read(library.locate(ProgramDocument, text.program), ProgramDocument)
     values = dict(text.values)
+    # A value for a parameter that a program does not declare would be an error.
     if "feature" in document.document.parameters:
         values.setdefault("feature", feature)
     request = read_request(text.program, stage, None, values, folder=folder)

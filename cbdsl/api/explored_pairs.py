@@ -71,9 +71,12 @@ def read_pairs(
     text = read_action(program)
     requests: dict[str, RunRequest] = {}
     pairs: dict[str, ExplorablePair] = {}
+    # Pairs are ordered: a ball on a box is another pair than a box on a ball.
     for upper, lower in permutations(things, 2):
         name = f"{upper}_{relation}_{lower}"
         values = {**text.values, **dict(zip(_ENDS, (things[upper], things[lower]), strict=True))}
+        # The first request is read even if its pair is not on the stage. Without `stage`, only a
+        # request knows the stage of its program.
         if not requests:
             _require_ends(text.program, folder)
             requests[name] = _request(text.program, stage, values, folder)

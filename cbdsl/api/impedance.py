@@ -31,6 +31,7 @@ def measure_impedance(
     Raises:
         BackendError, EpisodeError: The simulator cannot run it.
     """
+    # A new gauge for each episode, because a profile collects the tests of one episode.
     gauge = ImpedanceGauge(fixture.program)
     result = runner.run(fixture.stage, seed, context, observer=gauge)
     return Measurement(gauge.finish(runner.signals), result)

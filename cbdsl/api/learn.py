@@ -84,6 +84,7 @@ def learn(
         backend=backend,
         cameras=cameras,
         learner=learner,
+        # Constants are read as from the command line, where a text such as `5 s` has a unit.
         constants={name: str(value) for name, value in (constants or {}).items()},
         policy=None if policy is None else str(policy),
     )
@@ -113,11 +114,14 @@ def learn_trials(
     """
     from cbdsl.backends.engines import default_engine
 
+    # Chosen once, so that the opened robot and the provenance of all trials have the same engine.
     if request.backend is None:
         request = replace(request, backend=default_engine())
     tasks = request.tasks()
     for task in tasks:
         task.require_ready(resume=resume)
+    # The episodes of one trial depend on each other, so that a single trial gains nothing from
+    # workers.
     if scheduler is None and (workers == 1 or len(tasks) == 1):
         return _in_this_process(request, tasks, on_episode)
     from cbdsl.training.side_by_side import run_all
@@ -173,5 +177,6 @@ class _Supervisor:
         from cbdsl.learning.experience import EPISODES
         from cbdsl.storage.journal_follower import JournalFollower
 
+        # A resumed journal may hold more episodes than this call requests.
         episodes = JournalFollower(task.journal, EPISODES).poll()[: task.episodes]
         return LearningOutcome(task.path, self._files[task.path], tuple(episodes))

@@ -86,6 +86,7 @@ class LearnRequest:
             program=self._limited(program),
             digest=digest,
             robot=self.run.robot,
+            # Absolute paths remain valid in workers, whose working folders may differ.
             urdf=self.run.urdf.absolute(),
             stage=self.run.stage,
             backend=default_engine() if self.backend is None else self.backend,
@@ -101,6 +102,7 @@ class LearnRequest:
         )
         if self.trials == 1:
             return [first]
+        # All trials have the seed of the request; their numbers distinguish their random draws.
         paths = [first.path.with_stem(f"{first.path.stem}_{n}") for n in range(self.trials)]
         return [replace(first, number=n, path=path) for n, path in enumerate(paths)]
 
@@ -186,6 +188,8 @@ class LearnRequest:
         loaded = read_policy(run.program, self.policy, run.program_file, run.library)
         session = Session(run.library)
         program = program_to_assimilate(run.program_file, loaded, session, run.values)
+        # A schema depends on the policy whose resources it chooses, and on programs that replace
+        # others. It becomes stale if one of them changes.
         own = policy_digest(loaded.document.name, run.program_file, run.library)
         policies = {loaded.document.name: own, **digest.policies}
         allocations = program.schema.allocations if program.schema is not None else {}
@@ -194,6 +198,7 @@ class LearnRequest:
 
     def _limited(self, program: CheckedProgram) -> CheckedProgram:
         """Return the program with the actions and limits of the trials."""
+        # The options of the command exclude 0, so that `or` replaces only a missing limit.
         return program._replace(
             actions=program.sequential_actions if self.sequential else program.actions,
             transitions=self.transitions or program.transitions,

@@ -83,6 +83,8 @@ class OpenRobot:
             names = f"{other.program.name} is for '{other.robot.name}'"
             raise UsageError(f"{names}, and this robot is '{own.robot.name}'")
         shared = OpenRobot(replace(other, stage=own.stage), self.backend, self.kinematics)
+        # The constructor has made a second body for the same backend. One body makes the programs
+        # exclude each other.
         shared._body = self._body
         return shared
 
@@ -91,6 +93,8 @@ class OpenRobot:
         from cbdsl.runtime.episode import Runner
 
         for chooser, runner in self._runners:
+            # Policies are compared by identity: equal ones may have random draws or decisions of
+            # their own.
             if chooser is policy:
                 return runner
         request = self.request
@@ -125,7 +129,9 @@ class OpenRobot:
             what = f"context of stage '{stage.name}'"
             raise UsageError.unknown(what, context, stage.contexts)
         episode = self._episode(None, seed, context, on_transition, on_tick)
+        # The body is free again after an exception between two ticks, such as Ctrl-C.
         with closing(episode):
+            # A `for` loop would lose the result, which is the value of `StopIteration`.
             while True:
                 try:
                     next(episode)
@@ -160,6 +166,8 @@ class OpenRobot:
 
         listeners = EpisodeListeners(on_transition, on_tick)
 
+        # Evaluated at the first tick, not when the generator is made: another program may run in
+        # between.
         def begin() -> Generator[Tick, None, EpisodeResult]:
             stage, goes_on = self.request.stage, self._is_taken_over()
             runner = self._next(policy)

@@ -73,6 +73,7 @@ def propose_robot(
         remarks.append(f"left out what programs cannot move: {counts}; its comments say more")
     remarks += proposal.remarks
     written = template.write(proposal.values, force, source.files)
+    # The files of a converted model include its meshes, which are not worth a line each.
     models = (path for path in source.files if path.suffix == ".urdf")
     return RobotProposal(template.file, (*models, *written), tuple(remarks))
 

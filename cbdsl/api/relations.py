@@ -39,6 +39,7 @@ def read_relation_tree(name: str, library: Library) -> Tree[str]:
     from cbdsl.checking.knowledge.relations import relation_tree
     from cbdsl.diagnostics.diagnostics import Diagnostics
 
+    # The document is without errors, so that its diagnostics need no reader.
     return relation_tree(read_relations(name, library), Diagnostics())
 
 
@@ -52,5 +53,6 @@ def read_namer(name: str) -> Callable[[ImpedanceProfile], str | None]:
     from cbdsl.learning.catalogs.relation_tree import name_relation
     from cbdsl.yaml_text.library import Library, shipped
 
+    # Documents of the same name in the working folder do not count here.
     tree = read_relation_tree(name, Library(shipped()))
     return lambda profile: name_relation(tree, profile)

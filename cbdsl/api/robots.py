@@ -50,6 +50,7 @@ def read_stage(stage: str | Path | None, robot: RobotDocument) -> StageDocument:
     from cbdsl.documents.stage import StageDocument
     from cbdsl.yaml_text.library import Library
 
+    # An empty stage still needs one context, from which each episode draws.
     if stage is None:
         head = {"cbdsl": 1, "kind": "stage", "name": "empty", "robot": robot.name}
         return StageDocument.model_validate({**head, "contexts": {"empty": {}}})

@@ -45,6 +45,7 @@ def run(
     """
     from cbdsl.api.open_robot import open_robot
 
+    # One robot for all episodes, because opening it takes longer than an episode.
     with open_robot(program, backend=backend, cameras=cameras) as robot:
         return [
             robot.run(each, context=context, on_transition=on_transition, on_tick=on_tick)

@@ -123,11 +123,14 @@ def read_request(
     assert robot_file is not None, "a checked program has a robot"
     robot = library.read(robot_file, RobotDocument).document
     learned = checked
+    # A policy chooses among the actions of this program. A schema makes another program, with an
+    # allocation of resources for each context.
     if policy is not None:
         learned = _under_policy(checked, policy, path, library)
     elif schema is not None:
         learned = _as_schema(checked, schema, path, library, values)
     shown = with_body(_read_stage(stage, checked, path, library), body)
+    # Empty corrections replace those of the document, so that the cameras are as in the model.
     if uncalibrated:
         robot = with_corrections(robot, {})
     elif known := read_calibration(calibration, robot, robot_file, library):
@@ -208,6 +211,7 @@ def read_policy(
     from cbdsl.documents.policy import PolicyDocument
 
     file = _locate(PolicyDocument, name, program_file, library)
+    # Recordings and policies both come from commands, so that one is easily named for the other.
     if _is_recording(file):
         raise UsageError(f"{file}: this is not a policy document; it looks like a recording")
     require_clean(file, library)
@@ -238,6 +242,7 @@ def _as_schema(
 
     file = _locate(SchemaDocument, name, program_file, library)
     require_clean(file, library)
+    # The next check has the given values of parameters, which `require_clean` does not know.
     loaded, diagnostics = library.read(file, SchemaDocument), Diagnostics()
     if loaded.document.program != program.name:
         raise UsageError(
@@ -258,6 +263,7 @@ def _is_recording(file: Path) -> bool:
     """Return whether a file is one of the two that ``cb run --record`` writes for an episode."""
     if not file.is_file():
         return False
+    # The kind is one of the first keys, and a recording may have many megabytes.
     with file.open("rb") as stream:
         is_summary = file.suffix == ".json" and b'"kind": "recording"' in stream.read(4096)
     return is_summary or file.suffix == ".npz"

@@ -70,13 +70,16 @@ def serve_robot(
     try:
         drawn = server.reset(set_up, context, seed)
         report(_introduction(document, backend, set_up.name, drawn, interface))
+        # Setting up takes seconds, which count neither for the times of faults nor for the pace.
         injected.restart()
         pace.begin()
+        # `Pace.note` always returns True, so that both functions are called.
         server.serve(lambda moment: pace.note() and moments.note(moment))
         report(pace.summary)
     finally:
         server.close()
         if trace is not None:
+            # Also after an error, whose cause the motion may show.
             moments.write(trace, injected.begun)
 
 
@@ -135,6 +138,7 @@ class Pace:
         self._ticks += 1
         ticks, began = self._window
         now = self._clock()
+        # A window of seconds averages over the jitter of single ticks, such as rendered images.
         if now - began >= _WINDOW:
             self._window = self._ticks, now
             factor = (self._ticks - ticks) * self._period / (now - began)
@@ -163,6 +167,7 @@ class _Moments:
 
     def note(self, moment: Moment) -> bool:
         """Keep a moment, and return whether the robot goes on."""
+        # Without a trace, a service of days needs no more memory than one of seconds.
         if self._keeps:
             self._moments.append(moment)
         is_over = self._until is not None and time.monotonic() >= self._until
@@ -173,6 +178,7 @@ class _Moments:
         import numpy as np
 
         moments = self._moments
+        # `np.savez` appends `.npz` to other names, but not to an open file.
         with path.open("wb") as file:
             np.savez(
                 file,

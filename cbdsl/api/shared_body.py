@@ -94,6 +94,11 @@ class SharedBody:
         self.interrupt("its robot was closed")
 
 
+# An episode is a generator that owns the body from its first tick to its end. It begins late,
+# because a generator that is never advanced must not block the body. It ends in four ways: by its
+# outcome, an exception, `close`, or an interruption by another program. The last one has two cases.
+# Between ticks, the episode is closed immediately. During a tick, as from a callback, Python
+# forbids to close a running generator; the next tick raises the reason instead.
 class BodyEpisode(Generator["Tick", None, "EpisodeResult"]):
     """Episode of a program on a body, control tick by control tick.
 
@@ -131,12 +136,14 @@ class BodyEpisode(Generator["Tick", None, "EpisodeResult"]):
             self.close()
             raise UsageError(f"'{self.program}' cannot go on: {self._interruption}")
         if self._ticks is None:
+            # The body is claimed first: no other runner may be prepared while an episode runs.
             self._body.begin(self)
         self._is_advancing = True
         try:
             if self._ticks is None:
                 self._ticks = self._begin()
             return next(self._ticks)
+        # The regular end is an exception, too: `StopIteration` with the outcome.
         except BaseException:
             self._body.end(self)
             raise
@@ -151,6 +158,7 @@ class BodyEpisode(Generator["Tick", None, "EpisodeResult"]):
     ) -> Tick:
         """End the episode with an exception."""
         error = kind if isinstance(kind, BaseException) else kind()
+        # An episode that never began has no generator to throw into.
         if self._ticks is None:
             self._ticks = _ended()
         try:

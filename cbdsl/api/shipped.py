@@ -23,6 +23,7 @@ def shipped_folder() -> Path:
 
 def shipped_names(kind: type[Document]) -> list[str]:
     """Return the names of the shipped documents of a kind, in order."""
+    # With the shipped folder as its first one, the library ignores the working folder.
     return Library(shipped()).names(kind)
 
 
@@ -61,6 +62,7 @@ def shipped_file(library: Library, kind: type[Document], name: str) -> Path:
     """
     file = library.find(kind, name)
     if file is None:
+        # Unlike `UsageError`: a missing document is a fault of an experiment or of the package.
         raise LookupError(f"'{name}' is not shipped")
     return file
 

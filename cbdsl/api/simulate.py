@@ -55,6 +55,7 @@ def simulate(
 
     opened = open_robot(program, backend=backend, cameras=cameras, persistent=persistent)
     with opened as robot:
+        # A real robot, such as with `ros2`, has no engine that knows the truth.
         if not isinstance(robot.backend, SimulatedBackend):
             raise UsageError(
                 f"backend '{backend}' simulates no world whose truth can be read; "

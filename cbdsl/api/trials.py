@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from cbdsl.backends.backend import Backend, embody, find_backend
 from cbdsl.backends.simulated_backend import SimulatedBackend
+
+# `cbdsl.simulate` opens the robot of a program; this function makes a backend alone.
 from cbdsl.backends.simulated_backend import simulate as embody_simulated
 from cbdsl.learning.experience import EPISODES
 from cbdsl.storage.journal import DamagedJournalError, Journal, JournalError

@@ -32,6 +32,7 @@ class Truth:
 
     def position(self, name: str) -> NDArray[np.float64]:
         """Return the position of an object's centre, m, shape (3,)."""
+        # The kinematic engine returns the pose itself, and not a copy of it.
         return self._engine.pose(self._known(name)).position.copy()
 
     def rotation(self, name: str) -> NDArray[np.float64]:
@@ -64,6 +65,7 @@ class Truth:
         """
         from cbdsl.diagnostics.errors import UsageError
 
+        # The kinematic engine has no contacts between objects.
         neighbours = getattr(self._engine, "neighbours", None)
         if neighbours is None:
             raise UsageError(
@@ -73,6 +75,7 @@ class Truth:
 
     def fingertip_forces(self) -> dict[tuple[str, str], NDArray[np.float64]]:
         """Return the force of each fingertip, by hand and finger, on the world, N, shape (3,)."""
+        # A wrench is a force, N, followed by a torque, Nm.
         wrenches = self._engine.wrenches()
         return {
             cell: wrench[:3].copy()
