@@ -27,6 +27,7 @@ def catalogue() -> dict[str, Entry]:
 
 def hundred(code: str) -> dict[str, Entry]:
     """Return the entries of the table that a code belongs to; read no other table."""
+    # `CB504` is in `CB5.toml`. A message needs one table, and not all of them.
     return _table(code[:3])
 
 

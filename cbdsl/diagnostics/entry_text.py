@@ -47,6 +47,7 @@ def _difference(entry: Entry) -> Iterator[str]:
     """Yield the lines of both examples; none if the bad example has no file."""
     if entry.bad is None:
         return
+    # As many lines of context as there are lines, so that each example is a whole document.
     bad, good = _shown(entry.bad), _shown(entry.good)
     lines = unified_diff(bad, good, lineterm="", n=len(bad) + len(good))
     for number, line in enumerate(lines):

@@ -21,5 +21,6 @@ def seen(text: str, instead: Callable[[str], str]) -> str:
 def legible(text: str) -> str:
     """Return a text on one line, shortened, with unprintable characters written as escapes."""
     if len(text) > _LONGEST:
+        # The beginning and the end identify a text better than its beginning alone.
         text = f"{text[: _LONGEST // 2]} … {text[-_LONGEST // 4 :]}"
     return seen(text, lambda unseen: unseen.encode("unicode_escape").decode())

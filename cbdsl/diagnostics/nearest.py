@@ -15,6 +15,7 @@ def nearest_name(name: str, names: Iterable[str]) -> str | None:
     """Return the most similar of ``names``, or ``None`` if none is similar."""
     from difflib import get_close_matches  # only a fault needs it
 
+    # `difflib` rates similarity by matching blocks, from 0 to 1; its default bound is 0.6.
     known = [known for known in islice(names, _MOST) if len(known) <= _LONGEST]
     matches = get_close_matches(name, known, n=1) if len(name) <= _LONGEST else []
     return matches[0] if matches else None

@@ -54,6 +54,7 @@ def _snippet(place: Place, source: str | None, tint: str) -> list[str]:
     line, column = _window(line, place.column)
     # Tabs stay tabs, so that the caret stands under its character.
     indent = "".join("\t" if c == "\t" else " " for c in line[: column - 1])
+    # A missing value has an empty place, and a place may exceed the visible part of its line.
     width = max(1, min(place.end_column - place.column, len(line) + 1 - column))
     caret = _paint("^" * width, tint, bool(tint))
     return [f"{place.line:>5} | {line}", f"      | {indent}{caret}"]

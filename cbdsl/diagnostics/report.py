@@ -57,6 +57,7 @@ class ValidationReport(NamedTuple):
         Args:
             strict: True if warnings count as errors.
         """
+        # A failed check leaves the document undecided, which outweighs its other errors.
         if any(diagnostic.code == FAILED_CHECK for diagnostic in self.diagnostics):
             return 2
         return 1 if self.errors or (strict and self.warnings) else 0

@@ -29,6 +29,7 @@ def sarif(report: ValidationReport) -> str:
     }
     run = {
         "tool": {"driver": driver},
+        # Places count characters, and not UTF-16 units.
         "columnKind": "unicodeCodePoints",
         "invocations": [{"executionSuccessful": report.exit_code(strict=False) != 2}],
         "results": [_result(diagnostic, codes) for diagnostic in report.diagnostics],
