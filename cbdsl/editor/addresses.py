@@ -32,6 +32,8 @@ class Addresses:
             is_possible = file is not None and "\0" not in file
             path = Path(file) if file and is_possible else self._stand_in(uri)
             self._paths[uri] = path
+            # Editors may spell one file in several ways, as `c:` and `c%3A`. Answers use the first
+            # one.
             self._uris.setdefault(path, uri)
         return self._paths[uri]
 
@@ -42,6 +44,7 @@ class Addresses:
 
     def _stand_in(self, uri: str) -> Path:
         name = re.sub(r"[^\w.-]", "_", Path(urlparse(uri)[2]).name).strip(".") or "unsaved"
+        # Two unsaved documents of one name get different files: `Untitled-1` and `1_Untitled-1`.
         names = (name if number == 0 else f"{number}_{name}" for number in count())
         paths = (self._here / each for each in names)
         return next(path for path in paths if path not in self._uris and not path.exists())

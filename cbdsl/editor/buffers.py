@@ -38,6 +38,8 @@ class Buffers:
     def change(self, path: Path, text: str) -> None:
         """Take the text of a file from the editor."""
         self._texts[path] = text
+        # Strict UTF-8 would raise an exception for a lone surrogate, which an editor can send. A
+        # session cannot go on if a robot may have changed.
         if not self._session.replace(path, text.encode("utf-8", "surrogatepass")):
             self._session = self._new_session()
 

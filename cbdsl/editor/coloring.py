@@ -43,6 +43,8 @@ def colored_words(buffers: Buffers, path: Path) -> Iterator[ColoredWord]:
     members |= dict.fromkeys(section(lines, "use"), "namespace")
     resources, enclosing = robot_resources(buffers, path), EnclosingKeys(lines)
     for number, line in enumerate(lines):
+        # YAML comments begin after a space or at the start. A number sign in quoted text is taken
+        # for a comment, too, which only loses some colours.
         code = re.split(r"(?:^|\s)#", line, maxsplit=1)[0]
         for match in _WORD.finditer(code):
             kind = _kind(match[0], enclosing, (number, match.start()), members, resources)

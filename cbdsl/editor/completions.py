@@ -50,6 +50,7 @@ def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Completi
         ]
     if key == "kind" and len(steps) == 1:
         return [Completion(name, "kind of document") for name in KINDS.usable_names()]
+    # At the top level of a program, `policy` is a section with states, and names no document.
     if key in _DOCUMENTS and not (key == "policy" and len(steps) == 1):
         return _documents(buffers, path, key)
     if key in _RESOURCES:
@@ -61,6 +62,10 @@ def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Completi
     return []
 
 
+# Model of a section: its lines are indented below a key at the first column. Its own keys have the
+# indentation of the first one. Text is matched instead of parsed, because a document is seldom
+# valid while it is edited. Where this breaks: braces that end on a later line, and braces within
+# braces, whose keys may count as keys of the section.
 def section(lines: Sequence[str], name: str) -> dict[str, int]:
     """Return the keys of a top-level section with their lines, from 0."""
     keys: dict[str, int] = {}

@@ -79,6 +79,7 @@ def _cursor(
     assert tail is not None, "the pattern matches the empty text"
     word, start = head[0] + tail[0], len(before) - len(head[0])
     opened, own = _in_line(before)
+    # On an empty line, the column of the cursor is the indentation of the key that may follow.
     indent = len(text) - len(text.lstrip()) if text.strip() else column
     outer = [key for its_indent, key in above if its_indent < indent]
     written = re.match(r"\s*:(\s|$)", after[len(tail[0]) :]) is not None
@@ -91,6 +92,8 @@ def _in_line(before: str) -> tuple[list[str], str | None]:
     """Return the keys whose braces are open on the line, and the key of the current value."""
     match = _KEY.match(before)
     own = match["key"].strip() if match else None
+    # Each open bracket is kept with the key of its value. Braces begin a new key, also after each
+    # comma; in square brackets, all items belong to the same key.
     frames: list[tuple[str, str | None]] = []
     for token in _TOKEN.finditer(before, match.end() if match else 0):
         mark = token[0]

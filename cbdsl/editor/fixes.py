@@ -37,6 +37,7 @@ def fix(diagnostic: Diagnostic, lines: Sequence[str]) -> Fix | None:
         return None
     stretch = lines[place.line - 1][place.column - 1 : place.end_column - 1]
     offset = stretch.find(diagnostic.given)
+    # A name that occurs twice in its place, as in `a ◁ b ◁ a`, may be wrong at either of them.
     if offset < 0 or stretch.find(diagnostic.given, offset + 1) >= 0:
         return None
     column = place.column + offset
@@ -47,6 +48,7 @@ def fixed(text: str, diagnostics: Iterable[Diagnostic]) -> str:
     """Return a text with all corrections of its diagnostics, none of which overlap."""
     lines = lines_of(text)
     ends = line_ends(text)
+    # From the last to the first: a replacement moves only columns that are done.
     fixes = sorted(
         {each for diagnostic in diagnostics if (each := fix(diagnostic, lines))}, reverse=True
     )

@@ -36,6 +36,8 @@ def _schema(kind: str) -> Mapping[str, Any]:
 
 def _inside(section: Mapping[str, Any], step: str, whole: Mapping[str, Any]) -> Iterator[Any]:
     """Yield the schemas that the value of a key may have."""
+    # Sections with free names, such as `controllers`, describe all of their values by
+    # `additionalProperties`.
     value = section.get("properties", {}).get(step, section.get("additionalProperties"))
     if isinstance(value, dict):
         yield from _plain(value, whole)

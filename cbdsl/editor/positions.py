@@ -23,6 +23,10 @@ class Codec(Protocol):
         """Return the number of code units of a text."""
 
 
+# Places and positions differ in two ways. Places count lines by the line ends of YAML 1.1, which
+# include U+0085, U+2028 and U+2029, and columns by characters. The protocol has fewer line ends,
+# and columns by code units, of which an emoji has two in UTF-16. Both are converted through the
+# offset in the text.
 class Positions:
     """Conversion between places in a text and positions of an editor.
 
@@ -68,6 +72,7 @@ class Positions:
         ends = self._shown[line + 1] if line + 1 < len(self._shown) else len(self._text)
         stretch = self._text[offset:ends].rstrip("\r\n")
         widths = accumulate(self._units(character) for character in stretch)
+        # A position between two units of one character precedes the character.
         offset += bisect_right(list(widths), position.character)
         line = bisect_right(self._lines, offset) - 1
         return line, offset - self._lines[line]

@@ -101,6 +101,7 @@ def _of_member(buffers: Buffers, path: Path, lines: Sequence[str], name: str) ->
 
 
 def _member_spots(lines: Sequence[str], name: str) -> Iterator[Occurrence]:
+    # Dots and dollar signs are parts of names: `head` is not within `head.position` or `$head`.
     pattern = re.compile(rf"(?<![\w.$]){re.escape(name)}(?![\w.])")
     for number, line in enumerate(lines):
         for match in pattern.finditer(_code(line)):
@@ -120,6 +121,7 @@ def _names_member(lines: Sequence[str], at: Cursor) -> bool:
 
 
 def _of_document(buffers: Buffers, file: Path, kind: str, name: str) -> Renaming | None:
+    # Documents outside of the editor's folder, such as shipped ones, belong to others.
     if kind not in KINDS.builtins or not file.is_relative_to(buffers.here):
         return None
     own = re.compile(rf"^name:\s*[\"']?(?P<name>{re.escape(name)})[\"']?\s*$")

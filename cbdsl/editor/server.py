@@ -85,6 +85,7 @@ class Server(LanguageServer):
 
     def check(self, path: Path) -> None:
         """Check an open document, and send its diagnostics; files of other tools have none."""
+        # An empty list withdraws diagnostics that the editor still shows.
         self._diagnostics[path] = []
         if is_own(path, self.buffers.text(path)):
             self._diagnostics[path] = self.buffers.diagnostics(path)
@@ -141,6 +142,7 @@ class Server(LanguageServer):
             for name, detail, kind in offered
             if typed in name
         ]
+        # An incomplete list makes the editor request it again after the next character.
         is_all = len(items) <= _MOST_CHOICES
         return lsp.CompletionList(is_incomplete=not is_all, items=items[:_MOST_CHOICES])
 
