@@ -252,5 +252,5 @@ def _require_name(out: Path) -> None:
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.document import NAME_PATTERN
 
-    if out.suffix != ".yaml" or not re.match(NAME_PATTERN, out.stem):
+    if out.suffix != ".yaml" or not re.fullmatch(NAME_PATTERN, out.stem):
         raise UsageError(f"{out}: a calibration is <name>.yaml, of letters, digits and _")

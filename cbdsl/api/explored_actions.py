@@ -48,7 +48,7 @@ def read_action(text: str) -> ActionText:
     label = (
         label if given else "_".join([Path(program).stem, *(v for _, _, v in pairs if v != "?")])
     )
-    if not program or not re.match(NAME_PATTERN, label) or any(not v for _, _, v in pairs):
+    if not program or not re.fullmatch(NAME_PATTERN, label) or any(not v for _, _, v in pairs):
         raise UsageError(
             f"'{text}' is not an action; write a program as NAME, NAME:key=value or "
             "LABEL=NAME:key=value"

@@ -39,7 +39,7 @@ def require_things(things: Mapping[str, str]) -> None:
     """
     channels: set[str] = set()
     for name, channel in things.items():
-        if not channel or not re.match(NAME_PATTERN, name):
+        if not channel or not re.fullmatch(NAME_PATTERN, name):
             raise UsageError(f"thing '{name}': a name and its channel, such as ball and red")
         if channel in channels:
             raise UsageError(f"thing '{name}': another thing has the channel '{channel}'")

@@ -116,7 +116,7 @@ class LearnRequest:
         from cbdsl.documents.document import NAME_PATTERN
         from cbdsl.learning.learner import ASSIMILATE, NAME_RELATIONS
 
-        if self.out.suffix != ".yaml" or not re.match(NAME_PATTERN, self.out.stem):
+        if self.out.suffix != ".yaml" or not re.fullmatch(NAME_PATTERN, self.out.stem):
             raise UsageError(f"{self.out}: a policy is <name>.yaml, of letters, digits and _")
         if self.out.is_dir():
             raise UsageError(f"{self.out}: is a folder, and a policy is a file")

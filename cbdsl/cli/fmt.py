@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from difflib import unified_diff
 from pathlib import Path
 from typing import Annotated
@@ -42,11 +43,17 @@ def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
     changed, failed = 0, False
     for file in choose_files(paths, Path(STANDARD_INPUT), Library()).files:
         try:
-            changed += _format(file, check=check, diff=diff, is_named=str(file) in paths)
+            changed += _format(file, check=check, diff=diff, is_named=not _is_below(file, paths))
         except DiagnosticsError as error:
             print_diagnostics(error.diagnostics)
             failed = True
     raise typer.Exit(1 if failed or (check and changed) else 0)
+
+
+def _is_below(file: Path, paths: Sequence[str]) -> bool:
+    """Return whether a file was found in a folder among the paths, rather than named itself."""
+    folders = [Path(path).resolve() for path in paths if Path(path).is_dir()]
+    return any(file.resolve().is_relative_to(folder) for folder in folders)
 
 
 def _print_formatted() -> int:

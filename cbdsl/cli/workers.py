@@ -23,8 +23,9 @@ def require_workers(workers: int) -> None:
     Raises:
         UsageError: The number of workers exceeds the limit.
     """
-    # The affinity excludes processors that a batch system withholds, unlike `os.cpu_count`.
-    processors = len(os.sched_getaffinity(0))
+    # The affinity excludes processors that a batch system withholds; only Linux has it.
+    affinity = getattr(os, "sched_getaffinity", None)
+    processors = len(affinity(0)) if affinity else os.cpu_count() or 1
     most = max(_ALWAYS, _PER_PROCESSOR * processors)
     if workers > most:
         raise UsageError(

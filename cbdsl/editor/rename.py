@@ -50,7 +50,7 @@ class Renaming(NamedTuple):
 
 def is_name(text: str) -> bool:
     """Return whether a text can be the name of a controller, a parameter or a document."""
-    return re.match(NAME_PATTERN, text) is not None
+    return re.fullmatch(NAME_PATTERN, text) is not None
 
 
 def renaming(buffers: Buffers, path: Path, at: Cursor) -> Renaming | None:

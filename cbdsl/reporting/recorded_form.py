@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, ValidationError
 
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import parse_urdf
+
+# Numbers in the size of a part: edges, a radius, or a radius and a height.
+_SIZES = {"box": 3, "ball": 1, "cylinder": 2}
 
 _Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 
@@ -64,7 +67,11 @@ class _Mesh(BaseModel, strict=True):
 
 
 class _Part(BaseModel, strict=True):
-    shape: str
+    shape: Literal["ball", "box", "cylinder", "mesh"]
+    position: _Triple
+    quaternion: Annotated[list[float], Field(min_length=4, max_length=4)]
+    color: _Triple
+    size: list[float]
     mesh: _Mesh = _Mesh(corners=[], triangles=[])
 
 
@@ -116,7 +123,7 @@ def summary_faults(summary: Mapping[str, Any]) -> Iterator[str]:
     if any(len(each) != len(controllers) for each in summary["predicates"]):
         yield "predicates: have not one letter for each controller"
     for parts in summary["scene"].values():
-        yield from (fault for part in parts for fault in _mesh_faults(part))
+        yield from (fault for part in parts for fault in _part_faults(part))
 
 
 def _robot_faults(summary: Mapping[str, Any]) -> Iterator[str]:
@@ -131,7 +138,10 @@ def _robot_faults(summary: Mapping[str, Any]) -> Iterator[str]:
         yield f"{error}"
 
 
-def _mesh_faults(part: Mapping[str, Any]) -> Iterator[str]:
+def _part_faults(part: Mapping[str, Any]) -> Iterator[str]:
+    lengths = _SIZES.get(part["shape"])
+    if lengths is not None and len(part["size"]) != lengths:
+        yield f"scene: a {part['shape']} has {len(part['size'])} sizes instead of {lengths}"
     if "mesh" not in part:
         return
     corners, triangles = part["mesh"]["corners"], part["mesh"]["triangles"]
@@ -177,6 +187,7 @@ def _shape(
     return {
         "time": (-1,),
         "positions": (-1, joints),
+        "references": (-1, joints),
         "velocities": (-1, joints),
         "at_limits": (-1, joints),
         "scene": (-1, len(summary["scene"]), 7),

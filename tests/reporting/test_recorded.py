@@ -44,12 +44,30 @@ def spoil_bytes(file: Path) -> None:
     file.write_bytes(data)
 
 
+PART = {
+    "shape": "ball",
+    "size": [0.1],
+    "position": [0.0] * 3,
+    "quaternion": [0.0, 0.0, 0.0, 1.0],
+    "color": [1.0] * 3,
+}
+
+
 def with_mesh(corners: list[Any], triangles: list[Any]) -> Callable[[dict[str, Any]], None]:
     """Return a function that adds an object with this mesh to the scene."""
 
     def add(summary: dict[str, Any]) -> None:
         mesh = {"corners": corners, "triangles": triangles}
-        summary["scene"]["odd"] = [{"shape": "mesh", "mesh": mesh}]
+        summary["scene"]["odd"] = [PART | {"shape": "mesh", "mesh": mesh}]
+
+    return add
+
+
+def with_part(**changes: Any) -> Callable[[dict[str, Any]], None]:
+    """Return a function that adds an object with this part to the scene."""
+
+    def add(summary: dict[str, Any]) -> None:
+        summary["scene"]["odd"] = [PART | changes]
 
     return add
 
@@ -74,6 +92,22 @@ SPOILED: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "empty arrays": (lambda file: file.with_suffix(".npz").write_bytes(b""), "damaged"),
     "something else": (lambda file: file.write_text("[1, 2]", encoding="utf-8"), "no recording"),
+    "part of an unknown shape": (
+        lambda file: rewrite(file, with_part(shape="cone")),
+        "scene.odd.0.shape",
+    ),
+    "part with too many sizes": (
+        lambda file: rewrite(file, with_part(size=[0.1, 0.2])),
+        "2 sizes instead of 1",
+    ),
+    "part without a place": (
+        lambda file: rewrite(file, with_part(position=[])),
+        "scene.odd.0.position",
+    ),
+    "references of another robot": (
+        lambda file: changed(file.with_suffix(".npz"), references=lambda rows: rows[:, :2]),
+        "references: has the shape",
+    ),
     "not text": (lambda file: file.write_bytes(b"\x89PNG\x00\xff"), "no recording"),
     "older": (lambda file: rewrite(file, old), "older cb"),
     "newer": (lambda file: rewrite(file, lambda s: s.update(version=99)), "version 99"),

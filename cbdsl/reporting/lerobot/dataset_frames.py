@@ -47,9 +47,10 @@ class Frames:
 
 
 def frame_rate(recorded: Recorded) -> int:
-    """Return the rate of the images, or of control if there are none, in whole Hz."""
+    """Return the rate of the images, or of control if there are none, in whole Hz, at least 1."""
     images = recorded.arrays["image_time"]
-    return round(_rate(images if len(images) > 1 else recorded.arrays["time"]))
+    # Datasets state whole rates; slower images count as one a second.
+    return max(1, round(_rate(images if len(images) > 1 else recorded.arrays["time"])))
 
 
 def _rate(times: Array) -> float:

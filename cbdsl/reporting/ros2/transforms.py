@@ -27,7 +27,7 @@ def fixed_frames(links: Sequence[DrawnLink], cameras: Mapping[str, Any]) -> Any:
     """Return the transforms of links that no joint moves, and of the cameras' optical frames."""
     frames = [_link_frame(links, link, np.zeros(0), 0.0) for link in links if link.column < 0]
     for name, camera in cameras.items():
-        place, turn, correction = np.zeros(3), UNTURNED, camera["correction"]
+        place, turn, correction = np.zeros(3), UNTURNED, camera.get("correction")
         if correction is not None:
             place, turn = np.array(correction["position"]), _rotation(correction["rotation"])
         turn = product(turn, _OPTICAL)
