@@ -12,6 +12,12 @@ from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 
 
+# A URDF does not say which joints form an arm, so the tree of joints is divided by a heuristic. A
+# chain grows from the root outwards as long as exactly one joint at its last link leads to motion.
+# Branches in which nothing moves, such as a fixed camera, do not end it. A joint that programs
+# cannot move, such as a mimicking finger, does. Names of joints and links then separate a gripper
+# from its arm. The result is only a suggestion: a model with unusual names keeps its gripper in the
+# arm.
 class Chain(NamedTuple):
     """Series of joints, each mounted on the link of the preceding one.
 
@@ -41,6 +47,8 @@ def chains(model: UrdfModel) -> list[Chain]:
     """
     branches = _branches(model)
     all_chains = list(_chains(branches, root(model), ()))
+    # The only chain of a robot is called an arm even if its joints share no prefix. One or two
+    # joints, as of a camera mount, are too few for an arm.
     is_arm = len(all_chains) == 1 and len(all_chains[0].joints) > 2
     named: dict[str, Chain] = {}
     for chain in all_chains:
@@ -64,6 +72,8 @@ def _parted(branches: _Branches, chain: Chain, gripper: str) -> Iterator[Chain]:
     """Yield an arm and its gripper separately, or the chain unchanged."""
     tail = list(takewhile(_grips, reversed(chain.joints)))
     arm = chain.joints[: len(chain.joints) - len(tail)]
+    # Too few joints precede the gripper on a model that consists of a hand alone; it stays one
+    # chain.
     if not tail or len(arm) < _ARM:
         yield chain
         return
@@ -73,6 +83,7 @@ def _parted(branches: _Branches, chain: Chain, gripper: str) -> Iterator[Chain]:
 
 def _grips(joint: UrdfJoint) -> bool:
     """Return whether a joint opens and closes a gripper, by the names of its model."""
+    # A joint such as gripper_roll turns the gripper as a whole, so it belongs to the arm.
     if _TURNS.search(joint.name):
         return False
     return bool(_GRIPS.search(joint.name) or _JAWS.search(joint.child))
@@ -126,6 +137,7 @@ def _name(joints: tuple[UrdfJoint, ...]) -> str:
     common = "".join(letters[0] for letters in alike)
     name = re.sub(r"\W+", "_", common, flags=re.ASCII).strip("_")
     name = re.sub(r"_?(joint|motor)$", "", name)
+    # Nothing is left of joint1 and joint2, and shoulder and elbow have no common beginning.
     return name if re.match(r"[A-Za-z]", name) else "chain"
 
 

@@ -35,6 +35,9 @@ def with_control_rate(robot: RobotDocument, rate: float | None) -> RobotDocument
         raise UsageError(
             f"--rate {rate:g} does not fit robot '{robot.name}': {'; '.join(problems)}"
         )
+    # Physics never gets slower than the document's rate, so the number of steps in a tick is
+    # rounded up. The margin keeps rounding errors of the quotient from adding a step to an exact
+    # multiple.
     steps = max(1, math.ceil(robot.simulation.physics_rate / rate - 1e-9))
     control = robot.control.model_copy(update={"rate": rate})
     simulation = robot.simulation.model_copy(update={"physics_rate": steps * rate})

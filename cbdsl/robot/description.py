@@ -32,6 +32,8 @@ def description_problems(
         return [f"the robot's description cannot be read: {error}"]
     named = {name: names.get(name, name) for name in joints}
     missing = [f"'{theirs}'" for theirs in named.values() if theirs not in described.joints]
+    # With missing joints the whole description is suspect, so differences of the other joints are
+    # not listed.
     if missing:
         listed = ", ".join(missing[:_LISTED])
         more = f" and {len(missing) - _LISTED} more" if len(missing) > _LISTED else ""
@@ -55,5 +57,6 @@ def _differences(own: UrdfJoint, other: UrdfJoint) -> list[str]:
     return [
         f"joint '{own.name}' has the {limit} {theirs:g} by the robot, and {ours:g} by its document"
         for limit, (ours, theirs) in limits.items()
+        # Infinite limits on both sides count as equal; their difference would be NaN.
         if not math.isclose(ours, theirs, rel_tol=_ROUNDING, abs_tol=_ROUNDING)
     ]

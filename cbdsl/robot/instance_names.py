@@ -37,6 +37,7 @@ def parse_instance(name: str, named: Mapping[str, Resource]) -> InstanceName | N
     parts = name.split(".")
     if len(parts) < 3:
         return None
+    # The instance is the third part: stereo.red.2.velocity belongs to stereo.red.velocity.
     base = named.get(".".join((*parts[:2], *parts[3:])))
     if base is None or not hasattr(base.source, "instance"):
         return None

@@ -36,6 +36,9 @@ class Joints:
         }
         #: Angles of all joints per angles of the actuated ones, shape (n + m, n).
         self.expansion: Floats = np.eye(len(self.all), len(self.names))
+        # A passive joint p that follows the actuated joint a obeys q_p = ratio * q_a + offset. All
+        # positions are thus E q + o, with the identity in the first n rows of E and one entry in
+        # each further row. Derivatives need E alone, because o is constant.
         for name, coupling in robot.couplings.items():
             self.expansion[self.index[name], self.index[coupling.follows]] = coupling.ratio
         #: Positions of all joints if the actuated ones are at 0, rad or m, shape (n + m,).

@@ -42,6 +42,8 @@ def _oddness(inertial: UrdfInertial, moved: bool) -> str:
         return f"a mass of {inertial.mass:g} kg and no moment of inertia" if moved else ""
     if max(map(abs, inertial.inertia)) > _MOST:
         return f"a moment of inertia beyond {_MOST:g} kg m^2"
+    # The bound on the largest moment follows from I1 + I2 - I3 = 2 * integral of z^2 dm, which is
+    # not negative. It holds with equality for a flat plate.
     least, middle, most = principal_moments(inertial.inertia)
     if least < -_ROUNDING * abs(most) or most <= 0.0:
         return f"a principal moment of inertia of {least:.3g} kg m^2"
@@ -50,6 +52,8 @@ def _oddness(inertial: UrdfInertial, moved: bool) -> str:
             f"a principal moment of inertia of {most:.3g} kg m^2, "
             f"more than the sum of the others, {least + middle:.3g} kg m^2"
         )
+    # A moment is m k^2. The radius of gyration k is at most the largest distance of the body's mass
+    # from the axis.
     radius = math.sqrt(most / inertial.mass)
     return f"a radius of gyration of {radius:.3g} m" if radius > _LARGEST else ""
 
@@ -110,6 +114,7 @@ def principal_moments(inertia: Numbers) -> tuple[float, float, float]:
     a, b, c = ((each - mean) / scale for each in (xx, yy, zz))
     d, e, f = xy / scale, xz / scale, yz / scale
     determinant = a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)
+    # Rounding can move the cosine of matrices with two equal eigenvalues slightly out of its range.
     angle = math.acos(min(max(determinant / 2.0, -1.0), 1.0)) / 3.0
     most = mean + 2.0 * scale * math.cos(angle)
     least = mean + 2.0 * scale * math.cos(angle + 2.0 * math.pi / 3.0)

@@ -40,6 +40,7 @@ def xml_root(text: bytes | str, path: Path, kind: str) -> ElementTree.Element:
     Raises:
         UrdfError: If it is not XML.
     """
+    # This check has to precede the reader, which expands entities while it reads.
     refuse_entities(text, path)
     try:
         return ElementTree.fromstring(text)
@@ -57,6 +58,7 @@ def require_names_for_engines(root: ElementTree.Element, text: bytes, path: Path
     """
     declared = _ENCODING.match(text)
     encoding = declared[1].decode("ascii") if declared else "utf-8"
+    # A byte order mark states UTF-16 without any declaration.
     if text.startswith((b"\xff\xfe", b"\xfe\xff")):
         encoding = "utf-16"
     elif encoding.lower() in _READ_BY_ENGINES or _has_plain_names(root):

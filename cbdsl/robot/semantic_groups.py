@@ -50,6 +50,8 @@ class SemanticGroups:
         self._model, self._srdf = model, srdf
         self.remarks: list[str] = []
         self.groups: dict[str, tuple[str, ...]] = {}
+        # The order matters: groups are of effectors, and the states of a composed group are
+        # postures of its members.
         joints = self._effector_joints()
         self._add_groups(joints)
         postures = self._postures(joints)
@@ -150,6 +152,9 @@ class SemanticGroups:
             self._require("link", link, self._model.links, "an end_effector")
         ends = [tip for _, tip in group.chains] if len(group.chains) == 1 else []
         own = {joint.name for joint in joints}
+        # A link is a tip only if all joints of the group are between it and the root. A hand with
+        # parallel fingers thus has none. The end effector's parent link is preferred, because it is
+        # the mount of the hand in the SRDF.
         last = max(joints, key=lambda joint: len(self._model.above(joint.child)))
         for link in (*hands, *ends, last.child):
             if own <= set(self._model.above(link)):
@@ -165,6 +170,7 @@ class SemanticGroups:
             place = f"group_state '{state.name}'"
             self._require("group", state.group, self._srdf.groups, place)
             for joint in state.positions:
+                # Virtual joints connect the base to the world, and the URDF does not have them.
                 if joint not in self._srdf.virtual:
                     self._require("joint", joint, self._model.joints, place)
             own = _name(state.group)

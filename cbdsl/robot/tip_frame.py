@@ -33,12 +33,19 @@ def acting_link(branches: Mapping[str, Sequence[UrdfJoint]], link: str) -> str:
     for pattern in _ACTING:
         named = [each for each in attached if pattern.search(each)]
         if named:
+            # The outermost frame of a series comes last, as the tool centre point behind the
+            # flange.
             return named[-1]
     if any(not joint.fixed for each in (link, *attached) for joint in branches.get(each, [])):
         return link  # base of a hand with joints of its own
     return _end(branches, link)
 
 
+# Models of simple robots often end at the last joint, without a frame at the far end. Its position
+# is then estimated from the bounding box of the last link's shapes. The axis is chosen along which
+# the centre of the box is farthest from the joint. Along it, the farther end is the tip. No
+# estimate is made for a box around the joint, such as that of a wheel, or for an end within 1 cm of
+# it. A tip aside of the axes of the frame is missed.
 def tip_offset(model: UrdfModel, joint: UrdfJoint, link: str) -> Numbers:
     """Return the far end of a joint's own link, m, or zero if frames define the tip.
 

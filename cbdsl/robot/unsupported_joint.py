@@ -55,6 +55,7 @@ def unsupported(joint: UrdfJoint) -> UnsupportedJoint | None:
             f"{joint.kind}, and programs move only joints that turn about or slide along one axis"
         )
         return UnsupportedJoint(trait)
+    # This precedes the limits, because limits alone would not make a mimicking joint movable.
     if joint.mimic is not None:
         master, ratio, offset = joint.mimic
         if joint.leaderless:

@@ -45,6 +45,7 @@ class UrdfOrigin(NamedTuple):
     @property
     def rotation(self) -> Rotation:
         """Rotation as three rows of a matrix."""
+        # R = Rz(yaw) Ry(pitch) Rx(roll), with turns about the fixed axes of the parent.
         (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in self.rpy)
         return (
             (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
@@ -221,6 +222,7 @@ class UrdfModel:
 
     def _rest(self, joint: UrdfJoint) -> float:
         mimic = joint.mimic
+        # A follower without its leader, or with limits in the wrong order, rests by itself.
         if mimic is None or mimic.joint not in self.joints or joint.lower > joint.upper:
             return joint.rest
         followed = mimic.ratio * self.joints[mimic.joint].rest + mimic.offset
@@ -239,6 +241,10 @@ class UrdfModel:
             Bound, or ``None`` if a joint between them slides without limits, floats or moves in a
             plane.
         """
+        # By the triangle inequality, the distance is at most the sum of the distances between
+        # successive frames on the way between the links. A turn does not change the distance
+        # between its own two frames, and a slide adds its stroke. Joints on both ways to the root
+        # cancel, because they move both links alike.
         between = set(self.way(base)).symmetric_difference(self.way(link))
         bounded = all(joint.fixed or joint.movable for joint in between)
         reach = sum(joint.length for joint in between)

@@ -70,6 +70,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
         require_names_for_engines(root, text, path)
     links = frozenset(link.get("name", "") for link in root.findall("link"))
     try:
+        # The order matters: the search for deep chains ends only in a tree, which has no circles.
         _require_few(root)
         _require_distinct(root)
         _require_masses(root)
@@ -177,6 +178,8 @@ def _require_no_circle(movers: Mapping[str, UrdfJoint], root: str) -> None:
     Raises:
         ValueError: If some links carry one another.
     """
+    # One root does not exclude a separate ring, such as two links that carry each other. Each link
+    # is passed once, because the search stops at links that are known to hang from the root.
     hanging = {root}
     for link in movers:
         way: dict[str, None] = {}
@@ -216,6 +219,9 @@ def _resolve(name: str, mimics: dict[str, Mimic | None]) -> None:
             raise ValueError(f"joint '{name}' mimics itself{by_way}; remove a <mimic>")
         chain[name] = mimic
         name = mimic.joint
+    # With q1 = r1 q2 + o1 and q2 = r2 q3 + o2, q1 = r1 r2 q3 + (r1 o2 + o1). The chain is folded
+    # from its leader backwards, so that each follower uses the already resolved joint that it
+    # follows.
     master = Mimic(name, 1.0, 0.0)
     for follower, own in reversed(chain.items()):
         ratio, offset = own.ratio * master.ratio, own.ratio * master.offset + own.offset
@@ -228,6 +234,8 @@ def _require_shallow(joints: Iterable[UrdfJoint]) -> None:
     Raises:
         ValueError: If one is.
     """
+    # The depths are found by a loop, because recursion would fail on the very models that this
+    # refuses.
     parents = {joint.child: joint.parent for joint in joints}
     depths: dict[str, int] = {}
     for link in parents:
@@ -256,6 +264,8 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
     axis = element.find("axis")
     if problem is not None:
         raise ValueError(f"joint '{name}' {problem}")
+    # A continuous joint may have a <limit>, but only of its effort and velocity. Elsewhere, a
+    # missing lower or upper limit is 0 by the specification of URDF.
     bounded = limit is not None and kind != "continuous"
     lower, upper = (_limit(limit, "lower"), _limit(limit, "upper")) if bounded else (None, None)
     return UrdfJoint(

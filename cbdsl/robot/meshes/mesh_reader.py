@@ -42,6 +42,7 @@ def read_mesh_file(file: Path, scale: Sequence[float]) -> Mesh:
     except ImportError as error:
         raise MeshError(f"{file}: the reader of meshes is not installed: {error}") from error
     try:
+        # The native reader loads the whole file, so its size has to be checked before.
         size = file.stat().st_size
     except OSError as error:
         raise MeshError(f"{file}: {error.strerror}") from error

@@ -11,6 +11,12 @@ _MOST_TRIANGLES = 1500
 _FINEST = 64
 
 
+# Simplification by vertex clustering (Rossignac and Borrel 1993). A grid of cubic cells covers the
+# mesh, and the corners in each cell merge into their mean. Triangles with two corners in the same
+# cell vanish. The topology is not preserved: thin walls collapse and small gaps close. This is
+# acceptable for display, but not for collision geometry. The grid is coarsened by a quarter at a
+# time. The loop ends at the latest with one cell along the longest edge: at most eight clusters
+# form fewer triangles than the bound.
 def simplified(mesh: Mesh) -> Mesh:
     """Return the mesh with near corners merged, until it is small enough."""
     cells = _FINEST

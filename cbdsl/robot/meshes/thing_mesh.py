@@ -49,6 +49,10 @@ def changed(file: Path) -> int:
 def _read(file: Path, scale: float, _changed: int) -> ThingMesh:
     triangles = read_triangles(file, scale)
     a, b, c = np.moveaxis(triangles, 1, 0)
+    # Each triangle and the origin form a tetrahedron with the signed volume a . (b x c) / 6. Over a
+    # closed mesh these sum up to its volume, for any origin (divergence theorem). The sign is
+    # positive if the corners run counter-clockwise seen from outside. The reader has already
+    # refused meshes that are not closed.
     volume = float(np.sum(a * np.cross(b, c))) / 6
     if abs(volume) < _LEAST * float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) ** 3:
         raise UsageError(f"{file}: it has no inside")

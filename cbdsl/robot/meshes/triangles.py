@@ -66,6 +66,12 @@ def _require_reasonable(file: Path, triangles: Floats) -> None:
         raise UsageError(f"{file}: not closed: {gaps} edges do not join two triangles")
 
 
+# A mesh is closed if its triangles pass each edge equally often in both directions. A passage from
+# the lower to the higher corner counts +1 and its reverse -1, so that the sum over each edge
+# vanishes. This also detects neighbours of opposite orientation. STL repeats each corner in every
+# triangle, possibly rounded differently, so corners in the same cell of a fine grid coincide. The
+# model fails for corners on both sides of a cell's boundary: they stay distinct, and a gap is
+# reported.
 def _open_edges(triangles: Floats, extent: float) -> int:
     """Return the number of edges without two triangles, one in each direction."""
     rows = triangles.reshape(-1, 3)
@@ -76,6 +82,7 @@ def _open_edges(triangles: Floats, extent: float) -> int:
         (cells[:, 0] << 42) | (cells[:, 1] << 21) | cells[:, 2], return_inverse=True
     )
     faces = numbers.reshape(-1, 3)
+    # Triangles that the grid collapses to a line have no area and are left out.
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     lower, upper = edges.min(axis=1), edges.max(axis=1)
@@ -85,6 +92,7 @@ def _open_edges(triangles: Floats, extent: float) -> int:
 
 
 def _stl(data: bytes) -> Floats:
+    # The length distinguishes the formats, because a binary STL may begin with "solid", too.
     if len(data) >= _HEAD:
         count = int.from_bytes(data[_HEAD - 4 : _HEAD], "little")
         if len(data) == _HEAD + count * _RECORD.itemsize:
@@ -111,6 +119,8 @@ def _obj(data: bytes) -> Floats:
             _require_few(count // 3)
         elif key == "f":
             own = _face(rest, count)
+            # A polygon becomes a fan of triangles around its first corner, which is exact for
+            # convex polygons.
             for k in range(1, len(own) - 1):
                 faces.extend((own[0], own[k], own[k + 1]))
             _require_few(len(faces) // 3)
@@ -122,6 +132,7 @@ def _face(text: str, points: int) -> list[int]:
     """Return the indices of a face's points; they count from 1, or back from the newest point."""
     words = text.split(None, MOST + 2)
     _require_few(len(words) - 2)
+    # In "7/2/5", texture and normal follow the index of the point.
     numbers = [int(word.partition("/")[0]) for word in words]
     own = [number - 1 if number > 0 else points + number for number in numbers]
     if own and (min(own) < 0 or max(own) >= points):

@@ -46,9 +46,14 @@ def convert_bounded(path: Path, name: str) -> ConvertedModel:
     Raises:
         UrdfError: If the model is refused, or takes too much time or memory.
     """
+    # The process imports from the same folders as this one. An empty entry is left out, because it
+    # stands for the working folder, whose modules could shadow the library's.
     paths = json.dumps([folder for folder in sys.path if folder])
     command = [sys.executable, "-P", "-c", _BEGIN, paths, str(path), name]
     try:
+        # The bound on processor time is set by the process itself. This longer one on elapsed time
+        # allows for a busy machine. One thread per library saves address space, which is bounded,
+        # too.
         done = subprocess.run(
             command,
             stdin=subprocess.DEVNULL,

@@ -88,6 +88,7 @@ def _require_few_copies(path: Path) -> None:
     waiting = [(root, 1)]
     while waiting:
         element, copies = waiting.pop()
+        # Nested replications multiply, so that a few lines can request billions of bodies.
         for word in " ".join(element.get(key, "") for key in _COUNTS).split():
             copies *= int(word) if word.isascii() and word.isdigit() and len(word) < 12 else 1
         most = _MOST_COPIES if element.get("count") else _MOST_PIXELS
@@ -125,6 +126,12 @@ class _Writer:
         for site in range(model.compiled.nsite):
             self._add_site(site)
 
+    # An MJCF body owns its joints: they move it in their order, each about an anchor in the body's
+    # frame. A URDF joint moves one link about the origin of that link. Each joint of a body
+    # therefore gets a link whose origin is at the joint's anchor. If the last anchor differs from
+    # the body's origin, a fixed joint leads back to it. MuJoCo places the bodies as written at the
+    # positions qpos0, and URDF at 0. The origin of each joint thus contains its motion by -qpos0
+    # about or along its axis. For slides the anchor has no effect.
     def _add_body(self, body: int) -> None:
         model, name = self._model, self._model.links[body]
         parent, placement, anchor = model.parent(body), model.placement(body), np.zeros(3)
@@ -297,6 +304,10 @@ def _rpy(rotation: Floats) -> tuple[float, float, float]:
 
     The roll is the remainder after yaw and pitch, so that all are exact at a pitch of 90 deg, too.
     """
+    # With R = Rz(yaw) Ry(pitch) Rx(roll), the first column of R is (cy cp, sy cp, -sp). The second
+    # row of Rz(yaw)' R is (0, cos(roll), -sin(roll)) at every pitch. At a pitch of 90 deg the first
+    # column has no horizontal part. Only the sum or difference of roll and yaw is then defined, and
+    # yaw is 0.
     r = rotation
     yaw = math.atan2(r[1, 0], r[0, 0]) if math.hypot(r[0, 0], r[1, 0]) > 1e-12 else 0.0
     c, s = math.cos(yaw), math.sin(yaw)

@@ -111,6 +111,7 @@ class MjcfModel:
         most = sum(self._force(each) for each in self.driven.get(joint, ()))
         if model.jnt_actfrclimited[joint]:
             bound = float(np.abs(model.jnt_actfrcrange[joint]).max())
+            # The sum is 0 for a joint without actuators, which must not count as the smaller bound.
             most = min(most or math.inf, bound)
         return most if math.isfinite(most) else 0.0
 
@@ -203,6 +204,8 @@ class MjcfModel:
         if model.body_mocapid[body] >= 0:
             return True
         own = [n for n in range(model.njnt) if model.body_rootid[self._body(n)] == body]
+        # A free joint alone does not make an object: the robot itself may float, as a quadruped
+        # does. It then has further joints, or is the only tree of the model with any.
         others = any(model.body_rootid[self._body(n)] != body for n in range(model.njnt))
         return others and [self._kind(n) for n in own] == ["free"]
 
@@ -225,6 +228,9 @@ class MjcfModel:
         gear = abs(float(model.actuator_gear[actuator, 0]))
         if model.actuator_forcelimited[actuator]:
             return gear * float(np.abs(model.actuator_forcerange[actuator]).max())
+        # A plain motor exerts gear * gain * control, which a limited control bounds. Other
+        # actuators, such as servos, add a bias that depends on the state, so that the range of
+        # control does not bound their force.
         is_motor = (
             int(model.actuator_gaintype[actuator]) == int(mj.mjtGain.mjGAIN_FIXED)
             and int(model.actuator_biastype[actuator]) == int(mj.mjtBias.mjBIAS_NONE)
@@ -241,6 +247,7 @@ class MjcfModel:
         mimics: dict[int, tuple[str, float, float]] = {}
         for number in range(model.neq):
             pair = self._proportional(number)
+            # A joint can follow only one other joint, which must not be a follower already.
             if pair is None or pair[0] in mimics or pair[1] in mimics:
                 self.unmatched_equalities.append(model.equality(number).name or f"number {number}")
                 continue
@@ -258,6 +265,9 @@ class MjcfModel:
         constant, ratio, *bends = map(float, model.eq_data[number][:5])
         if any(bends) or not ratio:
             return None
+        # MuJoCo constrains y - y0 = a0 + a1 (x - x0) + a2 (x - x0)^2 + ..., with x0 and y0 from
+        # qpos0. The mimic of URDF is y = ratio x + offset, so that only a linear equality has a
+        # counterpart. If the actuator drives y, the equation is solved for x.
         # MuJoCo measures from the positions in the model file.
         offset = self._zero(follower) + constant - ratio * self._zero(master)
         if follower in self.driven and master not in self.driven:

@@ -60,6 +60,9 @@ def require_small(size: int) -> None:
 
 def _parts(value: Any) -> int:
     """Return the number of parts of a nested value; a shared part counts each time."""
+    # A list whose two items are the same list, over some levels, takes little memory but expands to
+    # gigabytes of text. Shared parts are thus counted each time, and the bound ends the count
+    # early. A stack replaces recursion, whose depth the model could choose.
     count, left = 0, [value]
     while left:
         part = left.pop()

@@ -63,6 +63,8 @@ def _drop_repeated_materials(robot: Any) -> None:
     seen: set[str] = set()
     for element in list(robot.childNodes):
         if getattr(element, "tagName", "") == "material":
+            # Copies of a macro may differ in spaces. Materials of one name and different colours
+            # stay, and the reader of URDF reports them.
             text = "".join(element.toxml().split())
             if text in seen:
                 robot.removeChild(element)

@@ -40,6 +40,8 @@ def method(owner: Any, name: str) -> ModelFunction | None:
 
 def _listed(values: Iterable[Any]) -> list[Any]:
     """Return a list of values with a bounded length."""
+    # One value beyond the bound suffices to detect an excess, so an endless iterator is not
+    # exhausted.
     listed = list(islice(values, MOST_PARTS + 1))
     require_small(len(listed))
     return listed
@@ -64,6 +66,7 @@ def _text(value: Any = "") -> str:
 
 
 def _replaced(text: str, old: str, new: str) -> str:
+    # The size is checked before the text is created; repeated replacements grow it exponentially.
     require_small(len(text) + text.count(old) * len(new))
     return text.replace(old, new)
 
@@ -123,6 +126,7 @@ _PYTHON: Mapping[str, Callable[..., Any]] = {
     "round": _rounded,
     "sorted": sorted,
     "str": _text,
+    # A start of another type than a number would join lists in quadratic time.
     "sum": lambda values, start=0: sum(_listed(values), float(start) if start else 0),
     "tuple": lambda values=(): tuple(_listed(values)),
     "zip": lambda *values: _listed(zip(*values, strict=False)),

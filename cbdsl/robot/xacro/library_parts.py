@@ -30,6 +30,9 @@ _MOST_YAML_BYTES = 200_000
 _ELEMENT_STEPS = 100  # for an element, in addition to its texts
 # Longest text, because nested properties grow by a power with each level.
 _MOST_TEXT = 1_000_000
+# Pieces of a text, in the library's syntax. In "$${x}" the first dollar sign escapes the rest. An
+# expression ends at its first closing brace and an extension at its first closing parenthesis, so
+# that neither nests in its own kind.
 _PIECES = re.compile(
     r"\$(?P<escaped>\$+[{(])|\$\{(?P<expression>[^}]*)\}|\$\((?P<extension>[^)]*)\)"
     r"|(?P<text>[^$]+|\$[^{($]+|\$$)"
@@ -73,6 +76,8 @@ class LibraryParts:
             "parse": self._parse,
             "get_include_files": self._included,
         }
+        # The library has no hooks, so its module's globals are replaced for the whole process
+        # meanwhile. Two threads must not expand models at the same time.
         library = {name: getattr(xacro, name) for name in parts}
         vars(xacro).update(parts)
         try:
@@ -119,6 +124,7 @@ class LibraryParts:
 
     def _piece(self, piece: re.Match[str], names: Mapping[str, Any]) -> Any:
         kind, text = piece.lastgroup, piece[piece.lastgroup or 0]
+        # Substitutions inside an expression come first, as in ${2 * $(arg size)}.
         if kind == "expression":
             return self._evaluate(str(self._eval_text(text, names)), names)
         if kind == "extension":

@@ -45,6 +45,9 @@ def evaluate(text: str, names: Mapping[str, Any], budget: StepBudget) -> Any:
 
 
 def _power(base: Any, exponent: Any) -> Any:
+    # Integers have any size in Python, and 9**9**9 would take all memory before its size could be
+    # checked. Within these bounds an integer has at most about 65,000 bits; beyond them, a float
+    # overflows with an error.
     if abs(exponent) > _MOST_EXPONENT or abs(base) > 2**64:
         return float(base) ** float(exponent)
     return base**exponent
@@ -105,6 +108,8 @@ class _Interpreter:
     def value(self, node: ast.expr) -> Any:
         """Return the value of a node."""
         self._budget.spend(1)
+        # This is a list of allowed syntax: a kind of node without a method of its name has no
+        # value.
         method = getattr(self, f"_{type(node).__name__.lower()}", None)
         if method is None:
             raise ExpressionError(f"{_name(node)} is not allowed in expressions of a model")
