@@ -76,6 +76,8 @@ def escaped_invisible(text: str) -> str:
 
 def _is_visible(text: str) -> bool:
     """Return whether a text consists only of printable characters and line feeds."""
+    # This fast test is false for every invisible character. It is also false for others, such as
+    # no-break spaces, so the slower patterns decide in that case.
     return text.replace("\n", "").isprintable()
 
 
@@ -84,6 +86,7 @@ def plain(text: str) -> str:
     if text.isascii():
         return text
     known = text.translate(_TABLE)
+    # Decimal digits of other scripts, such as Arabic-Indic ones, are too many for the table.
     return "".join(str(int(c)) if c > "\x7f" and c.isdecimal() else c for c in known)
 
 
@@ -92,6 +95,8 @@ def suggested_value(text: str) -> str | None:
     suggestion = plain(text)
     if suggestion == text:
         return None
+    # A word only of Cyrillic or Greek letters is ordinary text. A mixture with Latin letters is
+    # not.
     is_word = re.fullmatch(_WORD, suggestion) and re.search(r"[A-Za-z]", text)
     return suggestion if is_word or is_quantity(suggestion) else None
 

@@ -10,6 +10,11 @@ from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.yaml_text.node import Node
 
 
+# A comma ends a value within braces and brackets. From {gain: 1,5} YAML reads the value 1 and a
+# second key "5" without a value; from [1,5] it reads two items. A quantity in the place of a key,
+# followed by a comma or the closing brace, is thus a part of the value before it. Without a space
+# after the comma, two halves of digits are certainly a decimal comma. With a space, a list may be
+# intended as well, so that the value is ambiguous and is not repaired.
 class Stray(NamedTuple):
     """Quantity in the place of a key, because a comma ended the preceding value."""
 

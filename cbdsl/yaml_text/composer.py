@@ -128,6 +128,10 @@ def unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
 MERGE = "<<"
 
 
+# Aliases share nodes, so that a text of a few lines can stand for billions of values. Each node
+# therefore has the weight and the height that it has with all aliases expanded. They are known as
+# soon as the node is complete, and bound the document before anything walks through it. The
+# recursion is bounded, too, because events inside a value that is too deep are not composed.
 class _Composer:
     """Composer of nodes from events; it collects ``diagnostics`` and stops only at fatal ones."""
 
@@ -141,6 +145,7 @@ class _Composer:
 
     def document(self) -> Node:
         self._next()
+        # A text only of comments ends here, without the start of a document.
         if isinstance(self._next(), yaml.StreamEndEvent):
             raise self._fatal("CB105", Place(self._file))
         root = self._node(self._next(), 0)
@@ -157,6 +162,8 @@ class _Composer:
         else:
             node = self._fresh(event, place, depth)
             if event.anchor:
+                # The anchor counts from the end of its value on. An alias inside that value is thus
+                # undefined, and nodes never form a circle.
                 self._anchors[event.anchor] = node
         if depth + node.height > DEEPEST:
             raise self._fatal("CB119", place, bound=DEEPEST)
@@ -233,6 +240,7 @@ class _Composer:
             if key is None:
                 self._find("CB113", place)
                 node.faulty = True
+                # The events of the key are consumed, so that its value comes next.
                 self._node(event, depth + 1)
             value = self._node(self._next(), depth + 1)
             if key is None:
@@ -324,6 +332,7 @@ class _Composer:
     def _place(self, event: Any, width: int = 1) -> Place:
         start, end = event.start_mark, event.end_mark
         line, column = start.line, start.column + 1
+        # Marks count from 0. An empty scalar has no width, and still covers one column here.
         is_short = isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)) and line == end.line
         end_column = max(end.column + 1, column + 1) if is_short else column + width
         return Place(self._file, line + 1, column, end_column)

@@ -65,7 +65,9 @@ def _yaml_files(folder: Path, faults: list[OSError]) -> Iterator[Path]:
     rules = {root: GitIgnore.above(root)}
     for name, folders, files in os.walk(folder, onerror=faults.append):
         here = root / Path(name).relative_to(folder)
+        # A folder is visited once, and after its parent, which has left its rules here.
         ignored = rules.pop(here).with_folder(here)
+        # The assignment in place keeps the walk out of the other folders.
         folders[:] = [
             each
             for each in folders
@@ -87,6 +89,7 @@ def _is_skipped(folder: Path) -> bool:
 def _head(file: Path) -> str | None:
     """Return the beginning of a regular file's text, or ``None`` if it cannot be read."""
     try:
+        # Opening a named pipe would wait for its writer.
         if not stat.S_ISREG(file.stat().st_mode):
             return None
         with file.open("rb") as stream:

@@ -30,6 +30,13 @@ _TIGHT_BEFORE = ("]", "}", ",", ":")
 _Start = tuple[int, int]
 
 
+# The formatter works on tokens, because comments are not parts of nodes. Each visible token becomes
+# one piece for each of its lines. A line that begins a key or an item is indented by the depth of
+# its block. A line within brackets moves by as much as the begin of the outermost bracket. The
+# lines of a block text move together. Line breaks are neither added nor removed, except that
+# several empty lines become one. A full-line comment follows the line below that had the same
+# indentation, or else the nearest such line above. The result is used only if its events and
+# comments are those of the given text.
 class UnknownLayoutError(Exception):
     """Text whose layout has a meaning that the formatter does not support."""
 
@@ -111,6 +118,8 @@ def comments(text: str) -> list[str]:
         within.update(_inner_lines(token))
         if end != start:
             ends[end[0]] = max(ends.get(end[0], 0), end[1])
+    # A comment can begin only behind the last token of a line, and not within a text of several
+    # lines.
     rests = (
         line[ends.get(number, 0) :].strip()
         for number, line in enumerate(lines)
@@ -305,6 +314,7 @@ class _Layout:
         """Return the lines with full-line comments indented like the line that they describe."""
         result = list(made)
         below: tuple[int, int] | None = None
+        # From the last line upwards, because a comment usually describes the line below it.
         for number in range(len(made) - 1, -1, -1):
             line = self._lines[number]
             old = len(line) - len(line.lstrip())

@@ -44,6 +44,7 @@ class GitIgnore:
         ignored.
         """
         root = next((each for each in folder.parents if (each / ".git").exists()), None)
+        # The rules of one repository do not apply within another.
         if root is None or (folder / ".git").exists():
             return cls()
         outer = cls()
@@ -60,6 +61,7 @@ class GitIgnore:
         Args:
             folder: Absolute path of the folder.
         """
+        # Later patterns decide: .gitignore has precedence over the file exclude, as in git.
         files = (folder / ".git/info/exclude", folder / ".gitignore")
         own = [_Patterns(folder, spec) for file in files for spec in _read(file)]
         return GitIgnore((*self._patterns, *own)) if own else self

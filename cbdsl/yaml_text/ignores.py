@@ -73,6 +73,8 @@ class _Scalars:
 
     def hold(self, line: int, column: int) -> bool:
         """Return whether a character is part of a scalar; lines from 1, columns from 0."""
+        # Scalars do not overlap and are sorted by their starts. Only the last one that begins at or
+        # before a position can hold it.
         position = (line - 1, column)
         i = bisect_right(self._starts, position) - 1
         return i >= 0 and position < self._ends[i]

@@ -66,6 +66,7 @@ class Library:
         """
         key = (kind, name, beside and beside.parent)
         if key not in self._files_by_name:
+            # Only documents that exist are cached, so that one is found as soon as it is written.
             path = self._search(kind, name, beside)
             if path is None:
                 return None
@@ -80,6 +81,8 @@ class Library:
 
     def _search(self, kind: type[Document], name: str, beside: Path | None) -> Path | None:
         if beside is not None:
+            # A sibling may have the same name and another kind. In a folder of its kind, a wrong
+            # kind is a fault that the reader reports.
             sibling = beside.parent / f"{name}.yaml"
             if is_file(sibling) and is_of(kind, sibling):
                 return _shortened(sibling)
@@ -151,6 +154,7 @@ class Library:
         # A folder may have the name of a document, such as the folder of a robot's model.
         if path.suffix or len(path.parts) > 1 or is_file(path):
             return path
+        # This path need not exist: it stands for a document in this folder.
         file = self.find(kind, str(name), self.here / path)
         if file is None:
             raise UsageError.unknown(kind_name(kind), str(name), self.names(kind, self.here / path))
@@ -168,6 +172,8 @@ class Library:
         builtin = [KINDS.get(name).model for name in KINDS.builtins]
         # Package metadata is read only if the built-in kinds have no such document.
         files = self._files(word, builtin) or self._files(word, models().values())
+        # A word may name both a document and a folder, such as a robot and the folder of its model.
+        # The folder has precedence only if it holds documents.
         if is_folder(path) and (not files or documents_below(path).documents):
             return [path]
         if not files:

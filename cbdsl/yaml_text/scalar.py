@@ -81,6 +81,7 @@ def _number(text: str) -> Scalar:
         return text
     number = float(text)
     mantissa = re.split("[eE]", text)[0]
+    # 1e400 exceeds the range of a float, and 1e-400 becomes 0.
     if math.isinf(number) or (number == 0 and re.search("[1-9]", mantissa)):
         raise ScalarError("CB120")
     return number

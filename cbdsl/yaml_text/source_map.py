@@ -59,6 +59,7 @@ class SourceMap(NamedTuple):
         if not isinstance(value, str):
             return place
         line = self.lines[place.line - 1]
+        # A text without escapes stands in its line as it is, possibly within quotes.
         offset = line[place.column - 1 : place.end_column - 1].find(value)
         if offset >= 0:
             column = place.column + offset - 1
@@ -67,6 +68,8 @@ class SourceMap(NamedTuple):
 
     def _in_lines(self, place: Place, value: str, start: int, end: int) -> Place | None:
         """Return the place of a substring of a multi-line text; YAML joins lines by spaces."""
+        # Folding of lines changes spaces and breaks only. The other characters of value and text
+        # thus correspond one by one.
         written = self._written(place)
         row, column, stretch = 0, 0, []
         for number, character in enumerate(value[: end - 1], 1):

@@ -20,6 +20,7 @@ class Unknown(str):
     __slots__ = ()
     __hash__ = object.__hash__
 
+    # As a text it would equal the name "unknown" of an existing part.
     def __eq__(self, other: object) -> bool:
         return self is other
 

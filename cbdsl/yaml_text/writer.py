@@ -33,6 +33,7 @@ class _Dumper(yaml.SafeDumper):
         ]
     }
 
+    # By default, an object that occurs twice is written as an anchor and an alias.
     def ignore_aliases(self, data: Any) -> bool:
         return True
 

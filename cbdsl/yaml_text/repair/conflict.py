@@ -34,6 +34,8 @@ def conflicts(lines: list[str], file: str) -> Iterator[Diagnostic]:
         if not _is_marker(line):
             continue
         mark = line[:7]
+        # The first marker of a conflict represents it. A marker outside of a conflict is reported
+        # by itself.
         if mark == _FIRST or not is_inside:
             yield diagnose("CB122", Place(file, number, 1, 8), problem=f"'{mark}' {_MERGED}")
         is_inside = mark == _FIRST or (is_inside and mark != _LAST)
@@ -68,5 +70,6 @@ def _comparisons(lines: list[str]) -> Iterator[list[int]]:
     """Yield the line numbers of each run of lines that begin with the signs of a diff."""
     for is_signed, run in groupby(enumerate(lines, 1), lambda row: row[1][:1] in ("+", "-")):
         numbered = list(run) if is_signed else []
+        # Lines that begin with "-" alone are usually the items of a list.
         if any(_NEWER.match(line) for _, line in numbered):
             yield [number for number, _ in numbered]

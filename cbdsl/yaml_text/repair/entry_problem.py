@@ -18,12 +18,14 @@ def key_problem(path: tuple[Step, ...], source: SourceMap) -> str | None:
     if not isinstance(mapping, dict) or key not in mapping:
         return None
     is_alone = mapping[key].value is None
+    # Such a key is pan:head without a value, or models:{pan from models:{pan: head}.
     tight, _, rest = key.partition(":")
     if rest and (is_alone or rest[0] in "{["):
         return f"a space is missing after the ':' of '{tight}'"
     name, sign, rest = key.partition("=")
     if sign and is_alone:
         return f"a ':' is missing after '{name.strip()}'; write '{name.strip()}: {rest.strip()}'"
+    # Such a key is "arm right" without a value, or "track {gain" from track {gain: 3}.
     first, _, rest = key.partition(" ")
     if rest and (is_alone or rest[0] in "{["):
         return f"a ':' is missing after '{first}'"

@@ -162,6 +162,7 @@ def _special(
             keys = sorted(shape.keys)
             return diagnose("CB202", source.key(*path), names=keys, key=name)
         case "literal_error" | "union_tag_invalid":
+            # pydantic lists the allowed words as one text, such as "'a', 'b' or 'c'".
             expected = str(context.get("expected") or context.get("expected_tags"))
             names = [text.strip(" '") for text in expected.replace(" or ", ",").split(",")]
             steps = path if error["type"] == "literal_error" else (*path, "shape")

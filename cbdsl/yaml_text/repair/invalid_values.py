@@ -16,6 +16,12 @@ from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
 
 
+# One mistake often gives several errors: pydantic reports one for each member of a union, and one
+# for each consequence. They are reduced as follows. An error about a whole value yields to an error
+# inside that value. An error that follows from an omitted or respelt part is dropped. A missing key
+# is dropped if an unknown key beside it has a similar name. A section without its name replaces all
+# errors below it. Of the items of a list without names, only the first is reported. The remaining
+# errors of one value form one diagnostic.
 def diagnostics_of(
     errors: Iterable[ErrorDetails],
     source: SourceMap,

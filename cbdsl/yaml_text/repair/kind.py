@@ -38,6 +38,7 @@ def identify(
     if model is None:
         raise DiagnosticsError([*diagnostics, *wrong])
     place = root.place if kind is None else kind.place
+    # The remaining text is validated as a document of the identified kind.
     root.value["kind"] = Node(place, kind_name(model))
     return model, (*diagnostics, *wrong)
 
@@ -74,6 +75,9 @@ def _wrong_kind(
     return diagnose("CB210", place, said=declared, found=suggestion, keys=keys)
 
 
+# The evidence for a kind is the number of the document's keys that the kind has. The number of its
+# required keys that the document lacks is subtracted. Another kind is suggested only if it is the
+# single best one and exceeds the declared kind by a margin.
 def kind_by_keys(
     keys: Iterable[str], declared: str | None, kinds: Mapping[str, type[Document]]
 ) -> str | None:

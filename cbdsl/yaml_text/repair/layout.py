@@ -54,6 +54,12 @@ class Realignment(NamedTuple):
     lines: Mapping[int, str] = {}
 
 
+# A misaligned line is often valid where it stands, and only a line below it is a syntax error. The
+# text is therefore reduced to rows: lines that begin a key or an item, with their indentations.
+# Three hypotheses are tested, the most specific one first. Rows may stand on the level of the key
+# that opens their section. A row may have a dash among rows without one, or vice versa. Otherwise a
+# row is indented unlike its neighbours. A correction is applied only if a single level is possible,
+# since a wrong one would change the meaning of the document.
 def find_shift(lines: Sequence[str], line: int) -> Realignment | None:
     """Return the remedy for the misaligned line that causes a syntax error at a line."""
     rows = list(_rows(lines))
@@ -66,6 +72,8 @@ def find_shift(lines: Sequence[str], line: int) -> Realignment | None:
 
 def _rows(lines: Sequence[str]) -> Iterator[Row]:
     """Yield the lines that begin a key or an item, except within texts and brackets."""
+    # The state is the indentation of a key whose block text follows, or -1, and that of the text's
+    # first line. It includes the number of open brackets and the indentation of the last row, too.
     below, text_indent, depth, last = -1, None, 0, 0
     for number, line in enumerate(lines, 1):
         stripped = line.strip()
@@ -81,6 +89,8 @@ def _rows(lines: Sequence[str]) -> Iterator[Row]:
         assert row is not None, "every part of it may be empty"
         rest = row["rest"]
         is_row = row["dash"] is not None or row["key"] is not None
+        # A line that is not indented more than its row cannot continue the row's brackets. They are
+        # probably never closed, and counting starts from scratch.
         if is_row and not (depth > 0 and indent > last):
             name = (row["key"] or rest).strip()
             opens = row["key"] is not None and _ANCHOR_ALONE.match(rest) is not None

@@ -39,6 +39,8 @@ def mend(text: str, file: str, known: Composed | None = None) -> Composed:
     given, (text, diagnostics) = text, _legible(text, file)
     if known is not None and text == given:
         return known._replace(diagnostics=(*diagnostics, *known.diagnostics))
+    # Each round adds a diagnostic, and their number is bounded, so that the loop ends even if
+    # corrections do not help.
     while True:
         try:
             composed = compose(text, file)

@@ -169,12 +169,15 @@ class _Finder:
         if not shape.keys or not unknown:
             return None
         for parent in list(node.value)[:-1]:
+            # A key without a value, followed by keys of its own section, as if these were not
+            # indented.
             is_empty = parent in shape.keys and node.value[parent].value is None
             if is_empty and (keys := self._children(node, shape, parent)):
                 return Move(keys, path, (*path, parent))
         fits = [self._fit(node, shape, section, unknown) for section in shape.keys]
         best = max((fit.rank for fit in fits), default=(0, False))
         chosen = [fit for fit in fits if fit.keys and fit.rank == best]
+        # Two sections that fit equally well are ambiguous, so that nothing is moved.
         return Move(chosen[0].keys, path, (*path, chosen[0].section)) if len(chosen) == 1 else None
 
     def _children(self, node: Node, shape: SchemaShape, parent: str) -> tuple[str, ...]:
@@ -194,6 +197,8 @@ class _Finder:
         if not isinstance(has, dict) or inner.is_of_names:
             return _Fit(section, (), False)
         keys = tuple(key for key in unknown if key in inner.keys and key not in has)
+        # The keys have to complete the section. Otherwise one misspelt key could move to a section
+        # that merely has a key of this name.
         if not inner.is_complete({*has, *keys}):
             return _Fit(section, (), False)
         return _Fit(section, keys, child is not None and not inner.is_complete(set(has)))
@@ -231,6 +236,7 @@ class _Finder:
             is_wrong = (*path, key) in self._wrong and (shape.is_of_names or key not in shape.keys)
             goal = _around(key, around) if is_wrong else None
             if goal is not None:
+                # A key without a value opens a section, to which the keys behind it belong.
                 keys = list(node.value)
                 behind = keys[keys.index(key) + 1 :] if child.value is None else []
                 return Move((key,), path, goal, tuple(behind))

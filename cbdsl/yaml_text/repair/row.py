@@ -38,6 +38,7 @@ def _of_mapping(node: Node, value: dict[str, Node], source: SourceMap) -> str:
 def _of_text(text: str) -> list[str]:
     match = _BRACKETS.fullmatch(text.strip())
     inner = match["inner"].strip() if match else text
+    # A quantity may contain spaces, as "3 cm 4 cm", so quantities precede words.
     if parts := quantities_in(inner):
         return parts
     if "," in inner:

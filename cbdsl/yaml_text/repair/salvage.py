@@ -86,6 +86,8 @@ class _Salvage(Generic[D]):
             except ValidationError as error:
                 self._mend(error.errors(include_url=False))
             else:
+                # Placeholders satisfied the validation; from here on, checks must recognize them as
+                # unknown.
                 document = document.model_copy(update=self._unknown)
                 source = self._source._replace(broken=self._broken)
                 return Loaded(document, source, tuple(self._faults))
@@ -167,6 +169,7 @@ class _Salvage(Generic[D]):
         """Remove the parts of the document at the given paths."""
         parts = {_part(path, self._model) for path in paths}
         # The last items of a list are removed first, so that the indices of the others stay valid.
+        # Indices are padded, because 10 would otherwise sort before 9.
         for part in sorted(parts, key=lambda part: [str(step).zfill(9) for step in part])[::-1]:
             if not part:
                 raise self._hopeless()
@@ -210,6 +213,7 @@ def _part(path: Steps, model: type[BaseModel]) -> Steps:
             return path[: depth + 1]
         inner = field.annotation
         if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            # The field is a list or a mapping of names, so the next step is one of its entries.
             return path[: depth + 2]
         model = inner
     return path

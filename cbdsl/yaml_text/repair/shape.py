@@ -54,6 +54,7 @@ class SchemaShape(NamedTuple):
         """Return the shape at a ``loc`` of pydantic, which also names chosen members of unions."""
         shape = self
         for step in loc:
+            # A step that leads nowhere is not a key of the text but the tag of a chosen member.
             inner = shape.child(step)
             shape = inner if inner.kinds else shape._tagged(step)
         return shape
@@ -118,6 +119,8 @@ def _kinds_in(kind: Any, step: Step) -> Iterator[Any]:
         yield from _kinds(get_args(kind)[1])
     elif get_origin(kind) is tuple and isinstance(step, int):
         parts = [part for part in get_args(kind) if part is not Ellipsis]
+        # A list of any length has one type for all items. Items beyond a fixed length have the last
+        # one.
         yield from _kinds(parts[min(step, len(parts) - 1)])
 
 

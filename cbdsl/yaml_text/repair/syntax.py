@@ -262,6 +262,7 @@ def _within_brackets(reported: _ReportedError) -> TextCorrection | None:
     if at in ("]", "}"):
         problem = f"this '{at}' does not close the '{opening}' in line {line}; write '{closing}'"
         return TextCorrection(problem, reported.line, reported.column)
+    # In [${gain}], the brace begins a mapping within the text.
     if reported.before.endswith("$"):
         problem = "a parameter is written without braces, as $name"
         return TextCorrection(problem, reported.line, reported.column)
@@ -390,6 +391,7 @@ def _second_colon(reported: _ReportedError) -> TextCorrection | None:
 
 def _two_keys(reported: _ReportedError, key: re.Match[str], value: str) -> TextCorrection:
     problem = f"a text that holds ': ' needs quotes; write '{key['key']}: \"{value}\"'"
+    # In "arm: left gain: 3", the word before the second colon is probably a key.
     if second := re.fullmatch(r"\s*\S+?,?\s+(?P<key>[a-z_]+)", reported.before[key.end() :]):
         name = second["key"]
         problem = f"two keys are in one line: '{name}' begins a line of its own, or {problem[2:]}"
@@ -444,6 +446,11 @@ def _before_the_document(reported: _ReportedError) -> TextCorrection | None:
     return TextCorrection(problem, number, 1)
 
 
+# Each function tests one hypothesis about the mistake, and the first one that applies is reported.
+# The order matters. Signs that are wrong in every context come first. Functions for the same
+# messages of libyaml go from the specific to the general, such as from a row in a text to any
+# bracket. Indentation comes late, because most syntax errors disturb the levels of the lines around
+# them.
 _EXPLANATIONS = (
     _tab,
     _look_alike,
