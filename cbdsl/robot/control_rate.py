@@ -10,6 +10,7 @@ from cbdsl.documents.robot import RobotDocument
 
 # Bounds of a rate, Hz: a control tick takes about a millisecond.
 _SLOWEST, _FASTEST = 1.0, 1000.0
+# A Newton step of a spring is half of its residual (Eq 3.18).
 # A gain above this many times the rate passes its reference within a tick.
 _GAIN = 2.0
 # Least ticks in a window of quiescence, and least periods in a driver's times.
