@@ -72,6 +72,8 @@ class ActionLevels:
         runs = self.stacks.get(action.name)
         if runs is None:
             return self.above_background(acting)
+        # The action's own controllers come first in its levels, and the background follows. The
+        # child's levels stand between the companions above it and those below it.
         own = self.acting[action.name][: len(runs)]
         taken = {item.run for item in (*own, *acting)}
         below = [item for item in self.alone if item.run not in taken]

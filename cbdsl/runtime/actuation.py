@@ -61,6 +61,7 @@ class ControllerBatch:
 
     def begin(self) -> None:
         """Start to act in place of other controllers."""
+        # The Jacobians of earlier ticks belong to another time, so they must not be extrapolated.
         self.step.stack.forget()
         for run, columns in zip(self.runs, self.columns, strict=True):
             run.columns = columns
@@ -125,6 +126,8 @@ class Actuation:
         self.step, batch = None, self._take_over(active)
         if batch is None:
             return
+        # The compiled tick refreshes the rows of the signal table itself. They are refreshed here
+        # only if a preparation in Python needs the numbers of this tick.
         if batch.computes:
             self._signals.refresh(batch.selection)
         else:
@@ -133,6 +136,8 @@ class Actuation:
         for run in batch.prepared:
             run.prepare()
         self.load_guards.note_strain()
+        # A bound call holds addresses of arrays. They change if the table or the plan grows, and
+        # the call is then bound again.
         versions = self._signals.table.version, self._plan.version
         if batch.tick is None or batch.versions != versions:
             batch.tick, batch.versions = self._bind(batch), versions
@@ -141,6 +146,7 @@ class Actuation:
         except Exception as error:  # our own kernels raise none
             fault = _fault_of(batch.runs, error)
             raise (fault or error) from (error if fault else None)
+        # A positive number or 0 is the place of the controller whose numbers are not finite.
         if outcome >= 0:
             raise batch.runs[outcome].refuse()
         if outcome == UNSOUND:
@@ -240,6 +246,7 @@ def _required_first(active: Sequence[Active]) -> list[tuple[int, int, int, int]]
     ordered: dict[int, None] = {}
     for slot in rows:
         chain = [slot]
+        # A circle of requirements ends the chain, and so does a controller that is placed already.
         while (required := rows[chain[-1]][1]) >= 0 and required not in (*chain, *ordered):
             chain.append(required)
         ordered.update(dict.fromkeys(reversed(chain)))

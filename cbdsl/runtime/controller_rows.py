@@ -41,6 +41,8 @@ def bind_rows(controller: Controller, signals: Signals) -> ControllerRows:
     """Bind the rows of a controller's reference and feedback."""
     declared = reference = _bind_reference(controller, signals)
     if any(MODIFIERS.get(each.name).implementation for each in controller.modifiers):
+        # Modifiers in Python write their result to a row of their own, so that the declared one
+        # stays unchanged.
         reference = signals.bind_written(len(signals.table.values(declared)))
     return ControllerRows(declared, reference, _bind_feedback(controller, signals))
 
@@ -56,6 +58,7 @@ class Anchor(NamedTuple):
 def anchor_of(controller: Controller, signals: Signals, rows: ControllerRows) -> Anchor:
     """Return how a controller stores its feedback at activation; empty if it does not."""
     reference, kind = controller.reference, controller.feedback.type.name
+    # Only a displacement without a base refers to the feedback at activation.
     if not isinstance(reference, Relative) or reference.base is not None:
         return Anchor()
     offset = _constant(Literal(reference.offset), controller, signals)
@@ -114,6 +117,8 @@ def _constant(
             return reference.force * signals.touch.shares(source.hand)
         return np.full(len(signals.touch.hands(_palms(source).group)), reference.force)
     values = np.array(reference.values)
+    # Programs write an orientation as a rotation vector, rad, and rows hold rotation matrices. A
+    # pose begins with its position.
     if kind == "orientation":
         return exp(values).ravel()
     if kind == "pose":

@@ -190,6 +190,7 @@ class ControllerRun:
     @property
     def largest_gain(self) -> float:
         """Largest gain that takes no residual past 0 within a tick, 1/s."""
+        # A Newton step of a spring is half of its residual (Eq 3.18).
         return 2.0 / self._period
 
     @property
@@ -241,6 +242,7 @@ class ControllerRun:
         rows = self._signals.table.rows(self.rows.feedback)
         potential = replace(self._potential, parameters=self._parameters)
         phi, residual, slope = potential.evaluate(*self._values(), len(rows))
+        # Index -1 reads the last joint, and the mask replaces that number.
         jacobian = np.where(self.columns >= 0, rows[:, self.columns], 0.0)
         return Evaluation(phi, residual, slope @ jacobian)
 
@@ -284,6 +286,7 @@ class ControllerRun:
 def _tolerance(controller: Controller) -> float:
     """Return the largest error at rest that a constant bounds, in the unit of the feedback."""
     quiescence, reference = controller.quiescence, controller.reference
+    # At rest, the error is at most the tolerance, and at most a share of the reference's norm.
     bounds = [math.inf if quiescence.tolerance is None else quiescence.tolerance]
     if quiescence.within is not None and isinstance(reference, Relative):
         # The reference follows the feedback; its displacement is constant.

@@ -68,6 +68,7 @@ class ControllerRuns:
 
     def lead(self, primitive: Primitive, place: int) -> MemberLead:
         """Return the controllers that determine a primitive's predicate at a place of the state."""
+        # The last controller has the highest priority; it is not awaited, because it leads.
         optimising = [each for each in primitive.controllers[:-1] if each.reference is None]
         awaited = dict.fromkeys((*optimising, *primitive.earners, *primitive.conditions))
         awaited.pop(primitive.lead, None)

@@ -134,6 +134,8 @@ def _evidence(run: ProgramRun, stuck: Sequence[str]) -> list[str]:
             clauses.append(_clause(lead, stuck))
         else:
             lacking.setdefault(_absence(required), []).append(lead.controller.name)
+    # Several controllers may lack the same one, such as the contact of a hand; it is described
+    # once.
     for absence, names in lacking.items():
         verb = "requires" if len(names) == 1 else "require"
         together = " and ".join(names)

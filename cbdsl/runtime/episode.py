@@ -158,6 +158,8 @@ class Runner:
         begun: _Begun | None = None
         observer.begin(self._program, stage.name, seed)
         try:
+            # The world and the program draw from separate streams, so that a program that draws
+            # more samples meets the same world.
             world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
             drawn = self._resume(stage, context, undisturbed=undisturbed)
             drawn = drawn or self._reset(stage, context, world_rng)
@@ -187,6 +189,7 @@ class Runner:
     def _stop(self, cause: BaseException, begun: _Begun | None, observer: EpisodeObserver) -> None:
         """Halt the robot, and report a begun episode; an error while reporting becomes a note."""
         try:
+            # The robot halts before anything else, because a report takes time and may fail.
             self._calls.halt(cause)
         finally:
             if begun is not None:
@@ -280,6 +283,10 @@ class Runner:
             Description of the lateness if the last tick was late; empty otherwise.
         """
         run, backend, calls = self._run, self._backend, self._calls
+        # A tick observes, computes predicates and references, notifies the observer, and only then
+        # applies the references and lets the world go on. The references of the last tick are not
+        # applied. The deadline bounds the time of observation and computation, and excludes
+        # observers and callers.
         for ticks in count():
             self._ticks = ticks
             began = self._clock()
@@ -305,6 +312,8 @@ class Runner:
         try:
             self.signals.update(observation)
             if first:
+                # In a continued world the references go on, too. Under load they differ from the
+                # measured positions, and a grasp would lose its force.
                 if not self._goes_on:
                     self._actuation.reset(observation.positions)
                 self._run.activate()

@@ -141,6 +141,9 @@ def _change(run: ControllerRun, level: Level, displacement: Floats) -> float:
     evaluation = None if kind.field else run.evaluate()
     if evaluation is None:
         return math.nan
+    # For a residual r the potential is r'r / 2, and J is the Jacobian of the task coordinates. As r
+    # is the reference minus the feedback, the change of phi is -r'J dq. Otherwise J is the gradient
+    # itself.
     change = evaluation.jacobian @ displacement
     return -float(evaluation.residual @ change) if kind.residual else float(change[0])
 
@@ -162,6 +165,8 @@ def _others(step: Step, place: int, names: Sequence[str]) -> tuple[str, str]:
 def _pusher(step: Step, place: int, names: Sequence[str]) -> str:
     """Return the level whose own motion goes furthest along a level's requested velocity."""
     level = step.levels[place]
+    # Another level by itself moves the joints by its pseudoinverse times its task velocity. The
+    # product is the motion that this causes along the requested velocity of this level.
     pushed = {
         names[other]: float(
             level.velocity @ level.jacobian @ np.linalg.pinv(each.jacobian) @ each.velocity
@@ -173,6 +178,11 @@ def _pusher(step: Step, place: int, names: Sequence[str]) -> str:
     return pusher if pusher and pushed[pusher] > 0 else ""
 
 
+# By itself, a level with the Jacobian J and the task velocity v moves the joints by w = J+ v, with
+# the pseudoinverse J+. A higher level with the Jacobian A responds to the part A+ A w of w. Locked
+# joints take their own components of w. The share of a holder is the squared norm of its part over
+# that of w. Parts of different holders overlap, so shares do not add up to 1. The model ignores
+# damping, bounds of steps and the order among the higher levels.
 def _holder(step: Step, place: int, names: Sequence[str]) -> str:
     """Return the higher level, or the limits, that took most of a level's own displacement."""
     level = step.levels[place]

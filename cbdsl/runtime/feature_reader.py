@@ -47,6 +47,7 @@ class FeatureReader(EpisodeObserver):
                 self.seconds[name] += passed
         if len(self.values) < len(self._features):
             now = dict(self._defined(tick))
+            # A later moment replaces an earlier one only if more features are defined.
             if len(now) > len(self.values):
                 self.values = now
 

@@ -60,6 +60,9 @@ class LoadGuards:
         self._ticks = np.zeros(len(self.names), dtype=np.int64)
         self._most = np.zeros(len(self.names))
 
+    # Let b be the bound of a guard, T the period, tau the time constant, s the measured torques and
+    # m their memory. The kept norm is k = exp(-T / tau) min(|m|, b). If |s| >= k, m becomes s.
+    # Otherwise m keeps its direction and gets the norm k.
     def note_strain(self) -> None:
         """Store the torques of arms before the tick.
 
@@ -74,6 +77,7 @@ class LoadGuards:
             if math.hypot(*strain.tolist()) >= kept:
                 memory[:] = strain
             else:
+                # The former norm is not 0 here, because the kept one exceeds another norm.
                 memory *= kept / before
 
     def note(self) -> None:

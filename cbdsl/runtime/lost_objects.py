@@ -56,6 +56,7 @@ class LostObjects:
             if instances.known:
                 continue
             seen = [memory.last for memory in instances.memories if memory.last is not None]
+            # Of several objects of one channel, the one seen last stands for all.
             for last, place in sorted(seen, key=lambda each: -each[0])[:1]:
                 name = self._names.get(channel, channel)
                 yield Loss(name, time - last, tuple(place.tolist()))

@@ -30,6 +30,8 @@ class MemberLead(NamedTuple):
         """Predicate of the leading controller; at rest only if the awaited controllers are, too."""
         leading = self.run.predicate
         for run in self.awaited if leading == "1" else ():
+            # A controller that only optimizes may be undefined without delaying the member. One
+            # that a reward depends on must be at rest.
             needed = run in self.earners or run in self.conditions
             if run.predicate == "0" or (needed and run.predicate != "1"):
                 return "0"

@@ -46,6 +46,8 @@ class MemberState:
 
     def read(self, action: Action) -> str:
         """Return the members' predicates while an action runs."""
+        # Most ticks change no predicate, and a comparison of bytes shows this immediately. The
+        # controllers of a child have other slots, so that its predicate is read in any case.
         noted = self._plan.predicates[self._slots].tobytes()
         if noted != self._noted or action.program is not None:
             self._noted, self._reading = noted, self._read_members(action)
@@ -55,6 +57,8 @@ class MemberState:
         state = ["X"] * len(self._program.members)
         if action.program is not None:
             own = self._children[action.name].predicate
+            # A program that waits for its companions is part of the active action, and X would mean
+            # that it is not.
             is_waiting = action.composition is not None and own == "X"
             state[self._program.members.index(action.part)] = "-" if is_waiting else own
         for lead in self._levels.leads.get(action.name, ()):

@@ -91,6 +91,7 @@ class Preparation:
         try:
             value, goal = self._ends()
             self._solve(value, goal, tuple(self._obstacles(goal)), parameters)
+        # Without a path the controller is undefined in this tick, and the next tick tries again.
         except NoPathError as failure:
             self.no_path = str(failure)
             return False

@@ -25,6 +25,13 @@ from cbdsl.sensing.signals import Signals
 from cbdsl.types.state import matches
 
 
+# The state of a program is the tuple of its members' predicates (Eq 4.1): X inactive, - undefined,
+# 0 transient, 1 quiescent. A policy maps a state to an action, which acts until the state changes
+# (lines 8 to 14 of Algorithm 1). Member i is rewarded if its predicate becomes 1 and was not 1
+# before (Eq 4.2). In addition, its controller has to track a signal of the environment (Eq 4.3).
+# Three rules go beyond the algorithm. An action also ends without a change of state, once its time
+# is over. A program may be an action of another program, and its own predicate is then a member's.
+# Programs may state success and failure, which have precedence over rewards.
 class ProgramRun:
     """Run of a program that chooses actions by its members' predicates and has one itself.
 
@@ -59,6 +66,8 @@ class ProgramRun:
         # An action of a schema is chosen by its abstract action and allocation, or by its own name.
         self._actions = {(action.name, ""): action for action in program.actions}
         self._actions |= {(each.abstract, each.allocation): each for each in program.actions}
+        # The slots of this program are contiguous, because those of its children are added after
+        # them.
         first = len(plan.slots)
         make = ControllerRuns(signals, plan, period)
         self._levels = ActionLevels(program, make)
@@ -100,6 +109,7 @@ class ProgramRun:
         self._reward_ends = self.program.reward_ends or policy is not None
         for run in self.runs:
             run.begin(rng)
+        # Actions of the same part and allocation share a child.
         for child in dict.fromkeys(self.children.values()):
             child.begin(rng, listener)
         self.deactivate()
@@ -173,6 +183,7 @@ class ProgramRun:
         if name not in self.children:
             return self._levels.acting[name]
         acting = self.children[name].active()
+        # A child returns the same object while the same controllers act, so that identity suffices.
         if acting is not self._of_child or name != self._of_action:
             self._of_child, self._all_active = acting, self._levels.with_child(self._action, acting)
             self._of_action = name
@@ -246,6 +257,7 @@ class ProgramRun:
         elif self._action is not None:
             self._act(self._action)
         if self.predicate == "0" and self._clock.is_episode_over:
+            # A program that states its success is achieved in one of these states only.
             is_done = self.rewarded and not self.program.success
             limit = f"the {self.program.episode_time:g} s of {self._title}"
             self._end("1" if is_done else "-", f"{limit} were over")
@@ -271,6 +283,7 @@ class ProgramRun:
         child = self.children.get(action.name)
         if child is not None and self._is_awaited(action):
             child.activate()
+        # The child is first, because its predicate is part of the state that is read below.
         if child is not None:
             child.advance()
         self._clock.advance()
@@ -328,6 +341,8 @@ class ProgramRun:
         )
         self.state = state
         self.rewarded |= bool(rewarding)
+        # A stated success or failure has precedence over a reward and over the number of
+        # transitions.
         if self._concludes(state):
             return
         if rewarding and self._reward_ends:
@@ -426,6 +441,7 @@ class ProgramRun:
         child = self.children.get(before.name)
         if child is not None and child is not self.children.get(after.name):
             child.deactivate()
+        # Controllers of both actions go on without interruption.
         kept = self._levels.stacks.get(after.name, ())
         for run in self._levels.stacks.get(before.name, ()):
             if run not in kept:

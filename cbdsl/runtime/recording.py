@@ -191,6 +191,8 @@ class Recording(EpisodeObserver):
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
         ticks = self._ticks
+        # An interrupt within a tick leaves some lists longer than others. All are cut to the
+        # complete ticks.
         arrays: dict[str, NDArray[Any]] = {
             key: np.array(rows[:ticks], dtype=float) for key, rows in self._rows.items()
         }
@@ -199,6 +201,8 @@ class Recording(EpisodeObserver):
         for index, (key, kind) in enumerate(_LEVEL.items()):
             arrays[key] = levels[:, :, index].astype(kind)
         arrays["at_limits"] = np.array(self._at_limits[:ticks], dtype=bool)
+        # A body may appear or vanish during the episode; each body that was ever there has a
+        # column.
         gone = [np.nan] * 7
         scene = [[poses.get(name, gone) for name in self._bodies] for poses in self._poses[:ticks]]
         arrays["scene"] = np.array(scene, dtype=float).reshape(len(scene), len(self._bodies), 7)

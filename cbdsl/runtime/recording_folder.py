@@ -36,6 +36,8 @@ class RecordingFolder:
             OSError: If it cannot be created or written.
         """
         self.path.mkdir(parents=True, exist_ok=True)
+        # Only an attempt shows whether the folder can be written to; its mode does not show a
+        # read-only file system.
         with tempfile.TemporaryFile(dir=self.path):
             pass
         for seed in seeds:

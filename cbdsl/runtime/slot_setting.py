@@ -33,6 +33,7 @@ def modified(form: SlotForm, setting: SlotSetting) -> SlotForm:
         PluginError: If a modifier of another package fails; the message names both.
     """
     for kind, options in declared(setting.controller):
+        # Such a potential reads the option itself, so the modifier must not apply it a second time.
         if setting.controller.potential in kind.read_by:
             continue
         form = _bind_of(kind)(form, options, setting)

@@ -50,6 +50,7 @@ class LearnedPolicy(Policy):
         name = self._table.find(state) if changed else None
         if name is None:
             return Choice(None)
+        # Both checks precede the update, because they compare with the preceding choice.
         reason = self._failed(state, name) or self._circles(state)
         self._state, self._action = state, name
         return Choice(None if reason else name, reason=reason)

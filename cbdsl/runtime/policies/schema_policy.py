@@ -66,8 +66,11 @@ class SchemaPolicy(Policy):
         """Return the next action under its allocation; see ``Policy.choose``."""
         before, self._before = self._before, state
         if self._allocation and self._progress.fails(before, state):
+            # A failure is a change even in the same state. Otherwise the policy would end the
+            # episode, because the action changed nothing.
             self._begins_anew = self._brings_programs
             failed, self._allocation, changed = self._allocation, "", True
+            # An allocation that was chosen without all features may be tried again with them.
             if self._is_informed:
                 self._failed.add(failed)
                 if self._is_left():
