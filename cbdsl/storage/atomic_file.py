@@ -52,6 +52,10 @@ def replace_file(path: Path, fill: Callable[[BinaryIO], object]) -> None:
     _sync_folder(path.parent)
 
 
+# The contents go to a temporary file in the same folder, thus in the same file system. A rename
+# there is atomic: a reader finds either the old or the new file. The contents are flushed to disk
+# before the rename, and the folder's entry after it. After a loss of power the file is therefore
+# also one of the two.
 def _replace(path: Path, fill: Callable[[BinaryIO], object]) -> None:
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path))
     try:
@@ -59,6 +63,7 @@ def _replace(path: Path, fill: Callable[[BinaryIO], object]) -> None:
             fill(file)
             file.flush()
             os.fsync(file.fileno())  # before the rename replaces the old contents
+        # The temporary file was created for its owner only.
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     except BaseException:

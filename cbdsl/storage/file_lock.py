@@ -25,6 +25,9 @@ def lock(file: BinaryIO, patience: float = 0.0) -> None:
         LockedError: If another process holds the lock for longer.
         OSError: If the file system does not support locks.
     """
+    # A lock of this kind belongs to the open file. A lock by fcntl would be lost as soon as the
+    # process closes any other descriptor of the file. The call has no time limit, so it is repeated
+    # without blocking.
     deadline = time.monotonic() + patience
     while True:
         try:

@@ -13,6 +13,8 @@ def differences(known: Mapping[str, Any], requested: Mapping[str, Any]) -> Itera
         if old == new:
             continue
         if isinstance(old, dict) and isinstance(new, dict):
+            # Documents are identified by name and digest. Another name is another document, and
+            # another digest the same document with changed contents.
             if old.get("name") != new.get("name"):
                 yield f"{key} was {old.get('name')}, is {new.get('name')}"
             elif "sha256" in old:

@@ -93,6 +93,7 @@ class Journal(Generic[Row]):
         varying: bool = False,
     ) -> None:
         self.path, self._form = path, form
+        # The file is opened without truncation, because it may only be changed under its lock.
         self._file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o644), "r+b", buffering=0)
         try:
             _claim(self._file, path, _PATIENCE)
@@ -169,6 +170,8 @@ def rows_of(
     Raises:
         DamagedJournalError: If the data is no journal.
     """
+    # A line is complete with its line feed. JSON escapes line feeds within texts, so that each row
+    # is one line.
     sound = data.rfind(b"\n") + 1
     lines = data[:sound].split(b"\n")[:-1]
     return [_object(line, path, n, undertaking) for n, line in enumerate(lines, first)], sound
@@ -231,5 +234,7 @@ def require_usable(path: Path, identity: Mapping[str, Any]) -> None:
         _claim(file, path, patience=0.0)
         rows, _ = rows_of(file.read(), path)
     if rows:
+        # The first row is the identity; only its parts that are known before the task can be
+        # compared.
         known = {key: value for key, value in rows[0].items() if key in identity}
         require_same(path, known, identity)

@@ -38,6 +38,7 @@ class JournalFollower(Generic[Row]):
         except FileNotFoundError:
             return []
         rows, length = rows_of(data, self._path, self._form.undertaking, self._lines + 1)
+        # An unfinished line does not count, and is read again by the next poll.
         self._offset += length
         numbered = list(enumerate(rows, self._lines + 1))
         self._lines += len(rows)
