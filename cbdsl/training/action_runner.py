@@ -83,6 +83,8 @@ class ActionRunner:
         """
         try:
             outcome = self._act(name, known, seed, undisturbed)
+            # The turn of the experimenter is before the action. Before noop, which runs no episode,
+            # it is before the return of the robot.
             ahead, seconds = self._come_back(known, seed, undisturbed=name != NOOP)
         except (EpisodeError, BackendError) as error:
             self._last = None
@@ -119,6 +121,7 @@ class ActionRunner:
         open_marks = [m for m, each in action.marks.items() if each.name not in known]
         if not open_marks:
             open_marks = list(action.marks)
+        # The marks take turns; those without a catalog entry have precedence.
         mark = open_marks[self._turns % len(open_marks)]
         self._turns += 1
         own = action.marks[mark]

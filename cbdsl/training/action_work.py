@@ -82,6 +82,8 @@ class ActionWork(ABC):
 
     def run_next(self) -> ActionOutcome:
         """Choose and run an action."""
+        # The place of the action in its exploration determines the seed, so a resumed exploration
+        # goes on with the same seeds.
         entropy = [self._course.seed, self._course.number, len(self.finished)]
         seed = int(np.random.SeedSequence(entropy).generate_state(1)[0])
         name = self.exploration.choose(np.random.default_rng([seed, _CHOICE]))

@@ -123,6 +123,7 @@ def affordance_values(
 
 
 def _interval(rewarded: int, tried: int) -> tuple[float, float]:
+    # The interval is that of Clopper and Pearson, which holds for few trials, too.
     low, high = exact_interval(rewarded, tried)
     return _rounded(low), _rounded(high)
 

@@ -103,6 +103,7 @@ class BackendEpisodeRunner:
                 return runner
         runner = Runner(self._robot, self._kinematics, program, self._backend, policy)
         if self._last is not None:
+            # On a persistent stage, the world of the last episode goes on under the new runner.
             runner.take_over(self._last[2])
         self._last = program, policy, runner
         return runner
@@ -132,6 +133,8 @@ class _LearnedEpisode(EpisodeObserver):
 
     def note_tick(self, tick: Tick) -> None:
         """Keep the configurations that earned a reward in this tick."""
+        # These samples are of Pr(tau | sigma, reward) (line 19 of Algorithm 1). A reward ends a
+        # learner's episode, so the last transition is the rewarded one.
         program = tick.run.program
         for member in self.transitions[-1].rewarding if tick.run.rewarded else ():
             effector = moved(program.primitives[member].lead)

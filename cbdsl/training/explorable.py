@@ -77,6 +77,7 @@ def features_of(
     place = next(_places(program), None)
     if place is None or not rewarded:
         return None
+    # The channel of stereo.red is red, and so is that of surface.red.
     head = _heading(place.name.partition(".")[2], resources)
     if _is(place, SurfacePoint):
         return {"place": place}, head
@@ -118,6 +119,7 @@ def with_marks(
     own = {action.program.parameters.get("feature", "")}
     marks = {
         channel: bind(f"{name}_{channel}", {**closed, key: channel})
+        # At most one parameter is open, so that each channel gives one mark.
         for key in values.keys() - closed.keys()
         for channel in other_hues(robot, own)
     }
@@ -137,6 +139,7 @@ def _tracked(feedback: Resource) -> str | None:
     if isinstance(feedback.source, Heading):
         return feedback.name.partition(".")[2]
     if isinstance(feedback.source, MarkHeading) and len(feedback.source.hues) == 1:
+        # A mark of one hue counts as its own object: mark.red.blue is of the channel blue.
         return feedback.name.rpartition(".")[2]
     return None
 

@@ -71,8 +71,15 @@ def open_journal(
     return journal
 
 
+# An identity has fixed parts, such as seed and constants, and joinable ones. The fixed parts have
+# to be those of the file in any case. The joinable parts are those of the last phase, because a row
+# with new ones begins each later phase. If the requested ones differ and others may join, a new
+# phase begins. It may add actions and change the world, but removes no action. A replay thus meets
+# each outcome with the actions that could be chosen then.
 def _begin_phase(journal: Journal[ActionRow], identity: Mapping[str, Any], *, joins: bool) -> None:
     known, path = journal.identity, journal.path
+    # A journal of another undertaking lacks these parts. The comparison then fails with a list of
+    # the differences.
     if not _is_joinable(known):
         require_same(path, known, identity, _NOUN)
     current = _current(known, journal.rows)

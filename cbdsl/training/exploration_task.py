@@ -126,6 +126,7 @@ class ExplorationTask:
             )
             run_items(work, journal.append, observer or TaskObserver())
             document = self._document(work)
+            # The locked journal ensures that no other process writes the catalog now.
             remove_leftovers(self.path)
             write(document, self.path)
         return document

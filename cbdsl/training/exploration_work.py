@@ -47,11 +47,14 @@ class ExplorationWork(ActionWork):
         observer: ExplorationObserver,
     ) -> None:
         self._actions, self.runner, self._observer = tuple(actions), runner, observer
+        # The identity in the journal is that of the first phase; rows begin the later ones.
         self.phases = [phase(0, journal.identity)]
         super().__init__(begin(self._forms(self.phases[0])), course, renderer)
         self._replay(journal)
 
     def _replay(self, journal: Journal[ActionRow]) -> None:
+        # Line 1 is the identity. The journal may hold more actions than are requested now; the rest
+        # is ignored.
         for line, row in enumerate(journal.rows, 2):
             if isinstance(row, Joined):
                 self._join(row)

@@ -72,6 +72,7 @@ def try_scenes(
     predictions = []
     for scene in scenes:
         own = int(np.random.SeedSequence([seed, 0, scene]).generate_state(1)[0])
+        # The actions take turns, so that each is tried about equally often.
         name = names[scene % len(names)]
         ahead = runner.look(names, own).get(name, {})
         probability = predict(catalog.affordances[name], models[name], ahead)
@@ -100,6 +101,7 @@ def reliability(predictions: Sequence[Prediction]) -> list[Reliability]:
         own = [
             each
             for each in predictions
+            # Only the last bin includes its upper bound.
             if low <= each.probability < high or (each.probability == 1.0 == high)
         ]
         if own:

@@ -61,6 +61,9 @@ def _probe(program: CheckedProgram) -> _Probe | None:
         for primitive in action.composition.primitives
     ]
     controllers = [each for action in program.actions for each in action.controllers]
+    # A test is recognized by two controllers. One is rewarded for a change of the hand's load along
+    # or about a single axis. The other one controls the position of a tip for a force, or its
+    # orientation for a torque.
     for load in (each for primitive in primitives for each in primitive.earners):
         reference, kind = load.reference, load.feedback.type.name
         if not isinstance(load.feedback.source, NetLoad) or kind not in KINDS:
@@ -111,6 +114,14 @@ class _Outset(NamedTuple):
 _OVER = _Outset(np.zeros(0), np.zeros(0), np.zeros(0))
 
 
+# A test has four parts: the hand waits, moves outwards against a load, stops, and returns.
+# Displacement and loads are measured as components along or about the axis of the test. The
+# displacement is that of the tip during the outward motion. The load is the mean of the last ticks
+# of this motion minus the mean of the last ticks before it. The resistance is the mean over the
+# whole motion minus the median during the wait, when the hand bears its object alone. The residue
+# is the distance of the tip from its start after the return. Impedance is load over displacement
+# (Eq 7.10). The model assumes that the grip does not slip, and that the displacement is small
+# enough for one rotation vector.
 class ImpedanceGauge(EpisodeObserver):
     """Listener to the ticks of an episode that makes a profile of its tests.
 
@@ -228,4 +239,5 @@ def _moved(probe: _Probe, before: Floats, after: Floats) -> float:
     """Return the displacement along or about the axis of a test, m or rad."""
     if probe.motion.type.name == "position":
         return float((after - before)[probe.axis])
+    # The logarithm is the rotation vector of the turn from before to after, in the world frame.
     return float(log(after @ before.T)[probe.axis])

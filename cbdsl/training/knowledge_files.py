@@ -42,6 +42,7 @@ def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Pa
     Raises:
         OSError: If a file cannot be written; no file is ever incomplete.
     """
+    # The policy is last, so that an interruption leaves no new policy without its models.
     files = []
     for document in learned_documents(trial, provenance, path.stem):
         file = _beside(path, kind_of(type(document)).folder, document.name)

@@ -57,5 +57,7 @@ def impedance_section(
 
 
 def _geometric_mean(values: Sequence[float]) -> float:
+    # Impedances differ by orders of magnitude, and the stiffest profile would dominate an
+    # arithmetic mean.
     mean = sum(math.log(max(value, _LEAST)) for value in values) / len(values)
     return float(f"{math.exp(mean):.4g}")

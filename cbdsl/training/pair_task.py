@@ -107,6 +107,8 @@ class PairTask:
         identity = identity_of(self._provenance(body.renderer, 0))
         with Journal(self.journal, identity, ACTIONS) as journal:
             work = PairWork(self, body, kinematics)
+            # All knowledge follows from the outcomes in their order, so a replay restores it
+            # without the robot.
             for outcome in journal.rows[: self.count]:
                 work.note(outcome)
             run_items(work, journal.append, observer or TaskObserver())

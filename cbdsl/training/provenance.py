@@ -55,6 +55,7 @@ def provenance_of(trial: Trial, setting: TrialSetting, episodes: int, command: s
         command: Command that repeats the trial.
     """
     program = trial.program
+    # A trial may have other limits than the program's text, whose digest does not cover them.
     limits = {
         "transitions": program.transitions,
         "transition_time": program.transition_time,

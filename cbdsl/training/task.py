@@ -75,6 +75,7 @@ def run_task(task: Task, observer: TaskObserver[Any]) -> list[Path]:
 @contextmanager
 def _workplace(task: Task) -> Iterator[Workplace]:
     """Yield the body for a task, built for the first one of its kind and kept."""
+    # Robots of one name may differ in their documents, so the digest is a part of the key.
     key = (task.backend, task.cameras, digest(task.robot), task.urdf)
     if key not in _kept:
         body = embody(task.backend, task.robot, task.urdf, cameras=task.cameras)

@@ -32,6 +32,7 @@ def require_room(folders: Iterable[Path]) -> None:
     """
     for folder in folders:
         folder.mkdir(parents=True, exist_ok=True)
+        # A full disk still creates empty files, so some bytes are written.
         with tempfile.TemporaryFile(dir=folder) as file:
             file.write(bytes(_ROOM))
             file.flush()
@@ -53,6 +54,8 @@ def require_free(journal: Path, files: Iterable[Path], origin: str, *, resume: b
         raise JournalError(
             f"{journal} is there already: go on with --resume, or choose another --out"
         )
+    # A document beside its journal is an earlier outcome of the same task, which a resumed task may
+    # replace.
     for file in files:
         if file.is_dir() or (file.exists() and not journal.exists()):
             raise JournalError(

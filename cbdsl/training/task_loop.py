@@ -60,6 +60,8 @@ def run_items(
     observer.begin(work.number, work.renderer, work.finished)
     while not work.is_over:
         began = time.perf_counter()
+        # The item is in the journal before the task goes on. No later item thus depends on one that
+        # a resumed task would not find.
         row = work.run_next()
         row = replace(row, wall_seconds=time.perf_counter() - began)
         append(row)

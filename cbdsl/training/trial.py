@@ -107,6 +107,8 @@ class Trial:
 
     def _next_seed(self) -> int:
         """Return the seed of the next episode; ``cb run`` with this seed meets the same world."""
+        # The place of the episode in its trial determines the seed, so a resumed trial goes on with
+        # the same seeds.
         entropy = np.random.SeedSequence([self.seed, self.number, len(self.experiences)])
         return int(entropy.generate_state(1)[0])
 

@@ -118,6 +118,7 @@ def run_trial(
         BackendError, EpisodeError: If an episode cannot be run.
         OSError: If the journal or a document cannot be written.
     """
+    # The journal may hold more episodes than are requested now; they are not learned from.
     for experience in journal.rows[: provenance.episodes]:
         trial.replay(experience)
     work = TrialWork(trial, runner, provenance.episodes, provenance.renderer)

@@ -59,6 +59,7 @@ def run_on_cluster(
         _marker(folder) as there,
     ):
         given = versions()
+        # Without pure=False, Dask would return an earlier result for equal arguments.
         futures = {client.submit(work, each, there, given, pure=False): each for each in tasks}
         _supervise(futures, client, supervisor, patience)
 
@@ -79,9 +80,11 @@ def _marker(folder: Path) -> Iterator[Path]:
 
 def _is_running(owner: str) -> bool:
     """Return whether the owner of a marker may still run; owners on other hosts always may."""
+    # The name of a host may contain underscores, so the parts are split off from the right.
     host, _, rest = owner.rpartition("_")[0].rpartition("_")
     if host != socket.gethostname() or not rest.isdigit():
         return True
+    # Numbers of processes are reused: a marker may stay too long, but is not removed too early.
     return Path("/proc", rest).exists()
 
 

@@ -67,6 +67,8 @@ class _Worker(Generic[J]):
     def __init__(self) -> None:
         self.pipe, other_end = Pipe()
         self.task: J | None = None
+        # This process closes its copy of the other end. Otherwise the pipe would stay open when the
+        # worker dies, and its death would not be noticed.
         with other_end, _interrupts_blocked():
             paths = json.dumps([path for path in sys.path if path])
             # -P: no module of the current folder replaces an imported one.
@@ -119,6 +121,8 @@ class _Pool(Generic[J]):
                 self._assign(self._workers[-1])
             yield self
         finally:
+            # All workers are asked to end before the first is waited for, so that they end in
+            # parallel.
             for worker in self._workers:
                 worker.end()
             until = time.monotonic() + _PATIENCE
@@ -140,6 +144,8 @@ class _Pool(Generic[J]):
             except (EOFError, OSError):
                 self._replace(worker)
                 continue
+            # The worker gets its next task before the outcome is reported, so that it need not wait
+            # for the supervisor.
             task, worker.task = worker.task, None
             self._assign(worker)
             if task is not None:
@@ -159,6 +165,8 @@ class _Pool(Generic[J]):
         task = worker.task
         if task is not None:
             self._deaths[id(task)] += 1
+            # A task that takes too much memory would kill every worker, so the number of attempts
+            # is limited.
             if self._deaths[id(task)] < _MOST_DEATHS:
                 self._waiting.appendleft(task)
             else:

@@ -39,6 +39,7 @@ class CancellationCheck(TaskObserver[Any]):
 
     def note(self, number: int, item: object) -> None:
         """Raise an error if the trial was cancelled."""
+        # Dask does not interrupt a running task, so a cancelled one has to notice it by itself.
         worker = get_worker()
         task = worker.state.tasks.get(worker.get_current_task())
         wanted = task is not None and task.state == "executing"
@@ -58,6 +59,7 @@ def _require_fit(there: Path, expected: Mapping[str, str]) -> None:
             f"worker {worker.address} does not see the files in {there.parent}: what it learned "
             "would be elsewhere"
         )
+    # Episodes depend on the versions of these packages, and one trial may run on several workers.
     for package in {**installed, **expected}:
         theirs, ours = installed.get(package, "none"), expected.get(package, "none")
         if theirs != ours:

@@ -48,6 +48,8 @@ def serve(pipe: Connection) -> None:
 def _sendable(error: Exception) -> Exception:
     """Return the error, or one of its text if it cannot be sent to another process."""
     try:
+        # Some exceptions can be pickled but not restored, because their classes take other
+        # arguments.
         pickle.loads(pickle.dumps(error))
     except Exception:
         if isinstance(error, UsageError):
