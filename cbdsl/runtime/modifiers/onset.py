@@ -30,8 +30,7 @@ def bind(form: SlotForm, onset: Onset, setting: SlotSetting) -> SlotForm:
     tip = -1
     if carrier is not None:
         tip = signals.kinematic_rows.tip_off(Tip(carrier, "position"), -1, (0.0, 0.0, 0.0))
-    # Only the component of the load along the displacement counts, so that a load across it is no
-    # onset.
+    # The change of the load counts along the displacement only.
     offset = signals.table.values(form.offset)
     along = offset / math.hypot(*offset.tolist())
     borne = -math.inf if onset.borne is None else onset.borne
