@@ -19,6 +19,8 @@ def allocate(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedP
         variants: Same program with different resources, by name of the allocation.
         schema: Schema that chooses among the allocations.
     """
+    # All variants have the same abstract actions in the same order. An action is allocated if any
+    # variant resolves it differently from the first one.
     base = next(iter(variants.values()))
     replaced = {
         action.name
@@ -26,6 +28,8 @@ def allocate(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedP
         for action, own in zip(variant.actions, base.actions, strict=True)
         if (action.composition, action.program) != (own.composition, own.program)
     }
+    # Shared actions have the same name in each variant and are merged here. Allocated ones have
+    # distinct names.
     actions = {
         allocated.name: allocated
         for name, variant in variants.items()
@@ -51,6 +55,9 @@ def _joined(backgrounds: list[Composition]) -> Composition | None:
     """Return one composition of several; the first has the highest priority."""
     if not backgrounds:
         return None
+    # A later entry of a dictionary has a higher priority, so the backgrounds are inserted in
+    # reverse. The controllers are part of the key, because the same primitive moves other joints
+    # under another allocation.
     joined = {
         (primitive.name, primitive.controllers): primitive
         for background in reversed(backgrounds)

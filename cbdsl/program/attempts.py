@@ -8,6 +8,13 @@ from typing import NamedTuple
 from cbdsl.program.transition import Transition
 
 
+# Model: V(s) is the expected discounted reward of a state s, see ``state_values``. A transition
+# from s to s' ends an unrewarded attempt in three cases:
+#     s' = s                         the action changed nothing within its time
+#     V(s') < V(X...X)               a defined state is worth less than the initial state
+#     V(s') < V(s), second time      the attempt loses ground again
+# Only the order of the values matters, so that they need not have converged. Without learned
+# values, V is 0 in all states, and only an unchanged state ends an attempt.
 class Attempt(NamedTuple):
     """Allocation in a context.
 

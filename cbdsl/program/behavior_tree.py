@@ -130,6 +130,12 @@ def _uses(use: _Use) -> Iterator[_Use]:
 
 def _tree(use: _Use) -> Element:
     """Return the tree of one use of a program."""
+    # Nodes of a tree in the order of its conditions, and their results:
+    #     ReactiveFallback         SUCCESS at the first pattern of success
+    #         ReactiveSequence     FAILURE at the first pattern of failure, by an Inverter
+    #             Rewarded         SUCCESS at a reward, only if a reward ends the program
+    #             WithinLimits     FAILURE after too many transitions
+    #             policy           RUNNING with an action, FAILURE in a state without one
     program = use.program
     tree = Element("BehaviorTree", ID=use.name)
     outcome = SubElement(tree, "ReactiveFallback", name=program.name)
@@ -182,6 +188,8 @@ def _add_branch(policy: Element, use: _Use, action: Action, own: list[str]) -> N
     branch = SubElement(policy, "ReactiveSequence", name=action.name)
     any_of = SubElement(branch, "ReactiveFallback", name=", ".join(own)) if own[1:] else branch
     for pattern in own:
+        # The closest pattern applies. A state that also matches a closer one belongs to that
+        # pattern's branch, and is excluded here.
         before = patterns[: patterns.index(pattern)]
         _state(any_of, use, pattern, [each for each in before if overlap(each, pattern)])
     inner = use.used(action)
@@ -208,6 +216,8 @@ def _add_branch(policy: Element, use: _Use, action: Action, own: list[str]) -> N
 
 def _initial(program: CheckedProgram, pattern: str) -> list[str]:
     """Return the state at the beginning if it has a pattern: no outcome follows from it."""
+    # Without this exception, a pattern of wildcards alone would end its program before the first
+    # action.
     state = Predicate.INACTIVE * len(program.members)
     return [state] if overlap(pattern, state) else []
 

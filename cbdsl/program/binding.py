@@ -63,6 +63,7 @@ def _primitive(primitive: Primitive, sources: Mapping[str, Source]) -> Primitive
 
 def _controller(controller: Controller, sources: Mapping[str, Source]) -> Controller:
     reference = controller.reference
+    # Constants and perceived positions have no density to replace.
     if not isinstance(reference, Resource) or reference.name not in sources:
         return controller
     return replace(controller, reference=reference._replace(source=sources[reference.name]))

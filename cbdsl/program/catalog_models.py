@@ -32,6 +32,8 @@ def affordance_resource(
     own = catalog.affordances[action]
     signals = [resources.get(each.signal) for each in own.features.values()]
     features = tuple(each for each in signals if each is not None)
+    # The robot may lack a signal of the catalog. A drawn reference has no value before its
+    # controller is activated.
     if len(features) < len(signals) or any(each.is_drawn for each in features):
         return None
     source = AffordanceProbability(catalog.name, action, model_of(own, catalog), features)
@@ -53,6 +55,8 @@ def model_of(
 ) -> AffordanceModel:
     """Return the model of one action of a catalog, with the prior used during exploration."""
     constants = {} if catalog.provenance is None else catalog.provenance.constants
+    # A catalog without provenance has the default constants of an exploration: deviations of the
+    # workspace, and a prior of one sample.
     in_si = constants.get("units") == "si"
     scale = np.array(
         [

@@ -9,6 +9,10 @@ from cbdsl.types.resource import Resource
 from cbdsl.types.resource_type import TYPES, ResourceType
 
 
+# Notation of Chapter 3: a controller c(phi, sigma, tau) descends a potential phi of the signals
+# sigma by moving the effector tau. The composition c2 ◁ c1, "c2 subject to c1", runs c2 in the null
+# space of c1. Lists keep this written order, so that the last controller has the highest priority.
+# A primitive is one letter of a state, independently of the number of its controllers.
 class Literal(NamedTuple):
     """Constant reference, in SI.
 

@@ -30,10 +30,13 @@ def correspondence(program: CheckedProgram, other: CheckedProgram) -> dict[str, 
         Names in the first program by names in the other; ``None`` if a member has no counterpart or
         several, or an action has none.
     """
+    # Names differ between programs, so that the kind alone identifies a member. Two members of the
+    # same kind, for example two equal reaches, make the match ambiguous.
     ours, theirs = _by_kind(program), _by_kind(other)
     if ours is None or theirs is None or ours.keys() != theirs.keys():
         return None
     names = {theirs[kind]: ours[kind] for kind in ours}
+    # Each action needs a counterpart, because the policy of the program is kept and refers to it.
     wanted = {action.name for action in program.actions}
     return names if {_renamed(each, names).name for each in other.actions} == wanted else None
 
@@ -71,6 +74,7 @@ def _as_chosen(action: Action, known: Sequence[Action], chosen: Sequence[Action]
     """Return the action with the same parts, in their chosen order, under the given name."""
     exact = next(each for each in known if each.name == action.name)
     same = [each for each in chosen if _parts(each) == _parts(exact)]
+    # Example: the program runs A ◁ B, and the policy of the other one only chooses B ◁ A.
     if not same or exact in same:
         return exact
     return same[0]._replace(name=action.name)

@@ -34,6 +34,7 @@ def levels(program: CheckedProgram, action: Action) -> tuple[StackLevel, ...]:
     """Return the stack of an action, highest priority first; empty for a program."""
     if action.composition is None:
         return ()
+    # A controller of the action that is also in the background runs once, with its higher priority.
     own = tuple(reversed(action.controllers))
     below = () if program.background is None else tuple(reversed(program.background.controllers))
     stack = (*own, *(controller for controller in below if controller not in own))
@@ -47,6 +48,8 @@ def levels(program: CheckedProgram, action: Action) -> tuple[StackLevel, ...]:
 
 def rows(controller: Controller) -> int:
     """Return the most directions that a controller fixes: at most its task rows or its joints."""
+    # A scalar potential has one gradient, and therefore one row. A residual has a row per
+    # coordinate.
     task, potential = 1, POTENTIALS[controller.potential]
     if potential.residual or potential.field:
         task = _task(controller)
@@ -65,6 +68,8 @@ def _task(controller: Controller) -> int:
 
 
 def _free(above: Iterable[Controller], controller: Controller) -> int:
+    # A level with r rows over k of these joints takes at most min(r, k) directions from them. The
+    # worst case is the sum over the levels, which independent tasks reach.
     joints = frozenset(controller.joints)
     taken = sum(min(rows(other), len(joints.intersection(other.joints))) for other in above)
     return max(0, len(joints) - taken)
@@ -114,6 +119,8 @@ class Coverage(NamedTuple):
 
 def coverage(program: CheckedProgram) -> Coverage:
     """Return the coverage of the states by the patterns of a program's policy."""
+    # The number of states grows as 4^n with n members. Regions of states are therefore split
+    # instead of enumerated, until one pattern decides a whole region or none touches it.
     decided = dict.fromkeys(program.policy, 0)
     size = len(program.members)
     undecided = _decide(ANY * size, closest_first(program.policy), decided)

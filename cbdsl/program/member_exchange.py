@@ -46,6 +46,7 @@ def _exchanged(action: Action, member: str, other: CheckedProgram) -> Action:
     primitives = () if action.composition is None else action.composition.primitives
     if member not in [each.name for each in primitives]:
         return action
+    # Primitives are in written order, so that those after the member have priority over it.
     place = [each.name for each in primitives].index(member)
     rest = Composition((*primitives[:place], *primitives[place + 1 :]))
     above = sum(len(each.controllers) for each in primitives[place + 1 :])

@@ -86,6 +86,7 @@ class Schema(NamedTuple):
         Args:
             features: Features by name, in SI.
         """
+        # A tree has an answer for all numbers. Outside of the tried ranges it is an extrapolation.
         if self.reward is None or self.untried(features):
             return None
         return decide(self.reward, features)

@@ -54,6 +54,7 @@ def stand_ins(program: CheckedProgram, other: CheckedProgram) -> list[StandIn]:
         return []
     children = {each.name: each.program for each in program.actions if each.program is not None}
     theirs = _all_rewards(other)
+    # A member that already is the other program needs no stand-in.
     return [
         StandIn(name, other.name, kind)
         for name in program.members

@@ -24,6 +24,13 @@ def state_values(policy: Mapping[str, str], transitions: Counts) -> dict[str, fl
         policy: Action by state pattern.
         transitions: Counts of transitions of all actions.
     """
+    # Model: the Bellman equation of a fixed policy pi, with transition probabilities from the
+    # counts n:
+    #     V(s) = gamma sum_s' n(s, pi(s), s') V(s') / n(s, pi(s))
+    # V is 1 in states that end their episodes. Each sweep updates the states in place and shrinks
+    # the error by gamma at least: 100 sweeps leave less than 1e-9 of it. The model breaks if an
+    # episode runs out of time in a state that no other episode leaves. That state counts as
+    # rewarded.
     table = PolicyTable(policy)
     following = {
         state: counts[action]

@@ -51,6 +51,8 @@ def title_of(program: str, use: str) -> str:
         program: Name of the program.
         use: Names of the actions that lead to it, parted by dots; empty for the main program.
     """
+    # Examples: for the program ``reach``, the use ``pick.reach`` is its own title, and the use
+    # ``pick.near`` has the title ``pick.near (reach)``.
     if use in ("", program):
         return program
     return use if use.endswith(f".{program}") else f"{use} ({program})"
