@@ -27,6 +27,12 @@ from cbdsl.types.state import ANY
 _DECIMALS = 6
 
 
+# Model (Algorithm 1, Section 4.2): Q-learning over states of predicates,
+#     Phi(s, a) <- Phi(s, a) + alpha (r + gamma max_a' Phi(s', a') - Phi(s, a)),
+# with epsilon-greedy exploration and initial values of 0. A reward ends its episode, so that the
+# value of the state after it is 0. Rewarded configurations are samples of Pr(tau | sigma, reward),
+# from which controllers draw their references. Assumption: the predicates suffice to predict the
+# next state. Other conditions, such as the place of an object, appear as chance.
 class Accommodate:
     """Q-learning with epsilon-greedy exploration, and densities of rewarded configurations.
 
@@ -143,6 +149,7 @@ class Explorer(Policy):
 
     def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
         """Return the next action, also after an action that changed nothing."""
+        # A running program cannot be left, so that its continuation draws no random number.
         action = self._running(state) or choose(
             self._values.best(state), self._values.actions, self._epsilon, self._rng
         )

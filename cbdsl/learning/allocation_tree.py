@@ -72,6 +72,8 @@ class Tally(NamedTuple):
         likelihood that
         one unknown probability exceeds another, 1933).
         """
+        # Beta(h + 1, m + 1) is the posterior after h successes and m failures, with a uniform
+        # prior.
         chances = rng.beta(np.add(self.successes, 1.0), np.add(self.failures, 1.0))
         return tuple(names[i] for i in np.argsort(-chances, kind="stable"))
 
@@ -99,6 +101,7 @@ def grow_tallies(
     kept = [each for each in contexts if each.rewarded or each.counts]
     if not kept:
         return Leaf(Tally((0.0,) * len(names), (0.0,) * len(names)))
+    # An untried allocation has the outcome ``None``, which is neither ``True`` nor ``False``.
     counts = (
         np.array([[float(each.outcomes.get(name) is came) for name in names] for each in kept])
         for came in (True, False)

@@ -36,6 +36,8 @@ class Decisions:
 
         Return ``None`` while a program runs.
         """
+        # Example with a program in the second place: the transitions XX to X0 and X0 to X1 are one
+        # decision from XX to X1.
         if self.running(transition.state) is None:
             self._origin = transition.state
         if self.running(transition.next_state) is not None:

@@ -85,6 +85,7 @@ class ImpedanceProfile(NamedTuple):
             word: max(value for name, value in impedances.items() if name.startswith(word))
             for word in KINDS.values()
         }
+        # In free motion, for example, all impedances of a kind are 0, and so are their shares.
         return {name: value / (most[name[:2]] or 1.0) for name, value in impedances.items()}
 
     def features(self) -> dict[str, float]:

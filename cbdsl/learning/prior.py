@@ -23,12 +23,16 @@ def learned_density(
         bandwidth: Standard deviation of the kernels, smallest one of a Gaussian, rad.
         prior: Weight of the uniform density, in samples.
     """
+    # Model: with n samples tau_i, bandwidth b and prior weight p,
+    #     Pr(tau | sigma, reward) = u U(tau) + (1 - u) / n sum_i N(tau; tau_i, b^2),
+    # where U is the uniform density over the joint ranges, and u = p / (p + n) its share.
     uniform = prior / (prior + len(samples))
     angles = np.array(samples, dtype=float)
     joints = angles.shape[1]
     if form == "kernel":
         rows = tuple(_rounded(row) for row in angles)
         return Kernel(form="kernel", samples=rows, bandwidth=(bandwidth,) * joints, uniform=uniform)
+    # A single sample has a deviation of 0.
     deviation = np.maximum(angles.std(axis=0), bandwidth)
     mean = _rounded(angles.mean(axis=0))
     return Gaussian(form="gaussian", mean=mean, deviation=_rounded(deviation), uniform=uniform)

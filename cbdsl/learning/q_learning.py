@@ -27,6 +27,8 @@ class QLearning:
         """Return the actions of the largest value, several if they are equal."""
         values = [self.value(state, action) for action in self.actions]
         most = max(values)
+        # All values are 0 at first. A choice of the first maximum would always begin with the same
+        # action.
         return tuple(a for a, value in zip(self.actions, values, strict=True) if value == most)
 
     def update(

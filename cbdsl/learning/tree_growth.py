@@ -76,6 +76,11 @@ def grow(
             success rate.
         needed: Evidence that a question needs, nats.
     """
+    # With the sums h of successes and m of failures of each kind, the evidence in nats is
+    #     L of the samples below + L of those above - L of both + ln(gap / range),
+    #     L = sum over kinds of ln(h! m! / (h + m + 1)!).
+    # L is the logarithm of the integral of p^h (1 - p)^m over the success probability p from 0 to
+    # 1. The quotient gap / range is the prior probability that the threshold lies in this gap.
     names = tuple(next(iter(samples), ()))
     numbers = np.array([[sample[name] for name in names] for sample in samples])
     numbers = np.round(numbers.reshape(len(samples), len(names)), _DECIMALS)
@@ -113,6 +118,7 @@ def _best(
         values = numbers[order, feature]
         cuts = np.arange(least, len(values) - least + 1)
         cuts, wide = _gaps(values, cuts, float(finest[feature]))
+        # A feature with one value has no gap, so that its range of 0 is never a divisor.
         if not len(cuts):
             continue
         sums = Outcomes(*(np.cumsum(each, axis=0) for each in outcomes.of(order)))
@@ -157,6 +163,7 @@ def _rate(sums: Outcomes) -> float:
 
 def _threshold(low: float, high: float, share: float) -> float:
     """Return a rounded number in a gap, ``share`` of the way from its lower end."""
+    # Rounding can reach the upper value, which then does not lie above the threshold.
     between = round((1.0 - share) * low + share * high, _DECIMALS)
     return between if low <= between < high else low
 

@@ -67,6 +67,8 @@ class Affordance:
             for _ in range(form.size)
         ]
         model = AffordanceModel.fresh(np.array(deviations), constants.prior)
+        # Earlier trials were unrewarded, or lacked features. They count as trials of the new model,
+        # too.
         for outcome in self._before:
             model = model.updated(self.vector(outcome.features), rewarded=outcome.rewarded)
         self.model = model

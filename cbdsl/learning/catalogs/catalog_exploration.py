@@ -24,6 +24,13 @@ class CatalogConstants(ExplorationConstants):
     """Temperature below which it does not fall."""
 
 
+# Model (Section 6.2.1): one state and n actions with values Q. Softmax choice and update are
+#     Pr(a) = exp(Q(a) / T) / sum_a' exp(Q(a') / T)          (Eq 6.5)
+#     Q(a) <- Q(a) + alpha (r - Q(a))                        (Eq 6.4)
+# The reward r shrinks while a model habituates. The step size alpha is therefore constant: a mean
+# over all rewards would give the first ones as much weight as the last.
+
+
 class CatalogExploration(Exploration):
     """EXPLORECATALOG: an n-armed bandit with softmax choice (Algorithm 3, Eq 6.4 and 6.5)."""
 
@@ -46,6 +53,7 @@ class CatalogExploration(Exploration):
         """Return the next action (see ``Exploration.choose``)."""
         names = self.actions
         values = np.array([self.values.get(name, 0.0) for name in names])
+        # Differences to the maximum give the same probabilities, and no exponential overflows.
         weights = np.exp((values - values.max()) / self.temperature)
         return names[int(rng.choice(len(names), p=weights / weights.sum()))]
 

@@ -82,6 +82,7 @@ class Exploration(ABC):
             change = self.affordances[outcome.action].note(outcome, self.constants)
             change = change if outcome.rewarded else 0.0
             self._largest = max(self._largest, change)
+            # Changes have no natural unit. Relative to the largest one, they compare with the cost.
             share = change / self._largest if self._largest else 0.0
             step = ExplorationStep(
                 outcome.action, outcome.rewarded, change, share - self.constants.cost

@@ -28,6 +28,10 @@ class ModelConstants(ExplorationConstants):
     changing."""
 
 
+# Model (Section 6.3): Q-learning over states with one letter per affordance model. Rewards shrink
+# while models habituate, so that the best action changes during an exploration. A surprising
+# observation sets the letter of its model back to 0. The values that were learned in that state
+# then apply again.
 class ModelExploration(Exploration):
     """Model-exploration program: Q-learning over the states of models (Eq 6.6)."""
 

@@ -44,6 +44,8 @@ def plan_stack(support: SupportGraph, height: int) -> StackPlan:
 
 def plan_stacks(support: SupportGraph, height: int) -> list[StackPlan]:
     """Return all possible stacks of a height, the most probable first."""
+    # A simple path uses each object once, and ``cutoff`` counts its edges. There are at most
+    # n! / (n - height)! paths of that height with n objects, few enough for objects on a table.
     plans = [
         StackPlan(tuple(path), _probability(support, path))
         for lowest in support
