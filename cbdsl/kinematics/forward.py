@@ -40,6 +40,11 @@ def place_joints(
             shape (j + 1, 12).
         axes: Output: axis of each joint in the world frame, shape (j, 3).
     """
+    # With the parent's frame (R, o), the placement (R0, o0), the axis a and the position q of a
+    # joint:
+    #     turning:  R' = R R0 Rot(a, q),   o' = o + R o0
+    #     sliding:  R' = R R0,             o' = o + R o0 + q R R0 a
+    # The order of ``moving`` guarantees that each parent's frame is up to date.
     turn, turned = np.empty(9), np.empty(9)
     for j in moving:
         joint = joints[j]
@@ -221,6 +226,7 @@ def move_point(
     for joint in support:
         twist_of(point, joint, joints, frames, axes, twist)
         column = joints[joint].column
+        # Passive joints share the column of the joint that they follow, so that motions add up.
         for row in range(len(jacobian)):
             jacobian[row, column] += twist[row]
 

@@ -375,11 +375,14 @@ def _tree(model: Any, joints: Joints, still: Floats) -> Any:
         data = joint.createData()
         joint.calc(data, still[joint.idx_q : joint.idx_q + joint.nq])
         placement = placements[number]
+        # Pinocchio orders the motion subspace as linear above angular components, in the joint's
+        # axes.
         subspace = np.asarray(data.S).ravel()
         row["slides"] = subspace[:3].any()
         row["axis"] = subspace[:3] if row["slides"] else subspace[3:]
         row["parent"] = model.parents[number]
         row["rotation"], row["origin"] = placement.rotation.ravel(), placement.translation
+        # A joint without a drive has the ratio 0, and stays where ``still`` places it.
         place = joints.index.get(model.names[number])
         moved = np.zeros(1) if place is None else joints.expansion[place]
         row["column"], row["ratio"] = int(np.argmax(moved != 0.0)), float(moved.sum())

@@ -59,6 +59,8 @@ def inverse(quaternion: Floats) -> Floats:
 
 def turned(quaternion: Floats, vector: Floats) -> Floats:
     """Return a vector, shape (3,), rotated by a quaternion."""
+    # With q = (u, w): v' = v + w t + u x t, where t = 2 u x v. This replaces two quaternion
+    # products.
     twice = 2.0 * np.cross(quaternion[:3], vector)
     result: Floats = vector + quaternion[3] * twice + np.cross(quaternion[:3], twice)
     return result

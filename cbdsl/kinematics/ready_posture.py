@@ -77,6 +77,10 @@ class ReadyPosture:
         Returns:
             Position of each joint, rad or m.
         """
+        # Coordinate ascent over a grid: a sweep tries all angles of one joint after another, from
+        # small to large turns. It needs n k evaluations instead of k^n, and may end in a local
+        # maximum. Among equal scores the smaller turn stays, and the result is the same in each
+        # run.
         best = self.at_first
         if sum(not joint.slides for joint in self._joints) < PLACING:
             return best

@@ -60,6 +60,7 @@ def log_between(rotation: Floats, wanted: Floats, vector: Floats) -> None:
     else:
         products[0] = products[largest + 1]
         products[largest + 1] = 1.0 + 2.0 * turn[largest, largest] - trace
+    # A quaternion and its negative are the same turn; a scalar part above 0 gives at most pi.
     sign = 1.0 if products[0] >= 0.0 else -1.0
     norm = math.sqrt(products[0] ** 2 + products[1] ** 2 + products[2] ** 2 + products[3] ** 2)
     for i in range(3):

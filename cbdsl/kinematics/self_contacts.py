@@ -80,6 +80,8 @@ class SelfContacts:
             if not left:
                 break
             drawn = {joint.name: _drawn(joint, rng) for joint in self._tree.joints if joint.movable}
+            # Only pairs that touched in all postures so far are tested, and few remain after the
+            # first ones.
             left = self._touching(drawn, sorted(left))
         return left
 
