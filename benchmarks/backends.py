@@ -95,6 +95,7 @@ def compare(
         spent["bullet"].run(runners["bullet"], stage, seed)
         for each in range(episodes):
             spent["kinematic"].run(runners["kinematic"], stage, each)
+        # Clocks slow an episode down, so that its stages are measured in an additional episode.
         with Stopwatch(STAGES, process_time) as watch:
             clocked.run(runners["kinematic"], stage, seed)
         for part, seconds in watch.seconds.items():
@@ -102,6 +103,7 @@ def compare(
     means = {key: each.mean for key, each in spent.items()}
     per_tick = {part: 1e6 * seconds / clocked.ticks for part, seconds in clocked.stages.items()}
     per_tick["other"] = clocked.per_tick() - sum(per_tick.values())
+    # A backend without any cost would still leave this share of the time.
     shared = 1 - per_tick["backend"] / clocked.per_tick()
     return {
         "program": name,

@@ -32,6 +32,7 @@ from cbdsl.yaml_text.document_folder import documents_below
 from cbdsl.yaml_text.library import Library, shipped
 
 PIECES = (b"*", b"[", b"- ", b"{", b'"', b" ", b"<a>", b"0", b"#", b": ", b"${", b"f 1 2 3\n")
+# Long repetitions reveal recursion without a bound and quadratic time, which short faults miss.
 COUNTS = (1, 50, 5000, 60_000)
 #: Bounds of one file: processor time, s, and memory of all together, MB.
 MOST_SECONDS, MOST_MEGABYTES = 2.0, 300
@@ -184,6 +185,7 @@ def measure(files: int, seed: int) -> Iterator[tuple[str, Measured]]:
         seed: Seed of the faults.
     """
     rng, kinds = random.Random(seed), readers()
+    # Rounded up, so that each reader gets at least one file.
     share = -(-files // len(kinds))
     with tempfile.TemporaryDirectory() as folder:
         for name, reader in kinds.items():

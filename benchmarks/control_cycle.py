@@ -31,6 +31,7 @@ def run_cycles(cycle: DexterCycle, restarts: int, before: Callable[[], None],
     """
     for _ in range(restarts):
         cycle.restart()
+        # The restart itself processes the observation of tick 0.
         for tick in range(1, CYCLES):
             observation = cycle.observation(tick)
             before()

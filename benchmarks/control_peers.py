@@ -103,6 +103,8 @@ def interleaved(
     rng = np.random.default_rng(1)
     for number in range(rounds + 1):
         for start in range(0, len(postures), block):
+            # A fixed order would let each peer always run after the same other one, whose data fill
+            # the caches.
             for turn in rng.permutation(len(peers)):
                 block_times = peers[turn].times(postures[start : start + block])
                 if number:  # the first round warms up
@@ -137,6 +139,9 @@ def at_rest() -> Callable[[Floats], Floats]:
     solve, flat = law_with_hessians((2, 1, 3), fraction, curved=True), np.zeros((3, 3, 3))
 
     def tick(q: Floats) -> Floats:
+        # Planar arm in complex numbers: the lever i is the vector from joint i to the tip,
+        #     lever_i = sum over k >= i of l_k exp(j angle_k),
+        #     d tip / d q_i = j lever_i,   d^2 tip / (d q_i d q_k) = -lever_max(i, k).
         angles = np.cumsum(q)
         levers = np.cumsum((LINKS * np.exp(1j * angles))[::-1])[::-1]
         outer = levers[np.maximum.outer(np.arange(3), np.arange(3))]

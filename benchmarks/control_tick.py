@@ -40,9 +40,16 @@ def stack(rng: np.random.Generator) -> Rows:
 
 def textbook(levels: Rows, q: Floats) -> Floats:
     """Apply J^# and I - J^# J, level by level; without limits, bounds or damping."""
+    # Recursion over the levels i, with the pseudoinverse of each Jacobian in the null space above:
+    #     dq <- dq + (J_i P)^# (dx_i - J_i dq),
+    #     P  <- P - (J_i P)^# J_i P
+    # (Siciliano and Slotine, A general framework for managing multiple tasks in highly redundant
+    # robotic systems, 1991).
     displacement, projector = np.zeros(len(q)), np.eye(len(q))
     for jacobian, wanted in levels:
         rows = jacobian @ projector
+        # The levels above leave the posture too few joints, so that rounding errors replace zeros
+        # among the singular values. Their inverses would be huge.
         inverse = np.linalg.pinv(rows, rcond=1e-10)
         displacement = displacement + inverse @ (wanted - jacobian @ displacement)
         projector = projector - inverse @ rows

@@ -74,6 +74,7 @@ def main() -> None:
     rounds = [[measure(process) for process in processes] for _ in range(given.rounds)]
     times = np.array(rounds)  # rounds, checkouts, cases, ticks
     for number, name in enumerate(CASES):
+        # Low quantiles are the least disturbed by other work on the machine.
         old, new = (np.quantile(times[:, which, number], QUANTILES) for which in (0, 1))
         print(f"{name}: {old.round(1)} us before, {new.round(1)} us now, {(new / old).round(2)} x")
     for process in processes:

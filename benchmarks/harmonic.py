@@ -68,12 +68,17 @@ class Scene:
         """Return matrix and right side of the same problem, for the free vertices."""
         from scipy import sparse
 
+        # Discrete Laplace equation at each free vertex i, with the source b at the goal:
+        #     6 u_i - sum over free neighbours j of u_j = b_i
+        # Vertices of obstacles and of the border have u = 0, so that their terms vanish.
         free = self.grid.owners(self.obstacles) == FREE
         number = np.full(free.shape, -1)
         number[free] = np.arange(free.sum())
         rows, columns = [], []
         for axis in range(3):
             ahead = np.moveaxis(number, axis, 0)
+            # Each pair of free neighbours occurs once; the transpose adds the other half of the
+            # matrix.
             both = (ahead[:-1] >= 0) & (ahead[1:] >= 0)
             rows.append(ahead[:-1][both])
             columns.append(ahead[1:][both])
@@ -103,6 +108,7 @@ def growth(sizes: list[int], repeats: int) -> dict[str, Any]:
             times[cells].append(seconds(scene.field))
     medians = {cells: statistics.median(values) for cells, values in times.items()}
     vertices = [math.prod(scenes[cells].grid.shape) for cells in sizes]
+    # The slope over logarithms is the exponent; a method of linear cost has an exponent of 1.
     exponent, _ = np.polyfit(np.log(vertices), np.log(list(medians.values())), 1)
     return {
         "seconds": {str(cells): round(value, 4) for cells, value in medians.items()},
@@ -147,6 +153,7 @@ def direct(
     """
     scene = Scene(cells)
     matrix, source = scene.equations()
+    # Measurements before and after the direct solutions average out a slow drift of the machine.
     times = [seconds(scene.field) for _ in range(repeats)]
     solved = {each: factorized(matrix, source, each, limit, memory) for each in orderings}
     times += [seconds(scene.field) for _ in range(repeats)]
@@ -174,6 +181,8 @@ def factorized(
     child = context.Process(target=solve_directly, args=given)
     began = perf_counter()
     child.start()
+    # With this copy of the sending end closed, ``recv`` raises ``EOFError`` if the child ends
+    # silently.
     sending.close()
     try:
         took, solution = receiving.recv() if receiving.poll(limit) else (limit, None)

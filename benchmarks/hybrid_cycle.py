@@ -68,6 +68,7 @@ def main() -> int:
     times: dict[str, list[float]] = {name: [] for name in runs}
     actions = {name: measured(*run, *restarts)[0] for name, run in runs.items()}  # compiles, too
     for number in range(options.rounds):
+        # The alternating order cancels a trend of the machine's speed within a round.
         for name in list(runs)[:: 1 if number % 2 == 0 else -1]:
             times[name].append(measured(*runs[name], *restarts)[1])
     pairs = zip(times["hybrid"], times["against"], strict=True)

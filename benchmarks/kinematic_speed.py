@@ -87,6 +87,7 @@ class Checkout:
         self.process.stdin.flush()
         times, results = zip(*(self._line() for _ in range(episodes + 1)), strict=True)
         return Block(
+            # The uncounted episode prints its line at its end, where the counted ones begin.
             seconds=(times[-1] - times[0]) / episodes,
             ticks=sum(result["ticks"] for result in results[1:]),
             rewarded=sum(result["rewarded"] for result in results[1:]),
@@ -127,6 +128,7 @@ def main() -> None:
             processes.enter_context(checkout.process)
             checkout.run(options.program, 0, 1)  # loads or compiles all that is compiled
         for number in range(options.blocks):
+            # The alternating order cancels a trend of the machine's speed.
             turns = list(checkouts) if number % 2 == 0 else list(checkouts)[::-1]
             for name in turns:
                 seed = number * options.episodes

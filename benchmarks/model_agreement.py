@@ -168,6 +168,7 @@ def compare(urdf: Path, postures: int) -> dict[str, Any]:
     except (UsageError, UrdfError) as error:
         return {"why": str(error).replace(f"{urdf.parent}/", "")}
     limits = [model.joints[name] for name in Joints(robot).names]
+    # Joints without limits, or with wider ones, are drawn from one turn.
     lower = np.array([max(each.lower, -np.pi) for each in limits])
     upper = np.array([min(each.upper, np.pi) for each in limits])
     rng = np.random.default_rng(0)
@@ -198,6 +199,7 @@ def _answer(urdf: Path, postures: int, answers: Any) -> None:
     os.dup2(silence, 2)
     try:
         answers.put(compare(urdf, postures))
+    # A child without an answer would only be noticed after ``PATIENCE``.
     except BaseException as error:
         answers.put({"why": f"{type(error).__name__}: {error}", "internal": True})
 

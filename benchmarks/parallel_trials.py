@@ -106,6 +106,8 @@ def turn(place: Path, options: argparse.Namespace) -> Round:
     two = learn([place / "two"], 2, trials, episodes, options)
     if documents(place / "one") != documents(place / "two"):
         sys.exit("two workers learned something else than one process")
+    # Two unrelated processes share the work without a cluster, which bounds the gain of two
+    # workers.
     alone = learn([place / "alone"], 1, trials // 2, episodes, options)
     pair = [place / "left", place / "right"]
     return Round(one, two, alone, learn(pair, 1, trials // 2, episodes, options))

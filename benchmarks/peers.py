@@ -79,7 +79,7 @@ def pink(scene: Scene) -> Iterator[Peer]:
     posture.set_target(scene.ready)
     dexterity = ManipulabilityTask(scene.hand, model, cost=1e-2, mask="position")
     for solver in ("daqp", "quadprog", "proxqp"):
-
+        # The default argument binds the solver of this iteration, and not that of the last one.
         def tick(q: Floats, solver: str = solver) -> Any:
             configuration.update(q)
             with suppress(NoSolutionFound):
@@ -106,6 +106,7 @@ def placo(scene: Scene) -> Iterator[Peer]:
     solver.add_manipulability_task(scene.hand, "position", 0.1).configure("dexterity", "soft", 1e-2)
 
     def tick(q: Floats) -> Any:
+        # The first seven coordinates are the pose of the floating base, which the solver masks.
         robot.state.q[7:] = q
         robot.update_kinematics()
         return solver.solve(False)

@@ -116,6 +116,7 @@ def moved(urdf: Path, engine: str) -> dict[str, Any]:
     steps = np.array([SLIDE if each.slides else TURN for each in limits])
     start = backend.observe().positions
     upper = np.array([each.upper for each in limits])
+    # A joint at its upper limit moves the other way.
     target = start + np.where(start + steps > upper, -steps, steps)
     for reference in (start, target):
         for _ in range(round(1 / backend.control_period)):
@@ -171,6 +172,7 @@ def tried(urdf: Path, engine: str) -> dict[str, Any]:
     process = context.Process(target=_answer, args=(urdf, engine, answers))
     process.start()
     outcome: dict[str, Any] = {"runs": False, "why": "its process ended"}
+    # An engine that crashes ends its process without an answer, which polling notices early.
     ends = time.monotonic() + PATIENCE
     while time.monotonic() < ends:
         try:

@@ -222,6 +222,9 @@ class Errors:
 
     def beyond(self, end: Floats) -> list[float]:
         """Return how much each level's error exceeds the best, with those above as they are."""
+        # Level k minimises its own error e_k, while the errors e_j of all levels j above stay as
+        # they are. The optimiser replaces these equations by a penalty, the residuals HELD (e_j -
+        # held_j).
         found = []
         for place, letter in enumerate(self._case.stack):
             above = self._case.stack[:place]
@@ -239,6 +242,7 @@ class Errors:
 
     def _minimise(self, residual: Callable[[Floats], Floats], start: Floats) -> Floats:
         """Return the posture of the least square error near a posture."""
+        # ``least_squares`` requires a start strictly within the bounds.
         inside = np.clip(start, self.bounds[0] + 1e-6, self.bounds[1] - 1e-6)
         found = least_squares(residual, inside, bounds=self.bounds, xtol=1e-12, ftol=1e-12)
         best: Floats = found.x
@@ -255,10 +259,13 @@ def settle(seed: int, backend: str) -> dict[str, Any]:
             robot.run(0, on_tick=lambda tick: moves.append(tick.observation.positions.copy()))
             end = first.own(moves[-1])
             error = float(np.linalg.norm(first(end)))
+            # An episode lasts 10 s, so that this is the number of ticks in its last second.
             ticks = round(len(moves) / 10.0)
             last = np.degrees([first.own(each) for each in moves[-ticks - 1 :]])
             rng = np.random.default_rng(seed)
             starts = [rng.uniform(*first.bounds) for _ in range(8)]
+            # The optimiser stays farther from the joint limits than the law, and may end worse than
+            # it began.
             local = min(first.best(end), error)
             beyond = first.beyond(end)
             best = min([local, *(first.best(start) for start in starts)])

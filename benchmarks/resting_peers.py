@@ -100,6 +100,7 @@ def mink(path: Path) -> Iterator[tuple[str, Tick]]:
     import mink as library
     import mujoco  # noqa: TID251 -- as Mink's users do
 
+    # MuJoCo would otherwise merge the tip into the last moving link, because their joint is fixed.
     text = path.read_text("utf-8").replace(
         "</robot>", '<mujoco><compiler fusestatic="false"/></mujoco></robot>'
     )
@@ -145,6 +146,7 @@ def placo(path: Path) -> Iterator[tuple[str, Tick]]:
     posture.configure("posture", "soft", 1e-6)
 
     def tick(q: Floats) -> Floats:
+        # The first seven coordinates are the pose of the floating base, which the solver masks.
         robot.state.q[7:] = q
         robot.update_kinematics()
         return np.array(solver.solve(False))[-3:]
@@ -205,6 +207,7 @@ def settle(tick: Tick) -> dict[str, float]:
         q = q + moves[-1]
     angles = np.cumsum(q)
     tip = np.array([np.dot(LINKS, np.cos(angles)), np.dot(LINKS, np.sin(angles))])
+    # The stretched arm comes nearest, at the distance of the target minus the length of the arm.
     beyond = np.linalg.norm(TARGET[:2] - tip) - (np.linalg.norm(TARGET) - sum(LINKS))
     last = np.degrees(np.abs(moves[-round(1 / PERIOD) :]))
     return {"beyond": round(1000 * float(beyond), 2), "motion": round(float(last.max()), 4)}

@@ -68,6 +68,7 @@ def forked(work: Callable[[Callable[[str], None]], None]) -> tuple[int, Iterator
     except BaseException:
         traceback.print_exc()
     finally:
+        # The child must not run the exit handlers that it shares with its parent.
         os._exit(0)
 
 
@@ -173,6 +174,7 @@ def episode(request: RunRequest, cameras: str, where: str, seed: int) -> Episode
         return Episode(**conditions, **outcome(), factor=0.0)
     with served(request, cameras, seed) as lines:
         fields = outcome()
+    # The pipe keeps the lines of the server after its end.
     factor = [float(line.rsplit(" ", 1)[1]) for line in lines if "real-time factor" in line][-1]
     return Episode(**conditions, **fields, factor=factor)
 

@@ -80,6 +80,7 @@ def soak(seconds: float, out: Path) -> None:
             with out.open("a") as file:
                 file.write(json.dumps(row) + "\n")
             listener.wait()
+            # Rows follow the clock, so that a slow row does not delay all later ones.
             minute += 60.0
             time.sleep(max(0.0, minute - time.monotonic()))
     finally:
@@ -104,6 +105,7 @@ def summary(lines: Sequence[str]) -> str:
         f"{growth(minutes, [row['served'] for row in late]):+.3f} MB per hour"
     )
     for start_number in sorted({row["starts"] for row in rows}):
+        # There is one row a minute.
         own = [row for row in rows if row["starts"] == start_number][_WARMING:]
         if len(own) >= _LEAST:
             slope = growth([row["minute"] for row in own], [row["program"] for row in own])

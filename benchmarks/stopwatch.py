@@ -47,6 +47,9 @@ class Stopwatch:
 
     def _timed(self, method: Callable[..., Any], stage: str) -> Callable[..., Any]:
         def timed(*args: Any, **kwargs: Any) -> Any:
+            # ``_inner`` adds up the clocked calls inside the present one. A stage counts its
+            # elapsed time without them, and its caller counts the whole call as inner time. Times
+            # of stages therefore add up, even if one method calls another.
             outer, self._inner = self._inner, 0.0
             start = self._clock()
             try:

@@ -141,6 +141,8 @@ def settle(case: Scene, step: Solver) -> tuple[float, float, float]:
         moves.append(step(q))
         q = q + moves[-1]
     last = np.degrees(np.array(moves[-round(1 / PERIOD) :]))
+    # A steady motion covers the distance of its displacements: sum |dq| = |sum dq|. The difference
+    # is the part of the motion that goes back and forth.
     swing = float((np.abs(last).sum(0) - np.abs(last.sum(0))).max()) / len(last)
     data = case.model.createData()
     pinocchio.framesForwardKinematics(case.model, data, q)

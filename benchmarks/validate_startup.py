@@ -63,6 +63,7 @@ def measure(rounds: int) -> dict[str, list[tuple[float, float]]]:
         for _ in range(rounds + 1):
             for name, command in COMMANDS.items():
                 times[name].append(seconds(command, bytecode))
+    # The first round compiles the bytecode.
     return {name: pairs[1:] for name, pairs in times.items()}
 
 
