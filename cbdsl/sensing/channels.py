@@ -196,6 +196,8 @@ def _add_fragments(labels: Any, statistics: Any, centroids: Any) -> None:
     fragments = np.flatnonzero(inner & (areas <= _FRAGMENT * area))
     if not fragments.size:
         return
+    # The bounding box is a fast first test. The filled outline decides: a speck in the notch of an
+    # L, for example, is inside the box and outside of the region.
     own = (labels[y : y + height, x : x + width] == largest).astype(np.uint8)
     contours, _ = cv2.findContours(own, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     filled = cv2.drawContours(np.zeros_like(own), contours, -1, 1, cv2.FILLED)
@@ -240,10 +242,12 @@ def _extent(mask: NDArray[np.bool_]) -> Extent:
     ends = np.hstack([corners, np.roll(corners, -1, axis=0)])
     rows, columns = mask.shape
     last = np.array([columns - 1, rows - 1])
+    # A segment with both ends on one border is the edge of the view and not of the surface.
     borders = [(ends.reshape(-1, 2, 2) == edge).all(axis=1) for edge in (np.zeros(2), last)]
     inner = ~np.any(borders, axis=(0, 2))
     long = np.hypot(*(ends[:, 2:] - ends[:, :2]).T) >= _LEAST_SEGMENT
     outline = ends[inner & long] + 0.5
+    # Erosion leaves the pixels at least half a grid step inside the region along both axes.
     inside = cv2.erode(image, np.ones((GRID + 1, GRID + 1), np.uint8))[GRID // 2 :: GRID]
     row, column = np.nonzero(inside[:, GRID // 2 :: GRID])
     cover = np.stack([column, row], axis=-1) * GRID + (GRID // 2 + 0.5)

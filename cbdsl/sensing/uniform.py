@@ -27,6 +27,7 @@ class UniformSampler:
         self._lower, self._span = lower, upper - lower
         # The generalised golden ratio: the root above 1 of x^(n + 1) = x + 1.
         ratio = 2.0
+        # Forty steps of this fixed-point iteration reach the precision of a double for any n.
         for _ in range(40):
             ratio = (1 + ratio) ** (1 / (len(lower) + 1))
         self._step = ratio ** -np.arange(1.0, len(lower) + 1)

@@ -162,6 +162,9 @@ def _bend_contact(row: Any, table: TableArrays, tree: TreeArrays, bends: Floats)
 @compiled
 def bend_carried(rows: Floats, tree: TreeArrays, bends: Floats) -> None:
     """Write the change of the Jacobian (3, n) of a point that moves with the last of its joints."""
+    # The point has no link of its own, so that its velocities come from the rows. A joint turns the
+    # velocities due to itself and to the joints beyond it: from each joint, the inner loop goes
+    # through its ancestors.
     joints, turn, change = tree.joints, np.empty(3), np.empty(3)
     for last in range(len(joints)):
         column = joints[last].column

@@ -159,6 +159,7 @@ def _write_manipulator(row: Any, table: TableArrays, tree: TreeArrays) -> None:
     fill(value[row.start : row.start + row.size], 0.0)
     for i in range(row.rows):
         fill(jacobian[row.row + i], 0.0)
+    # These are the sums of ``forward.bend_point``, for the chosen columns of the Jacobian alone.
     height = 6 if row.angular else 3
     first, second, change, point = np.empty(6), np.empty(6), np.empty(3), np.empty(3)
     for number in range(row.parts):

@@ -78,6 +78,7 @@ class _Room:
 
     def give_back(self, start: int, size: int) -> None:
         """Free a block."""
+        # Adjacent free blocks are joined, because a longer row may not fit into either alone.
         blocks = sorted([*self._free, (start, size)])
         self._free = []
         for begin, free in blocks:

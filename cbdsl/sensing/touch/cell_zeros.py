@@ -102,6 +102,10 @@ def _remove(
         bias: Biases in the cells' frames, shape (cells, 6); updated in place.
         loads, feeling: Outputs, as in ``CellZeros.remove``.
     """
+    # Model: a cell at the rotation R measures w = load + weight + R b with a bias b. Below the
+    # threshold of contact, b follows the rest of w with the time constant T:
+    #     b <- b + (1 - exp(-dt / T)) R^T load.
+    # A steady contact below the threshold is therefore absorbed by the bias.
     touching = False
     origin, turned = np.empty(3), np.empty((3, 3))
     for cell in range(len(loads)):

@@ -136,6 +136,7 @@ class Touch:
             return False
         if len(hands) == 1:
             return True  # a single hand cannot touch another one
+        # Two hands that press on each other are in contact, too, without any object between them.
         nearest, tips = self._robot.contact.self_contact, [self._touching_tips(h) for h in hands]
         for place, own in enumerate(tips):
             others = np.vstack([each for i, each in enumerate(tips) if i != place])

@@ -37,6 +37,8 @@ def blob_of(camera: Camera, region: Region) -> Blob:
     # Columns run to the right and rows down, headings to the left and up: the signs cancel out.
     pixels = np.array([[own.columns, own.mixed], [own.mixed, own.rows]])
     spread = slopes.dot(pixels).dot(slopes.T) / camera.focal_length**2
+    # The eigenvalues of [[a, b], [b, c]] are (a + c) / 2 +- hypot((a - c) / 2, b). The axis of the
+    # larger one is at half of the angle atan2(2 b, a - c).
     (azimuth, mixed), (_, elevation) = spread.tolist()
     middle, half = (azimuth + elevation) / 2, math.hypot((azimuth - elevation) / 2, mixed)
     # A uniform ellipse has a variance of a quarter of its semi-axis squared.

@@ -37,6 +37,7 @@ def within_view(camera: Camera, centre: Floats, radius: float) -> bool:
         radius: Radius of the ball, m.
     """
     x, y, z = centre.tolist()
+    # The border of the view is a slanted plane. Its slant, sqrt(1 + (width / 2 f)^2), is neglected.
     largest = x / (2 * camera.focal_length)
     return x > 0.0 and all(
         abs(across) + radius <= largest * pixels

@@ -52,6 +52,7 @@ class Hold(NamedTuple):
             # Measured since the hold began, because trembling tips share no motion from tick to
             # tick.
             return _common(self.tips - begun.tips) - _common(before.tips - begun.tips)
+        # A rigid motion keeps the place of the object in the hand: x' = t' + R' R^T (x - t).
         own = before.rotation.T.dot(position - before.position)
         displacement: Floats = self.position + self.rotation.dot(own) - position
         return displacement
@@ -123,6 +124,8 @@ def held_jacobian(tips: Sequence[Point], position: Floats) -> Floats:
         return mean
     linear, angular = tips[0].jacobian[:3], tips[0].jacobian[3:]
     x, y, z = (position - tips[0].position).tolist()
+    # With the lever r and the angular velocity w, the velocity is v + w x r. The matrix is minus
+    # the cross-product matrix of r, because w x r = -r x w.
     across = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
     jacobian: Floats = linear + across.dot(angular)
     return jacobian

@@ -68,6 +68,7 @@ def is_mark(region: Region, thing: Region) -> bool:
     """
     if region.clipped or region.area > _LARGEST * thing.area:
         return False
+    # The Mahalanobis distance of the middles is at most 2 within the ellipse of the same moments.
     aside = np.array((region.column - thing.column, region.row - thing.row))
     own = thing.moments
     spread = np.array(((own.columns, own.mixed), (own.mixed, own.rows)))
