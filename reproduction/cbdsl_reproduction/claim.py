@@ -32,6 +32,8 @@ class Claim:
         first, last = interval
         if self.open:
             return self.low < first and last < self.high
+        # Rounding errors must not exclude an interval that ends at a closed bound, for example at
+        # 100 %.
         slack = 1e-9 * max(1.0, *(abs(end) for end in self.ends))
         return self.low - slack <= first and last <= self.high + slack
 

@@ -107,11 +107,18 @@ def chance_of_samples(claim: Claim, samples: Floats, statistic: Statistic, seed:
         statistic: Statistic of samples along the first axis.
         seed: Seed of the draws.
     """
+    # Double bootstrap: ``_SETS`` data sets are drawn from the samples, and the percentile interval
+    # of each from ``_DRAWS`` resamplings. The chance is the share of the intervals within the
+    # claim's region, after a shift of the statistic to just outside of that region. Assumptions:
+    # the spread at the end of the region is the measured one, and a shift of the samples shifts the
+    # statistic by as much. Means and medians have this property; ratios have not.
     n, centre = len(samples), float(statistic(samples)) if len(samples) else math.nan
     if n < 2 or not math.isfinite(centre):
         return 0.0
     rng = np.random.default_rng(seed)
     sets = samples[rng.integers(n, size=(n, _SETS))]
+    # All data sets share their resampling, shape (n, draws, sets): independent indices would need
+    # an array of that size as well.
     again = sets[rng.integers(n, size=(n, _DRAWS)), :]
     # Infinite values, as of trials that never learned, cannot be interpolated.
     method: Literal["linear", "nearest"] = "linear" if np.isfinite(samples).all() else "nearest"

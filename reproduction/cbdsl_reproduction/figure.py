@@ -16,6 +16,7 @@ BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#cc79a7"
 
 _STYLE: Any = {
     "svg.fonttype": "none",  # text stays text
+    # Without a fixed salt, matplotlib draws identifiers at random.
     "svg.hashsalt": "cbdsl",
     "font.family": "sans-serif",
     "font.size": 9.0,

@@ -131,6 +131,7 @@ def _bootstrap(
 
     if not len(values):
         raise ValueError("no samples")
+    # The samples have to be independent. With few of them, percentile intervals are too narrow.
     chosen = np.random.default_rng(seed).integers(len(values), size=(draws, len(values)))
     drawn = [statistic(values[each]) for each in chosen]
     low, high = np.percentile(drawn, (2.5, 97.5), axis=0, method=method)

@@ -29,6 +29,7 @@ class KeptRows:
     def add(self, row: Any) -> None:
         """Append a row on a separate line."""
         text = self._text()
+        # A killed process may leave an unfinished line, which must not join the new row.
         start = "\n" if text and not text.endswith("\n") else ""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with self._path.open("a", encoding="utf-8") as file:

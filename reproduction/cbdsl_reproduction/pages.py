@@ -41,6 +41,7 @@ All other intervals are bootstrapped.
 Robots learn on the kinematic backend, many times from zero; other backends have separate sections.
 """
 
+# The list of causes is no section of an experiment, but is derived from the rows of all sections.
 _SECTION = re.compile(r"^## ((?!Not reproduced)[^:\n]+): ", re.MULTILINE)
 
 
@@ -66,6 +67,7 @@ def chapter_page(
         sections: New text by its heading.
         order: All experiments; sections of others are removed.
     """
+    # A run of one experiment keeps the sections of all others.
     kept = _sections(before) | dict(sections)
     own = [each.name for each in order if page_of(each) == name]
     # Sections of other backends follow the section of the default one.

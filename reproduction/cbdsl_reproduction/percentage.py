@@ -107,6 +107,12 @@ def effective_number(hits: Sequence[int], sizes: Sequence[int]) -> float:
     """
     from scipy.special import stdtrit
 
+    # Model: m trials have h_i hits of n_i outcomes each, N outcomes in all. The linearised variance
+    # of the share p = sum h_i / N is
+    #     v = m / (m - 1) sum (h_i - p n_i)^2 / N^2.
+    # Independent outcomes have p (1 - p) / n, which gives their effective number n = p (1 - p) / v.
+    # With few trials, v is uncertain. The squared quotient of the t quantiles with N - 1 and m - 1
+    # degrees of freedom makes up for it (Korn and Graubard, 1998).
     total, trials = sum(sizes), sum(size > 0 for size in sizes)
     share = sum(hits) / total
     squares = sum((hit - share * size) ** 2 for hit, size in zip(hits, sizes, strict=True))

@@ -68,6 +68,8 @@ def run_planned(
         for seed in seeds:
             things = names[int(np.random.default_rng(seed).integers(len(names)))]
             plan = plan_stack(support_graph(catalog, shown[things]), len(_ROLES))
+            # The parameters of the program depend on the order; the simulation of an order is
+            # reused.
             if plan.order not in labs:
                 channels = [catalog.things[name].feature for name in plan.order]
                 values = dict(zip(_ROLES, channels, strict=True))

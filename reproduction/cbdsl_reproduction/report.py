@@ -134,4 +134,5 @@ def _measured(quantity: Quantity) -> str:
 
 
 def _escaped(cell: str) -> str:
+    # Bars end a cell of Markdown, and pairs of stars emphasise the text between them.
     return cell.replace("|", "\\|").replace("*", "\\*")

@@ -182,6 +182,7 @@ def _kept(folder: Path | None) -> Iterator[Path]:
     _require_sound(folder)
     try:
         yield folder
+    # Damage is a ``JournalError``, too, but no sign of other trials.
     except DamagedJournalError:
         raise
     except JournalError as error:

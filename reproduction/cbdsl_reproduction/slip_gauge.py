@@ -63,6 +63,7 @@ class SlipGauge:
                 if hand in carrying:
                     self._measure(name, hand, place)
                 else:
+                    # The next grasp begins with a place of its own in the hand.
                     self._held.pop((name, hand), None)
 
     def _carrying(self, name: str) -> frozenset[str]:

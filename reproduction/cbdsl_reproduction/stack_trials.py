@@ -69,6 +69,7 @@ class StackJudge:
         if self._truth.touched(top):
             # An object held clear of the table has been taken, and may be released.
             self._lifted |= "table" not in self._truth.neighbours(top)
+            # A touch revokes an earlier release, so that only the last release counts.
             self._left, self._pace = -1, 0.0
             return
         if not self._lifted:
@@ -91,6 +92,7 @@ class StackJudge:
 
     def _stands(self) -> bool:
         """Return whether each object rests, and touches only the objects below and above."""
+        # The lowest object also touches the table; the topmost one has no object above it.
         around = ("table", *self._order, None)
         for place, name in enumerate(self._order, start=1):
             beside = {each for each in (around[place - 1], around[place + 1]) if each}

@@ -13,6 +13,7 @@ from importlib import resources
 from cbdsl_reproduction.quantity import Verdict
 
 _HEADING = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
+# An escaped bar belongs to the text of its cell.
 _CELLS = re.compile(r"(?<!\\)\|")
 # Default texts for rows without a recorded cause.
 _DEFAULTS = {

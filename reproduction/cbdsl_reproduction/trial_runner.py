@@ -226,6 +226,7 @@ class TrialRunner(TaskObserver[Experience]):
         trial = learned.trial
         actions = trial.learner.greedy()
         policy = WrittenPolicy(actions)
+        # An episode is determined by its program, its seed and its actions.
         same = {each.seed: each for each in known if _chooses(policy, each)}
         program = trial.informed_program() if program is None else program
         episode_runner = self.episode_runner(learned.stage)

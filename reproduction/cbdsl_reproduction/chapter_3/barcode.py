@@ -68,6 +68,7 @@ def barcodes() -> dict[str, tuple[Barcode, Barcode, Barcode]]:
 
 
 def _random(rng: np.random.Generator) -> tuple[float, ...]:
+    # Shares from a flat Dirichlet distribution are uniform among all that add up to 1.
     spare = SIZE - _COUNT * _LEAST_WIDTH
     return tuple((_LEAST_WIDTH + spare * rng.dirichlet(np.ones(_COUNT))).tolist())
 

@@ -51,6 +51,8 @@ def find_pattern(image: Image) -> Floats | None:
     """
     brightness = cv2.GaussianBlur(image.max(axis=2), (3, 3), 0)
     white = bin_mask(brightness, _CHANNELS - 1, _CHANNELS)
+    # The filled outline of the box includes its print, which is not white itself. Dark
+    # pixels outside of the box, for example in the background, are thereby ignored.
     outlines, _ = cv2.findContours(white, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     if not outlines:
         return None
@@ -61,6 +63,7 @@ def find_pattern(image: Image) -> Floats | None:
     if len(points) < 4:
         return None
     hull = cv2.convexHull(points.astype(np.int32))
+    # A quadrilateral needs four corners; the hull of a single dark line, for example, has two.
     if len(hull) < 4:
         return None
     return _from_top_left(cv2.approxPolyN(hull, 4).reshape(4, 2).astype(np.float64))
@@ -79,6 +82,7 @@ def scan_lines(image: Image, corners: Floats) -> Floats:
     columns = (np.array([0.0, 1, 1, 0]) - left) / (right - left) * _SAMPLES
     rows = np.array([0.0, 0, 1, 1]) * (_LINES + 1) - 1
     target = np.stack([columns, rows], axis=1).astype(np.float32)
+    # The transform undoes the perspective, so that widths on a turned box keep their proportions.
     to_pattern = cv2.getPerspectiveTransform(corners.astype(np.float32), target)
     lines = cv2.warpPerspective(image.max(axis=2), to_pattern, (_SAMPLES, _LINES))
     return np.asarray(lines, dtype=np.float64)

@@ -79,6 +79,8 @@ class CameraRig:
         """
         rng = np.random.default_rng(0)
         self._backend.reset(self._stage({"joints": _AHEAD}, []), None, rng)
+        # The first reset turns the head; the second one places the box relative to the turned
+        # camera.
         camera = self._backend.cameras.views()["left"].pose
         place = _place(camera.position, camera.rotation, placement)
         context: dict[str, object] = {

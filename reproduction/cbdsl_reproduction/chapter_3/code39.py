@@ -28,6 +28,7 @@ def stripes(text: str, ratio: float = 2.0) -> tuple[float, ...]:
     Raises:
         ValueError: A character cannot be encoded.
     """
+    # The last character of the alphabet, *, is reserved for start and stop.
     for character in text:
         if character not in _ALPHABET[:-1]:
             raise ValueError(f"{character!r} is not in the alphabet of Code 39")

@@ -137,6 +137,7 @@ def _reach(
         if tick.run.action is None or tick.run.action.name != action:
             return
         reach = next(run for run in tick.run.runs if run.controller.name == _REACH)
+        # The reach has no reference until the ball is found.
         if math.isnan(reach.phi):
             return
         posture = tick.signals.positions[columns]

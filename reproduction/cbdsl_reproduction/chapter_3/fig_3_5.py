@@ -82,6 +82,7 @@ def _quantities(
 
 
 def _descents(in_hands: Sequence[InspectionRun]) -> Quantity:
+    # A box that was never in both hands counts as a failure.
     rises = [_rise(each.phis) if each.phis else math.inf for each in in_hands]
     steady = sum(rise <= _STEADY for rise in rises)
     largest = max((rise for rise in rises if math.isfinite(rise)), default=math.nan)

@@ -97,6 +97,7 @@ class Inspection:
             localizability = next(
                 run for run in tick.run.runs if run.controller.name == "localizability"
             )
+            # Localizability is undefined until the box is held and both cameras see all of it.
             if math.isnan(localizability.phi):
                 return
             if record.held is None:

@@ -72,6 +72,15 @@ def run(settings: RunSettings) -> Result:
     return Result(quantities, (_growth_chart(conditioned), _error_chart(held)), _NOTES)
 
 
+# Model: with the gradient J of a potential phi as one row, and J^# = J^T / (J J^T), the printed law
+# is
+#     dq = -kappa J^# phi              for one controller,
+#     dq = dq_1 + (I - J_1^# J_1) dq_2   with a subordinate one.
+# It is Newton's step towards phi = 0 and presumes that the least value of phi is 0. Manipulability
+# has no such value: where its gradient vanishes, the step phi / |J| grows without bound. A position
+# that is reached has the residual 0, so that J_1 = 0 and the nullspace is everything. The
+# subordinate controller then moves the hand away from its goal. Our law keeps a row for each
+# coordinate of the residual, which stays in force at the goal.
 class _Evaluation(NamedTuple):
     """Potential in k task coordinates: residual (k,), coordinates per joint (k, n), step (k,)."""
 
@@ -118,6 +127,7 @@ def _condition(rng: np.random.Generator, starts: int) -> list[_Curves]:
         evaluation = evaluate(q)
         return law.solve([Level("condition", evaluation.jacobian, evaluation.step)], q).displacement
 
+    # The potential is the negative manipulability.
     def curve(q: Floats, move: Move, steps: int) -> Floats:
         return np.array([-evaluate(at).phi for at in _path(q, move, steps)])
 

@@ -32,6 +32,9 @@ class Lens:
 
         A point out of focus becomes a disc, and a disc's deviation is a quarter of its diameter.
         """
+        # Thin lens, much nearer to its sensor than to the scene: a point at distance z becomes a
+        # disc of the diameter f A |1/z_0 - 1/z|, with the focal length f, the pupil A and the focus
+        # z_0. Blurs act one after the other, as convolutions, so that their variances add up.
         disc = focal_length * self.aperture * abs(1 / self.focus - 1 / distance)
         return math.hypot(self.spread, disc / 4)
 
@@ -57,6 +60,7 @@ class Lens:
         """
         deviation = times * self.blur(focal_length, distance)
         seen = cv2.GaussianBlur(fine, (0, 0), deviation)
+        # A pixel of a sensor collects the light on its whole area, which ``INTER_AREA`` averages.
         size = (fine.shape[1] // times, fine.shape[0] // times)
         values = cv2.resize(seen, size, interpolation=cv2.INTER_AREA).astype(np.float32)
         values += self.noise * rng.standard_normal(values.shape, dtype=np.float32)

@@ -65,6 +65,7 @@ def _periods(place: CameraRig, depths: tuple[float, ...], settings: RunSettings)
     quantities = []
     for done, (name, period, depth, printed) in enumerate(cells):
         model = FOCAL_LENGTH * period / depth
+        # Each bar but the last is followed by a gap.
         count = 2 * round(SIZE / period) - 1
         picture = place.picture([period / 2] * count, Placement(depth))
         misprint = abs(printed - model) > 0.01
@@ -86,6 +87,8 @@ def measured_period(picture: Image) -> float:
     """Return the period of even stripes across the middle of a picture, px, from dark edges."""
     row = picture[picture.shape[0] // 2].max(axis=1).astype(float)
     dark = row < row.max() / 2
+    # The distance of the outermost edges spans all periods, so that rounding to pixels hardly
+    # matters.
     begins = np.flatnonzero(dark[1:] & ~dark[:-1])
     return float((begins[-1] - begins[0]) / (len(begins) - 1)) if len(begins) > 1 else math.nan
 

@@ -57,6 +57,7 @@ def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> tuple[Float
 
 def _turns(settings: RunSettings, series: Series, number: int) -> range:
     """Return the numbers of the trials without exploration that a trial's policy runs."""
+    # With n learned policies, policy k runs the turns k, k + n, k + 2 n and so on.
     return range(number, _QUICK_TRIALS if settings.quick else _TRIALS, trials(settings, series))
 
 

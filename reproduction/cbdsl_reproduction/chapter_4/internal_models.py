@@ -259,6 +259,8 @@ def _expectations(model: DrawnModel, known: Sequence[Known], seed: int) -> list[
 
 def anywhere(known: Known, joint: int, angles: Floats, rng: np.random.Generator) -> Floats:
     """Return the density of a joint's angle for rewards at uniform angles, 1/rad."""
+    # Null hypothesis: rewards do not depend on the posture. Few rewards at uniform angles also
+    # cluster by chance, which bounds the peaks and the deviations that count as learned.
     drawn = rng.uniform(angles[0], angles[-1], known.rewards)
     density = known.density
     if isinstance(density, Kernel):
@@ -285,6 +287,7 @@ def marginal(density: Kernel | Gaussian, joint: int, angles: Floats) -> Floats:
 
 def _mixture(centres: Floats, deviation: float, uniform: float, angles: Floats) -> Floats:
     """Return a mixture of Gaussians of equal deviation around the centres and a uniform part."""
+    # The part of a kernel beyond the limits is cut off and not redistributed.
     offsets = (angles - centres[:, None]) / deviation
     bells = np.exp(-(offsets**2) / 2) / (deviation * np.sqrt(2 * np.pi))
     evenly = uniform / (angles[-1] - angles[0])

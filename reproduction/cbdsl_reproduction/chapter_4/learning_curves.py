@@ -121,6 +121,8 @@ def _times(sequential: Curves, both: Curves, seed: int) -> Quantity:
     """Return the ratio of the settling times of the larger and the smaller set of actions."""
     once, twice = settled_at(sequential.rewards), settled_at(both.rewards)
     rng = np.random.default_rng(seed)
+    # A settling time belongs to the mean curve of a series, so that each series is resampled as a
+    # whole.
     ratios = [
         settled_at(_resampled(both.rewards, rng)) / settled_at(_resampled(sequential.rewards, rng))
         for _ in range(_DRAWS)
@@ -150,6 +152,8 @@ def settled_at(rewards: Floats) -> int:
     curve = interquartile_mean(rewards)
     level = _SETTLED * curve[-_LAST:].mean()
     smooth = np.convolve(curve, np.full(_WINDOW, 1 / _WINDOW), mode="valid")
+    # Window k, counted from 0, begins with episode k + 1. The curve has settled from the window
+    # after the last low one.
     below = np.flatnonzero(smooth < level)
     return int(below[-1]) + 2 if len(below) else 1
 

@@ -49,6 +49,8 @@ class PostureDensity:
 
     def grid(self) -> Floats:
         """Return the density in each cell, with shape of the ``axes``; a kernel has height 1."""
+        # A kernel is a product of one factor per joint, so that the sum over postures is a matrix
+        # product.
         across, down = (
             np.exp(-0.5 * ((axis[:, None] - angles) / self.bandwidth) ** 2)
             for axis, angles in zip(self.axes, self.postures.T, strict=True)

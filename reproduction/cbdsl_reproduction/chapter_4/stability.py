@@ -27,6 +27,7 @@ def stable_after(trial: Trial, met: Iterable[Experience]) -> int:
         met: Episodes under its greedy policy; only their states are compared.
     """
     states = _states(met)
+    # A learner keeps its final knowledge alone, so that a new one replays the episodes.
     again = Trial(trial.program, trial.constants, trial.seed, trial.number)
     choices = []
     for experience in trial.experiences:

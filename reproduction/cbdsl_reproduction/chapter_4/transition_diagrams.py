@@ -315,6 +315,7 @@ def _typical(name: str, series: Series, program: CheckedProgram, last: Sequence[
 
 def _likeness(one: Mapping[ActionArc, float], other: Mapping[ActionArc, float]) -> float:
     """Return the number of common arcs divided by the number of all arcs of both diagrams."""
+    # This is the Jaccard index of both sets of arcs.
     return len(one.keys() & other.keys()) / len(one.keys() | other.keys())
 
 

@@ -56,6 +56,11 @@ class Met:
             gamma: Discount factor.
             times: Weight of each trial, shape (trials,); ``None`` for equal weights of 1.
         """
+        # Value iteration on the model that the counts of all trials form:
+        #     Q(s, a) = r(s, a) + gamma sum_s' p(s' | s, a) max_a' Q(s', a')
+        # A rewarded decision ends its sequence. It counts as a choice but leads to no next state,
+        # so that the probabilities p add up to less than 1. Assumption: the trials are samples of
+        # the same decision process, independently of their exploration.
         weights = np.ones(len(self.chosen)) if times is None else times
         chosen = weights @ self.chosen
         known = chosen >= _LEAST
@@ -121,6 +126,8 @@ def worth_quantities(
         return
     tallies, gamma = met(trials), _discount(trials)
     rng, count = np.random.default_rng(seed), len(trials)
+    # A bootstrap draw of whole trials is a multinomial weight of each. Single transitions are no
+    # independent samples.
     times = rng.multinomial(count, np.full(count, 1 / count), size=_DRAWS)
     whole, drawn = tallies.worth(gamma), [tallies.worth(gamma, each) for each in times]
     for state, action in choices:

@@ -98,6 +98,7 @@ def run(settings: RunSettings) -> Result:
         settings.progress(number, len(names))
         with simulation_fixture(_PROGRAM, {"feature": channel}, _STAGE) as lab:
             look, first = looker(lab), settings.seed
+            # The generator is lazy: no search runs after the first unsuccessful one.
             searches = (kept.get(channel, seed, look) for seed in range(first, first + wanted))
             channels.append(tracked_postures(channel, searches))
     settings.progress(len(names), len(names))

@@ -51,6 +51,10 @@ def on_ball(load: Floats, radius: float) -> Floats:
     Returns:
         Place, m, in the axes of the load, shape (3,).
     """
+    # Without friction about the normal, the torque t about the middle is r x f at the contact r:
+    #     f x t = f x (r x f) = r |f|^2 - f (r f),   so that   r = f x t / |f|^2 + c f.
+    # The radius |r| determines c up to its sign. A ball only pushes, so that the contact lies ahead
+    # of the middle in the direction of the force that the ball exerts.
     force, torque = load[:3], load[3:]
     size = float(np.linalg.norm(force))
     # The point of the line of action nearest to the middle.

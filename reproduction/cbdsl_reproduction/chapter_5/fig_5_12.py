@@ -135,6 +135,8 @@ def quantities(episodes: Outcomes, seed: int) -> Iterator[Quantity]:
 
 
 def _more(episodes: Outcomes, other: str, seed: int) -> Quantity:
+    # Episodes of the same seed have the same ball. Differences of such pairs vary less than
+    # differences of two independent shares.
     pairs = zip(episodes[PROBING], episodes[other], strict=True)
     gains = [100.0 * ((one.reward > 0) - (two.reward > 0)) for one, two in pairs]
     return mean_of(

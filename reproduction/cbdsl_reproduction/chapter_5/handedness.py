@@ -162,6 +162,7 @@ class HandednessTrials:
         return experience
 
     def _episode_seed(self, number: int, episode: int) -> int:
+        # The sequence mixes its numbers, so that adjacent trials and episodes have unrelated seeds.
         entropy = np.random.SeedSequence([self._seed, number, episode])
         return int(entropy.generate_state(1)[0])
 
@@ -208,6 +209,8 @@ def _flat_optimum(program: CheckedProgram) -> Policy:
                 return Choice(search)
             arm = _arms(letters)[0]
             has_arrived = predicates[f"reach({arm})"] == Predicate.QUIESCENT
+            # A touch goes on as long as it changes the state; after a failed one, the arm reaches
+            # again.
             touches = changed and predicates[f"touch({arm})"] != Predicate.INACTIVE
             return Choice(f"touch({arm})" if has_arrived or touches else f"reach({arm})")
 

@@ -72,6 +72,7 @@ class _EpisodeEye:
         frames = [self._last.signals.kinematics.frame(link) for link in self._cameras]
         looks = np.mean([frame.rotation[:, 0] for frame in frames], axis=0)
         way = self._middle - np.mean([frame.position for frame in frames], axis=0)
+        # Rounding can put the cosine beyond 1, for which ``acos`` is undefined.
         cosine = looks @ way / (np.linalg.norm(looks) * np.linalg.norm(way))
         return math.acos(min(max(float(cosine), -1.0), 1.0))
 

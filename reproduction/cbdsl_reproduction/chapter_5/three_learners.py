@@ -96,6 +96,8 @@ def run(settings: RunSettings, name: str) -> Result:
     earned = {
         series: np.array([per_transition(each) for each in best]) for series, best in bests.items()
     }
+    # The staged learner has the abstract actions of the concurrent one, and therefore its best
+    # policy.
     groups = [
         LearnerTrials(
             series,
@@ -187,6 +189,7 @@ def stable_at(rewards: Floats) -> float:
     low = np.flatnonzero(smooth < _NEAR * _LEVEL)
     if not len(low):
         return 1.0
+    # A curve that is low at its end has not settled within the trial.
     is_last = low[-1] == len(smooth) - 1
     return rewards.shape[1] + 1.0 if is_last else float(low[-1]) + 2
 
@@ -231,6 +234,7 @@ def dip_length(rewards: Floats, first: int) -> float:
     curve = rewards.mean(axis=0)
     level = _NEAR * curve[first - _AROUND : first].mean()
     smooth = np.convolve(curve[first:], np.full(_AROUND, 1 / _AROUND), mode="valid")
+    # The index of the first window that recovers is the number of episodes before that window.
     back = np.flatnonzero(smooth >= level)
     return float(back[0]) if len(back) else float(len(curve) - first)
 

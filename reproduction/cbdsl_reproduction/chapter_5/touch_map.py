@@ -92,6 +92,7 @@ def _gathered(
                 break
             trial = kept.get(name, seed)
             if trial is None:
+                # The simulator starts only if an episode is missing.
                 if touch is None:
                     opened = toucher(name, settings.backend, settings.cameras)
                     touch = stack.enter_context(opened)

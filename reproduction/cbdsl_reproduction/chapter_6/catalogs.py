@@ -241,6 +241,8 @@ def _icons(explored: Sequence[tuple[ExplorationSeries, list[CatalogDocument]]]) 
 def _afforded(catalog: CatalogDocument) -> frozenset[str]:
     """Return the actions that were rewarded at least once, without the open one of found marks."""
     rewarded = {name for name, each in catalog.affordances.items() if each.rewarded}
+    # Example: ``visualinspect`` stands for marks of any colour. If ``visualinspect_blue`` was
+    # rewarded as well, the latter alone counts.
     return frozenset(
         name for name in rewarded if not any(mark.startswith(f"{name}_") for mark in rewarded)
     )

@@ -63,6 +63,7 @@ def negligible_after(reward: Floats) -> float:
     large = np.flatnonzero(means >= _NEGLIGIBLE)
     if not len(large):
         return 0.0
+    # Window k, counted from 0, ends with action k + 10.
     last = int(large[-1]) + _WINDOW
     return float(last) if last < len(reward) else math.inf
 
@@ -100,6 +101,7 @@ def tries_until_habituated(catalog: CatalogDocument, name: str, share: float = 0
         return math.nan
     bound = share * (max(steps.change, default=0.0) or 1.0)
     own = [c for a, c in zip(steps.action, steps.change, strict=True) if a == name]
+    # Tries count from 1, so that try k + 2 follows the last large change, at index k.
     large = [index for index, change in enumerate(own) if change > bound]
     return float(large[-1] + 2) if large else 0.0
 
@@ -128,6 +130,8 @@ def change_chart(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> 
         rows = [_changes(each, key) for each in catalogs]
         longest = max(map(len, rows))
         if longest > 1:
+            # Trials have different numbers of rewards, so that later points are means over fewer
+            # trials.
             y = [float(np.mean([r[k] for r in rows if len(r) > k])) for k in range(longest)]
             lines.append(Line(key, tuple(float(k + 1) for k in range(longest)), tuple(y)))
     if not lines:

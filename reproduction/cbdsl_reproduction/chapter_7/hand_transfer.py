@@ -161,6 +161,7 @@ class _AssimilatedTrials:
         schema = program.schema._replace(choice=learner.choice())
         known = program._replace(schema=schema)
         policy = SchemaPolicy(known, gives_up=False)
+        # The greedy episodes have used the first held-out seeds.
         seeds = learned.held_out(self._parts[0] + count)[self._parts[0] :]
 
         def ask(seed: int) -> Experience:

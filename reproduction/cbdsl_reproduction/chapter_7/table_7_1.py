@@ -76,6 +76,7 @@ def _quantities(trials: Mapping[str, Sequence[StackTrial]]) -> Iterator[Quantity
             source = "" if printed is None else f"{printed} %"
             yield percentage(label, source, stands, count, None, note=note)
         else:
+            # Percentages of five trials are multiples of 20, so that the division is exact.
             yield same_percentage(
                 label, (printed * _THERE // 100, _THERE), stands, count, note=note
             )

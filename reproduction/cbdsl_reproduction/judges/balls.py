@@ -108,6 +108,9 @@ class Rig:
                     return False
             for (one, a), (other, b) in combinations(zip(balls, lines, strict=True), 2):
                 far, farther = math.hypot(*a), math.hypot(*b)
+                # A ball of radius r at a distance d appears with the angular radius asin(r / d).
+                # Images of two balls are separate if the angle between their middles exceeds the
+                # sum of both.
                 between = math.acos(float(a @ b) / far / farther)
                 sizes = math.asin(one.radius / far) + math.asin(other.radius / farther)
                 if between < sizes + 2 * _SWAY * 0.1:

@@ -98,6 +98,10 @@ def _table_error(
     model: Kinematics,
     believed: Kinematics,
 ) -> float:
+    # An image fixes the direction of a ray in the camera's axes: R^T (p - o), with the true
+    # rotation R and origin o. The robot turns it into the world by the rotation that it assumes,
+    # and lets the ray begin at the assumed origin. Errors of both cameras displace the crossing of
+    # their rays.
     x, y, z = place - _EYES
     posture = np.zeros(len(model.joints))
     posture[model.joints.of("head")] = np.arctan2(y, x), np.arctan2(-z, np.hypot(x, y))

@@ -35,6 +35,8 @@ def _measure(
         backend=body.backend,
         cameras=body.cameras,
     )
+    # The Brier score is proper: its expected value is least for the true probability. A catalog
+    # whose features carry no information scores no better than the base rate.
     for each in predictions:
         yield EpisodeVerdict(
             each.scene,

@@ -177,6 +177,7 @@ def left_alone_or_stacked(watch: ClaimWatch) -> str:
         return "the upper object is not on the lower one"
     if watch.speed(upper) > STILL:
         return f"the upper object moves at {1e3 * watch.speed(upper):.0f} mm/s"
+    # The upper object keeps its height only if it has stood on the lower one from the beginning.
     stood = abs(watch.height(upper)) < RAISED / 2
     return f"touched {watch.ever_touched}" if stood and watch.ever_touched else ""
 

@@ -56,6 +56,7 @@ class _Inside(Watch):
     def conclude(self, result: EpisodeResult) -> EpisodeVerdict:
         """Return whether the object is in the hole."""
         top, base = self.truth.position("top"), self.truth.position("base")
+        # Depth of the lower face of the object below the rim of the hole.
         deep = float((base[2] + _RIM) - (top[2] - _TALL))
         tilt = math.acos(min(1.0, float(self.truth.rotation("top")[2, 2])))
         is_inside = deep > _DEEP and tilt < _UPRIGHT and math.dist(top[:2], base[:2]) < _HALF

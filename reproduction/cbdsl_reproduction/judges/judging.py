@@ -70,6 +70,7 @@ class Campaign:
             step = min(self.episodes, _PARTS * workers)
             jobs: dict[Future[list[EpisodeVerdict]], tuple[str, int]] = {}
             for condition in self.conditions:
+                # Judges hold closures, which cannot be pickled. A process finds its judge by name.
                 for k in range(step):
                     seeds = self.seeds[k::step]
                     job = pool.submit(_measure, self.judge.name, condition.name, self.body, seeds)

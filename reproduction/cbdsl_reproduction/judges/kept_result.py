@@ -42,6 +42,7 @@ def merged(result: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any
     run = {key: known.get(key) for key in RUN}
     kept = [{"run": run, **row} for row in known["rows"] if row["condition"] not in measured]
     rows = [*result["rows"], *kept]
+    # Conditions keep their order in the file, and new ones follow.
     order = list(dict.fromkeys(row["condition"] for row in (*known["rows"], *rows)))
     rows.sort(key=lambda row: order.index(row["condition"]))
     return {

@@ -50,6 +50,7 @@ class _Pad(Watch):
         position, rotation = self.truth.position(self._thing), self.truth.rotation(self._thing)
         error = math.dist(position[:2], self.truth.position("pad")[:2])
         cosine = min(1.0, float(rotation[:, 2] @ self._upright))
+        # A ball may roll on its way, so that its axes do not matter.
         tilt = 0.0 if self._thing == "ball" else math.acos(cosine)
         is_resting = float(np.linalg.norm(self.truth.velocity(self._thing))) < _STILL
         is_borne = bool(self.truth.pressing(self._thing))

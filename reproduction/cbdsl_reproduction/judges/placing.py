@@ -75,6 +75,7 @@ class _PutDown(Watch):
             return EpisodeVerdict(result.seed, outcomes, result.sim_seconds, result.ending)
         error = math.dist(self.truth.position(self._thing)[:2], held[:2])
         cosine = min(1.0, float(self.truth.rotation(self._thing)[:, 2] @ self._upright))
+        # A ball may roll on its way, so that its axes do not matter.
         tilt = 0.0 if self._thing == "ball" else math.acos(cosine)
         is_resting = float(np.linalg.norm(self.truth.velocity(self._thing))) < _STILL
         is_borne = bool(self.truth.pressing(self._thing))

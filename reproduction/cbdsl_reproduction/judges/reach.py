@@ -93,6 +93,8 @@ def _measure(
         judged = opened(condition.program, schema=_SCHEMA)
         schema = judged.robot.request.program.schema
         assert schema is not None
+        # An allocation that is another program, such as a reach with both hands, runs under its own
+        # policy.
         alone = {
             name: opened(values["program"])
             if "program" in values

@@ -85,6 +85,8 @@ def _rows(condition: JudgedCondition, verdicts: Verdicts) -> Iterator[dict[str, 
     for outcome, aim in condition.aims.items():
         counted = [each for each in own if each.outcomes[outcome] is not None]
         successes = sum(bool(each.outcomes[outcome]) for each in counted)
+        # An outcome with a least share is amiss if it is absent; one with a largest share, if
+        # present.
         amiss = [each for each in counted if bool(each.outcomes[outcome]) is not aim.is_least]
         yield {
             "condition": condition.name,
@@ -105,6 +107,7 @@ def _scores(
     """Yield the mean of each score of a condition, with that of its baseline."""
     measures = [verdict.measures for verdict in verdicts[condition.name]]
     for score in scores:
+        # Both scores are of the same episodes. Their differences vary less than either score alone.
         pairs = [(each[score.measure], each[score.baseline]) for each in measures]
         own, baseline = (sum(column) / len(pairs) for column in zip(*pairs, strict=True))
         yield {

@@ -96,6 +96,7 @@ def removed(rig: Rig, rng: np.random.Generator) -> Outcomes:
         if place is None or place[1] > gone.radius:
             forgotten = min(forgotten, time)
     rig.balls = rest
+    # A ball that is forgotten before its place is in view was lost for another reason.
     in_time = math.isfinite(since) and since <= forgotten <= since + 1.0
     return [in_time and None not in rig.numbers()]
 
@@ -148,6 +149,7 @@ class _GoalWatch:
         places = {name: truth.pose(name).position.copy() for name in ("taken", "goal")}
         self._starts = self._starts or places
         shifts = {name: math.dist(places[name], self._starts[name]) for name in places}
+        # With two balls of one hue, the hand may take either; the goal is the ball that stays.
         moved, goal = sorted(places, key=lambda name: -shifts[name])
         if shifts[goal] > 0.01 or shifts[moved] < 0.1:
             return

@@ -32,6 +32,8 @@ class _Contacts(Watch):
     def _has_fallen(self) -> bool:
         """Return whether an object is below the centres of all fixtures."""
         height = {name: float(self.truth.position(name)[2]) for name in self.truth.objects}
+        # The centre of a table lies below its top, so that an object on the table counts as not
+        # fallen.
         fixtures = [height[name] for name in self.request.stage.fixtures if name in height]
         return bool(fixtures) and any(height[name] < min(fixtures) for name in self.shown)
 

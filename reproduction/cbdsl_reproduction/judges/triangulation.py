@@ -122,6 +122,7 @@ def errors(position: Floats, truth: Floats, eyes: Floats) -> dict[str, float]:
     """
     error, line = position - truth, truth - eyes
     depth = float(error @ line / np.linalg.norm(line))
+    # Rounding can make the difference of squares negative.
     across = math.sqrt(max(float(error @ error) - depth**2, 0.0))
     return {
         "error_mm": 1000 * float(np.linalg.norm(error)),

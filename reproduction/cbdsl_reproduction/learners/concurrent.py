@@ -50,6 +50,8 @@ class Concurrent:
         """Update the state values that distinguish progress from failure."""
         assert self._schema.schema is not None
         greedy, counts = self.accommodate.greedy(), dict(self.accommodate.counts.items())
+        # The values of the abstract actions change in each episode, and with them the worth of
+        # states.
         worth = state_values(greedy, counts) if greedy else {}
         schema = self._schema.schema._replace(worth=worth)
         self._known = self._schema._replace(policy=greedy, schema=schema)

@@ -35,6 +35,7 @@ class Staged(Concurrent):
         allocating: AssimilateConstants,
         episodes: int,
     ) -> None:
+        # After this number of episodes, the abstract actions are greedy.
         first = constants.model_copy(update={"exploring_episodes": episodes})
         super().__init__(schema, first, allocating)
         self._own, self._left = own, episodes

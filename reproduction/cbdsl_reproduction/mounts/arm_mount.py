@@ -55,6 +55,7 @@ class ArmMount:
         axis = np.array(
             (level * math.sin(self.swing), -level * math.cos(self.swing), math.sin(self.lift))
         )
+        # ``aside`` is the derivative of the axis by the lift, a unit vector at right angles to it.
         steep = math.sin(self.lift)
         aside = np.array(
             (-steep * math.sin(self.swing), steep * math.cos(self.swing), math.cos(self.lift))
@@ -83,6 +84,7 @@ TODAY = ArmMount(0.07, 0.17, 0.21, 0.0, -math.pi / 2, math.pi / 2, 0.0, 0.10, 0.
 def angles_of(axes: Floats) -> tuple[float, float, float]:
     """Return roll, pitch and yaw, rad, of axes as columns, shape (3, 3), as in URDF."""
     pitch = math.asin(min(1.0, max(-1.0, -axes[2, 0])))
+    # At a pitch of 90 deg, roll and yaw turn about the same axis, and the roll is set to 0.
     if abs(axes[2, 0]) > 1.0 - 1e-9:
         return 0.0, pitch, math.atan2(-axes[0, 1], axes[1, 1])
     return (
@@ -95,6 +97,8 @@ def angles_of(axes: Floats) -> tuple[float, float, float]:
 def spread_over(count: int, rng: np.random.Generator) -> list[ArmMount]:
     """Return mounts all over the bounds, one in each of ``count`` slices of every number."""
     low, high = (np.array(astuple(bound)) for bound in BOUNDS)
+    # Latin hypercube (McKay, Beckman and Conover, 1979): each number covers its range evenly,
+    # without a grid over all ten numbers.
     slices = np.stack([rng.permutation(count) for _ in NAMES], axis=1)
     values = low + (high - low) * (slices + rng.random(slices.shape)) / count
     return [ArmMount(*row) for row in values.tolist()]

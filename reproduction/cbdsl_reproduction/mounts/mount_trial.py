@@ -122,6 +122,7 @@ def judge(
     trial = MountTrial(number, jacobian, asdict(mount), tried=len(grasps))
     if arms.unfit > _UNFIT:
         return trial
+    # ``reach`` moves the arm, and the ascent begins in the posture at the end of the reach.
     meetings = [arms.bring_together(jacobian) for place in grasps if arms.reach(place).arrived]
     reached = sum(arms.reach(place, hand).arrived for place in places for hand in hands)
     arms.rest()
@@ -150,6 +151,7 @@ def _median(values: Sequence[float]) -> float:
 
 def _nearness(apart: float, aim: float, possible: bool, seen: bool) -> float:
     """Return 2 if the hands are together, the object is at the other's grasp, and it is seen."""
+    # Ramps rank mounts whose hands are still apart. A mere count of meetings is 0 for most of them.
     near = min(1.0, max(0.0, (_FAR - apart) / (_FAR - TOGETHER)))
     aimed = min(1.0, max(0.0, (_WIDE - aim) / (_WIDE - _IN_HAND)))
     return (1.0 if possible else 0.5) * (0.8 * near + aimed + 0.2 * seen)

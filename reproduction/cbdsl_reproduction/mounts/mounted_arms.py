@@ -187,6 +187,8 @@ class MountedArms:
             place: Position, m, shape (3,).
             held: Sides whose hands are there.
         """
+        # The aim neglects that the cameras move as the head tilts; the place need not be in the
+        # middle.
         level = math.hypot(place[0] - _NECK[0], place[1])
         pan, rise = math.atan2(place[1], place[0] - _NECK[0]), _NECK[2] + _EYES[1] - place[2]
         tilt = math.atan2(rise, max(level - _EYES[0], 1e-6))
@@ -220,6 +222,8 @@ class MountedArms:
 
         def unfitness(rest: tuple[Floats, float]) -> float:
             posture, error = rest
+            # Errors below 2 cm are equally good, so that the distance from the limits decides among
+            # them.
             return max(error, 0.02) * (1 + self._off_middle(posture))
 
         return min(settled, key=unfitness)[0]
@@ -247,10 +251,13 @@ class MountedArms:
 
     def _elbow(self, goal: Floats) -> Level:
         """Return the level that turns the elbow about the line from shoulder to hand."""
+        # With the hand at its goal, the elbow is free on a circle about the line from shoulder to
+        # hand. ``below`` and ``outward`` are unit vectors in the plane of that circle.
         shoulder = self.mount.shoulder
         line = (goal - shoulder) / np.linalg.norm(goal - shoulder)
         below = _across(np.array((0.0, 0.0, -1.0)), line)
         outward = np.cross(line, below)
+        # The right arm is at negative y, so that its outward direction has a negative y.
         if outward[1] > 0.0:
             outward = -outward
         wanted = math.cos(self.mount.elbow) * below + math.sin(self.mount.elbow) * outward
@@ -260,6 +267,7 @@ class MountedArms:
         here = _across(here, line)
         around = np.cross(line, here)
         turn = math.atan2(float(around @ wanted), float(here @ wanted))
+        # A stretched arm has a circle of radius 0, for which the row would be infinite.
         row = around @ elbow.jacobian[:3, self.own["right"]] / max(radius, 0.05)
         return Level("elbow", row[None], _bounded(np.array([0.5 * turn]), 0.2))
 
@@ -272,8 +280,11 @@ class MountedArms:
         normal = axes[:, 2]
         turn = np.cross(normal, _DOWN)
         sine, cosine = float(np.linalg.norm(turn)), float(normal @ _DOWN)
+        # For a palm straight up, all turns by half a circle are as short; the palm's own x axis is
+        # taken.
         turn = axes[:, 0] * math.pi if sine < 1e-9 > cosine else turn
         turn *= math.atan2(sine, cosine) / sine if sine > 1e-9 else 1.0
+        # Two rows keep the palm down and leave the turn about its normal free.
         across = axes[:, :2].T
         ahead = _bounded(0.4 * (goal - tip.position), _TIP_STEP)
         aside = _bounded(0.4 * across @ turn, 0.15)
@@ -335,6 +346,7 @@ class MountedArms:
         left, right = (self.kinematics.point(*self.tips[side]).position for side in SIDES)
         thing, other = self._grasped("right"), self._grasped("left")
         fore = [bone[:2] for bone in self._bones(frozenset(SIDES)) if bone[2] == _FORE]
+        # The distance of sampled points bounds that of the forearms' axes from above.
         free = min(
             float(np.linalg.norm(one - other_one))
             for one in np.linspace(*fore[0], 12)
@@ -346,6 +358,11 @@ class MountedArms:
     def gradient(self, jacobian: str) -> Floats:
         """Return the gradient of the measure's logarithm by both arms' joints, shape (14,)."""
         self.kinematics.update(self.posture)
+        # Jacobians, with the tips' velocities v and angular velocities w:
+        #     position, pose   one for each arm; the logarithms of both measures add up
+        #     relative         v_right - v_left, shape (3, 14)
+        #     chain            v_right - v_left - w_left x (p_right - p_left)
+        # The last one is that of a serial chain that begins at the left hand and ends at the right.
         rows = 6 if jacobian == "pose" else 3
         own = [self.own[side] for side in SIDES]
         points = [self.kinematics.point(*self.tips[side]) for side in SIDES]
@@ -379,6 +396,7 @@ def mirrored(right: Floats, limits: tuple[Floats, Floats]) -> Floats:
     # The hands are alike, not mirror images: half a turn puts the thumb where it belongs.
     left[6] += math.pi
     for joint in (4, 6):
+        # A whole turn leaves the pose of the hand unchanged.
         if left[joint] > limits[1][joint]:
             left[joint] -= 2 * math.pi
     within: Floats = np.clip(left, *limits)
@@ -391,6 +409,7 @@ def _slope(jacobian: Floats, bend: Floats) -> Floats:
     phi, _, slope = manipulability_potential(rows, joints).evaluate(
         np.ascontiguousarray(jacobian).ravel(), np.zeros(0), rows * joints
     )
+    # The potential is the negative measure, whose sign cancels: d ln w / dq = (dw / dq) / w.
     gradient: Floats = np.einsum("ki,kij->j", slope[0].reshape(rows, joints), bend) / phi
     return gradient
 
@@ -416,6 +435,8 @@ def _clears(eye: Floats, place: Floats, bone: tuple[Floats, Floats, float]) -> b
     start, end, radius = bone
     along = end - start
     sight = eye + np.linspace(0.0, 1.0, 40)[:, None] * (place - eye)
+    # For each point of the line of sight, this is the parameter of the nearest point of the link's
+    # axis.
     part = np.clip((sight - start) @ along / max(float(along @ along), 1e-9), 0.0, 1.0)
     off = np.linalg.norm(sight - start - part[:, None] * along, axis=1)
     return bool(off.min() > radius)

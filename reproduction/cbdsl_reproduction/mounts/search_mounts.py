@@ -95,6 +95,8 @@ def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, see
         return spread_over(spread, np.random.default_rng(seed))[number - 1]
     best = best_of(done, _PARENTS)
     parent = best[number % len(best)]
+    # The spread shrinks geometrically with the number of mounts, from a wide search to a local one.
+    # Generators depend on seed and number alone, so that a continued search draws the same mounts.
     wide, narrow = _WIDTHS
     part = (number - spread) / max(1, trials - spread)
     width = wide * (narrow / wide) ** part
