@@ -40,8 +40,12 @@ class Learned(NamedTuple):
     @property
     def uses(self) -> set[str]:
         """Keys of the documents that have to be learned earlier."""
-        names = [*self.data["provenance"].get("policies", {}), self.data.get("policy")]
-        return {f"policies/{name}" for name in names if isinstance(name, str)} - {self.key}
+        provenance = self.data["provenance"]
+        names = [*provenance.get("policies", {}), self.data.get("policy")]
+        used = {f"policies/{name}" for name in names if isinstance(name, str)}
+        if earlier := provenance.get("earlier"):
+            used.add(f"relations/{earlier['name']}")
+        return used - {self.key}
 
 
 def learned(root: Path = ROOT) -> dict[str, Learned]:

@@ -7,6 +7,7 @@ from typing import Any
 from cbdsl.checking.question_tree import QuestionTrees, Steps
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.relations import RelationsDocument
 from cbdsl.types.decision_tree import Tree, leaves
 from cbdsl.types.direction import DIRECTIONS, unit_of
@@ -26,6 +27,24 @@ def examine_relations(
     if document.samples:
         for name in sorted({*leaves(tree)} - document.samples.keys()):
             diagnostics.add("CB681", source.place("tree"), names=list(document.samples), name=name)
+    _check_program(loaded, session, diagnostics)
+
+
+def _check_program(
+    loaded: Loaded[RelationsDocument], session: Session, diagnostics: Diagnostics
+) -> None:
+    """Check that the program of the tests is the one with which the samples were measured."""
+    from cbdsl.checking.knowledge.digest import program_digest  # only learned relations need it
+
+    document, library = loaded.document, session.library
+    provenance = document.provenance
+    path = library.find(ProgramDocument, document.program, loaded.path)
+    if provenance is None or path is None:
+        return
+    if program_digest(path, library).sha256 != provenance.program.sha256:
+        place = loaded.source.place("provenance", "program", "sha256")
+        details = {"program": document.program, "command": provenance.command}
+        diagnostics.add("CB622", place, **details)
 
 
 def relation_tree(loaded: Loaded[RelationsDocument], diagnostics: Diagnostics) -> Tree[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from cbdsl.checking.knowledge.digest import policy_digest, program_digest
 from cbdsl.documents.catalog import CatalogDocument
@@ -12,6 +13,7 @@ from cbdsl.documents.document import Document
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.policy import Identity, PolicyDocument
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.relations import RelationsDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
@@ -22,6 +24,7 @@ from cbdsl.yaml_text.library import Library
 LEARNED: tuple[type[Document], ...] = (
     PolicyDocument,
     SchemaDocument,
+    RelationsDocument,
     CatalogDocument,
     MetaCatalogDocument,
 )
@@ -46,6 +49,14 @@ def changed_inputs(document: Document, path: Path, library: Library) -> Iterator
     for name, sha256 in provenance.policies.items():
         if _policy(name, path, library) != sha256:
             yield f"policy {name}"
+    earlier = getattr(provenance, "earlier", None)
+    if earlier and _digest(RelationsDocument, earlier, path, library) != earlier.sha256:
+        yield f"relations {earlier.name}"
+    yield from _changed_world(provenance, path, library)
+
+
+def _changed_world(provenance: Any, path: Path, library: Library) -> Iterator[str]:
+    """Yield the robot and stages of a provenance that have changed, as text."""
     robot, joined = provenance.robot, getattr(provenance, "joined", ())
     if _digest(RobotDocument, robot, path, library) != robot.sha256:
         yield f"robot {robot.name}"

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl import check
 from cbdsl.checking.knowledge.staleness import changed_inputs
 from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.relations import RelationsDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
@@ -49,6 +51,23 @@ def test_changed_inputs_names_a_changed_document(folder: Path, name: str) -> Non
     (folder / file).write_text(text, "utf-8")
     assert name in changed(folder)
     assert name not in before
+
+
+def test_changed_inputs_of_relations_names_the_earlier_ones(folder: Path) -> None:
+    earlier = folder / "knowledge" / "relations" / "touching.yaml"
+    text = earlier.read_text("utf-8")
+    earlier.write_text(text.replace("dRz > 0.05", "dRz > 0.06", 1), "utf-8")
+    path, library = earlier.with_name("contacts.yaml"), Library(folder)
+    document = library.read(path, RelationsDocument).document
+    assert list(changed_inputs(document, path, library)) == ["relations touching"]
+
+
+def test_validate_of_relations_after_a_change_of_their_program_reports_cb622(folder: Path) -> None:
+    program = folder / "programs" / "impedance.yaml"
+    text = program.read_text("utf-8")
+    program.write_text(text.replace("force: 2 N", "force: 3 N", 1), "utf-8")
+    found = check(folder / "knowledge" / "relations" / "touching.yaml")
+    assert [each.code for each in found] == ["CB622"]
 
 
 def test_changed_inputs_without_a_provenance_says_so(folder: Path) -> None:
