@@ -21,8 +21,9 @@ from cbdsl.reporting.recorded_form import array_faults, summary_faults
 from cbdsl.runtime.recording import VERSION
 
 _NEEDED = (
-    "time", "positions", "references", "potentials", "loads", "level_priority", "level_share", "level_rank",
-    "level_singular_value", "level_predicted", "level_held_by", "at_limits", "scene", "image_time",
+    "time", "positions", "references", "potentials", "loads", "level_priority", "level_share",
+    "level_rank", "level_singular_value", "level_predicted", "level_held_by", "at_limits", "scene",
+    "image_time",
 )  # fmt: skip
 
 _TOLD = (
