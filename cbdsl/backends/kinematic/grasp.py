@@ -68,7 +68,8 @@ class Grasp:
             wanted = (*((hand,) for hand in hands), *combinations(hands, 2))
             self.holders = next((each for each in wanted if self._holds(each, contacts)), ())
         if self.holders:
-            carrier, pose = self._hands.carrier_pose(self.holders), self.thing.pose
+            self._axis = self._hands.cross_axis(self.holders)
+            carrier, pose = self._hands.carrier_pose(self.holders, self._axis), self.thing.pose
             # The relative pose is stored in each tick, since fingertips may push the held object.
             turned = carrier.rotation.T
             self._relative = Pose(
