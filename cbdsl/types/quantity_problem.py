@@ -119,8 +119,9 @@ def _span(text: str) -> str | None:
     if match is None or not all(map(is_quantity, match.groups())):
         return None
     # In ``2 - 5 cm``, the unit of the last number is meant for both.
-    unit = match[2].lstrip("+-.0123456789")
-    first = match[1] if re.search("[a-zA-Z]", match[1]) else match[1] + unit
+    first = match[1]
+    if re.fullmatch(NUMBER, first):
+        first += re.sub(rf"^{NUMBER}", "", match[2])
     return f"a span is a list of two values; write [{first}, {match[2]}]"
 
 

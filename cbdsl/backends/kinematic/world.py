@@ -138,8 +138,9 @@ class World:
         slower = period * thing.resistance(floor)
         for velocity in (thing.velocity, thing.rolling):
             speed = math.hypot(*velocity.tolist())
-            # With friction, the lower bound of the divisor gives a quotient of 0 at speed 0.
-            velocity *= max(speed - slower, 0.0) / max(speed, _CLOSE * slower)
+            # Without friction, both speed and resistance may be 0.
+            if speed > 0.0:
+                velocity *= max(speed - slower, 0.0) / speed
         thing.shift(period * thing.velocity)
 
 
