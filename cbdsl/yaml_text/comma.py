@@ -49,7 +49,7 @@ def explain(key: str, value: Node, strays: Sequence[Stray]) -> Cut:
     """Explain which value a key's value and the stray quantities after it form."""
     parts = [_shown(value), *(stray.text for stray in strays)]
     row = f"[{', '.join(parts)}]"
-    if len(parts) != 2 or not _are_halves(value.value, parts[1]):
+    if len(parts) != 2 or not _are_halves(value, parts[1]):
         return Cut(f"a list is written in brackets; write '{key}: {row}'")
     whole = ".".join(parts)
     if _is_tight(value.place, strays[0].place):
@@ -61,8 +61,8 @@ def decimal_comma(node: Node) -> str | None:
     """Return the message about a decimal comma in a list, or ``None``."""
     items = node.value if isinstance(node.value, list) else []
     for one, other in pairwise(items):
-        if _is_tight(one.place, other.place) and _are_halves(one.value, str(other.value)):
-            return _decimal(str(one.value), str(other.value))
+        if _is_tight(one.place, other.place) and _are_halves(one, other.written):
+            return _decimal(one.written, other.written)
     return None
 
 
@@ -70,12 +70,13 @@ def _shown(value: Node) -> str:
     """Return the text of a value, with the contents of collections abbreviated."""
     if isinstance(value.value, list):
         return "[...]"
-    return "{...}" if isinstance(value.value, dict) else str(value.value)
+    return "{...}" if isinstance(value.value, dict) else value.written or str(value.value)
 
 
-def _are_halves(whole: object, rest: str) -> bool:
+def _are_halves(whole: Node, rest: str) -> bool:
     """Return whether two values may be the integer and fractional parts of one number."""
-    return isinstance(whole, int) and rest[:1].isdigit()
+    # In Python, a boolean is an integer, too.
+    return type(whole.value) is int and whole.written != "" and rest[:1].isdigit()
 
 
 def _is_tight(one: Place, other: Place) -> bool:

@@ -215,6 +215,7 @@ class _Composer:
             problem = f"a text that begins with '&' must be quoted; write '&{event.anchor}'"
             self._find("CB124", node.place, problem=problem)
             node.faulty = True
+        node.written = text
         try:
             node.value = resolve(text)
         except ScalarError as error:

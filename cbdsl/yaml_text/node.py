@@ -18,9 +18,10 @@ class Node:
         faulty: True if no document can hold this value.
         weight: Number of nodes, with aliases expanded.
         height: Levels of nesting below the node.
+        written: Text of a plain scalar, which its value may have lost: -0 is the integer 0.
     """
 
-    __slots__ = ("faulty", "height", "keys", "place", "value", "weight")
+    __slots__ = ("faulty", "height", "keys", "place", "value", "weight", "written")
 
     def __init__(self, place: Place, value: Scalar | list[Node] | dict[str, Node]) -> None:
         self.place = place
@@ -29,6 +30,7 @@ class Node:
         self.faulty = False
         self.weight = 1
         self.height = 0
+        self.written = ""
 
     def children(self) -> Iterator[Node]:
         """Yield the items or values, in order."""
