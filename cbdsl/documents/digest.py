@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterable, Mapping
-from types import MappingProxyType
 from typing import NamedTuple
 
 from cbdsl.documents.document import Document
@@ -23,7 +22,8 @@ class ProgramDigest(NamedTuple):
 
     sha256: str
     policies: Mapping[str, str]
-    programs: Mapping[str, str] = MappingProxyType({})
+    # Digests are sent to processes of workers, and a mapping proxy cannot be pickled.
+    programs: Mapping[str, str] = {}
 
 
 def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
