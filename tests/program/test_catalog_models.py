@@ -21,6 +21,7 @@ from cbdsl.numeric.affordance_model import deviation_of
 from cbdsl.program.catalog_models import models_of
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.tick import Tick
 from cbdsl.yaml_text.library import Library
 from tests.backends.conftest import stage_named
@@ -114,7 +115,8 @@ def test_a_schema_chooses_by_what_is_likely_to_be_rewarded(
             read.append(float(reading.value[0]))
 
     transitions: list[str] = []
-    runner.run(stage, 3, "in_view", lambda each: transitions.append(each.allocation), note)
+    observer = EpisodeListeners(lambda each: transitions.append(each.allocation), note)
+    runner.run(stage, 3, "in_view", observer)
     assert read and (np.median(read) > 0.9 if arm == "right" else np.median(read) < 0.1)
     assert arm in transitions
 

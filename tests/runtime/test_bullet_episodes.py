@@ -18,6 +18,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
@@ -69,7 +70,7 @@ def perform(
         def note(tick: Tick) -> None:
             last[:] = [tick]
 
-        result = runner.run(stage(on), seed, context, transitions.append, note)
+        result = runner.run(stage(on), seed, context, EpisodeListeners(transitions.append, note))
         return Judged(result, transitions, last[0], body)
 
     return run

@@ -137,7 +137,7 @@ def test_what_falls_out_of_the_giving_hand_is_fetched_again() -> None:
                 truth.put_back("cube", Pose.of((0.55, -0.25, -0.37), (0, 0, 0, 1)))
 
         runner = Runner(request.robot, kinematics, request.program, backend)
-        result = runner.run(request.stage, 3, "cube_right", note)
+        result = runner.run(request.stage, 3, "cube_right", EpisodeListeners(note))
         # At least once again: the other hand may miss it, too, as it comes.
         assert len(fetched) >= 4
         assert fetched == ["0XXXXXX", "1XXXXXX"] * (len(fetched) // 2)

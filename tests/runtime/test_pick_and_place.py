@@ -47,7 +47,8 @@ def test_a_thing_is_lifted_carried_and_placed(
             borne.append(truth.neighbours(thing))
 
     runner = Runner(dexter, kinematics, checked("deliver"), backend)  # type: ignore[arg-type]
-    result = runner.run(stage_named("things_and_a_pad"), 83_003, thing, hear, note)
+    observer = EpisodeListeners(hear, note)
+    result = runner.run(stage_named("things_and_a_pad"), 83_003, thing, observer)
     assert result.outcome == "success"
     assert len(borne) == 1 and "pad" in borne[0]
     assert max(heights) > heights[0] + 0.05

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -148,12 +149,12 @@ def models(**constants: float) -> ModelExploration:
 def test_states_are_of_models() -> None:
     rng, exploration = np.random.default_rng(5), models()
     assert exploration.state == "XX"
-    exploration.note(touched(rng)._replace(ahead=SEEN))
+    exploration.note(replace(touched(rng), ahead=SEEN))
     assert exploration.state == "0X"
     exploration.note(ActionOutcome("lift", ahead=SEEN))
     assert exploration.state == "00"
     for _ in range(20):
-        exploration.note(touched(rng, 0.01)._replace(ahead=SEEN))
+        exploration.note(replace(touched(rng, 0.01), ahead=SEEN))
     assert exploration.state == "10"
     exploration.note(ActionOutcome(NOOP, ahead={"touch": SEEN["touch"]}))
     assert exploration.state == "1-"
@@ -162,7 +163,7 @@ def test_states_are_of_models() -> None:
 def test_what_was_moved_is_surprising() -> None:
     rng, exploration = np.random.default_rng(5), models()
     for _ in range(20):
-        exploration.note(touched(rng, 0.01)._replace(ahead=SEEN))
+        exploration.note(replace(touched(rng, 0.01), ahead=SEEN))
     assert exploration.state[0] == "1"
     moved: dict[str, Mapping[str, tuple[float, ...]]] = {
         "touch": {"seen": (), "place": (0.5, 0.25, 0.0)}
@@ -173,13 +174,13 @@ def test_what_was_moved_is_surprising() -> None:
 
 def test_q_values_are_those_of_the_update() -> None:
     rng, exploration = np.random.default_rng(5), models(promise=0.0, alpha=0.5, gamma=0.5)
-    first = exploration.note(touched(rng)._replace(ahead=SEEN))
+    first = exploration.note(replace(touched(rng), ahead=SEEN))
     assert exploration.table["XX"]["touch"] == pytest.approx(0.5 * first.reward)
     second = exploration.note(ActionOutcome("lift", ahead=SEEN))
     assert exploration.table["0X"]["lift"] == pytest.approx(0.5 * second.reward)
     # The best value in the state that it leads to counts for half.
     exploration.table["00"] = {"touch": 0.6, "lift": -1.0}
-    third = exploration.note(touched(rng)._replace(ahead=SEEN))
+    third = exploration.note(replace(touched(rng), ahead=SEEN))
     expected = 0.6 + 0.5 * (third.reward + 0.5 * 0.6 - 0.6)
     assert exploration.table["00"]["touch"] == pytest.approx(expected)
 
@@ -211,7 +212,7 @@ def test_a_small_change_is_all_there_is_at_first() -> None:
     assert first.reward == pytest.approx(1 - 0.05)
     second = exploration.note(touched(rng))
     assert second.change > first.change
-    third = exploration.note(touched(rng)._replace(features={"place": (0.4, 0.0, 0.0)}))
+    third = exploration.note(replace(touched(rng), features={"place": (0.4, 0.0, 0.0)}))
     assert exploration.change_of("touch") == pytest.approx(third.change / second.change)
 
 
