@@ -144,8 +144,8 @@ def test_a_page_is_renewed_section_by_section(
     assert cb(monkeypatch, "toy-1", "--out", str(folder), "--seed", "1") == 0
     both = page.read_text("utf-8")
     summary = (folder / "index.md").read_text("utf-8")
-    assert "2 of 4 judged rows are reproduced" in summary
-    assert "| [Chapter 0](chapter_0.md) | 2 | 0 | 0 | 2 | 0 |" in summary
+    assert "2 of 4 judged rows (50 %) are reproduced" in summary
+    assert "| [Chapter 0](chapter_0.md) | 2 | 0 | 0 | 2 | 0 |  |" in summary
     assert both.index("## toy-1: A toy") < both.index("## toy-2: Another toy")
     assert "Seed 2." in both and "| a \\| b |" in both
     ET.parse(folder / "curve.svg")

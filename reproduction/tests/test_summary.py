@@ -52,8 +52,8 @@ def test_summary_counts_each_chapter_and_groups_misses_by_cause() -> None:
         "chapter_4": chapter_page("chapter_4", "", {"fig-4.5": drawn}, ORDER),
     }
     text = summary_page(pages)
-    assert "1 of 3 judged rows are reproduced (33 %); 1 are not judged." in text
-    assert "| [Chapter 3](chapter_3.md) | 1 | 0 | 0 | 1 | 0 |" in text
+    assert "1 of 3 judged rows (33 %) are reproduced; 1 are not judged." in text
+    assert "| [Chapter 3](chapter_3.md) | 1 | 0 | 0 | 1 | 0 |  |" in text
     assert "* law-as-printed (1 missed): the printed equations" in text
     assert "* fig-4.5 (1 undecided): too few trials for a verdict." in pages["chapter_4"]
 
