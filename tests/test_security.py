@@ -29,7 +29,7 @@ _BACKEND = "backends/test_backend_calls.py:"
 _SOURCE = "scaffold/test_model_source.py:"
 _SIZES = "test_reader_sizes.py:"
 _SERVER = "reporting/live/test_server.py:"
-_WORKERS = "training/test_local_workers.py:"
+_WORKERS = "training/workers/test_local_workers.py:"
 _BOUNDS = "test_security.py:test_bounds_on_the_page_are_those_of_the_readers"
 _HERE = "test_security.py:"
 
@@ -56,11 +56,11 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_SOURCE}test_new_robot_from_groups_in_xacro_by_another_name_expands_nothing",
     ),
     "expressions are interpreted": (
-        "robot/xacro/test_expression.py:test_evaluate_any_text_returns_plain_value_or_raises",
+        "robot/xacro/test_xacro_expression.py:test_evaluate_any_text_returns_plain_value_or_raises",
     ),
     "they call only the functions of xacro's documentation, and reach no attribute that begins "
     "with `_`": (
-        "robot/xacro/test_expression.py:test_evaluate_anything_else_is_refused",
+        "robot/xacro/test_xacro_expression.py:test_evaluate_anything_else_is_refused",
         "robot/xacro/test_expansion.py:test_expand_expression_that_reaches_python_is_refused",
     ),
     "the environment is not read": (
@@ -73,7 +73,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_HERE}test_recording_with_a_pickle_is_refused_and_runs_nothing",
     ),
     "meshes are shown only from the current folder, the installation, and `ROS_PACKAGE_PATH`": (
-        "reporting/test_model.py:test_read_links_of_a_recording_shows_no_mesh_from_elsewhere",
+        "reporting/test_drawn_links.py:test_read_links_of_a_recording_shows_no_mesh_from_elsewhere",
     ),
     "characters that move or change a terminal are written as escapes": (
         "cli/test_legible_output.py:test_command_on_harmful_names_and_texts_prints_legible_text",
@@ -122,7 +122,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     "5 million steps, values of 10,000 parts, texts of a million characters": (
         _BOUNDS,
         "robot/xacro/test_expansion.py:test_expand_unbounded_model_is_refused",
-        "robot/xacro/test_expression.py:test_evaluate_large_value_is_refused_before_it_is_made",
+        "robot/xacro/test_xacro_expression.py:test_evaluate_large_value_is_refused_before_it_is_made",
     ),
     "20 MB, 200,000 triangles": (
         _BOUNDS,
