@@ -149,7 +149,7 @@ def _reference(controller: Controller) -> str:
 
 def _action(program: CheckedProgram, action: Action) -> Iterator[str]:
     earning = " or ".join(rewarding(action))
-    yield f"  {action.name}"
+    yield from _note(action.name)
     if action.program is not None:
         yield f"    runs program {action.program.name}, below"
     stack = levels(program, action)
@@ -178,12 +178,20 @@ def _policy(program: CheckedProgram) -> Iterator[str]:
     )
     yield from _note("X not active, - undefined, 0 on its way, 1 at rest, * any")
     width = max(5, *(len(pattern) for pattern in program.policy))
-    actions = max(6, *(len(action) for action in program.policy.values()))
-    yield f"  {'state':{width}}  {'action':{actions}}  decides"
-    for pattern, action in program.policy.items():
-        yield f"  {pattern:{width}}  {action:{actions}}  {shares.decided[pattern]:7}"
+    # Compositions of many controllers are wrapped within their column.
+    most = max(shares.undecided, *shares.decided.values())
+    numbers = max(len("decides"), len(str(most)))
+    room = _WIDTH - 2 - width - 2 - 2 - numbers
+    actions = min(room, max(6, *(len(action) for action in program.policy.values())))
+    rows = [(name, action, shares.decided[name]) for name, action in program.policy.items()]
     if shares.undecided:
-        yield f"  {'other':{width}}  {'(ends)':{actions}}  {shares.undecided:7}"
+        rows.append(("other", "(ends)", shares.undecided))
+    yield f"  {'state':{width}}  {'action':{actions}}  {'decides':>{numbers}}"
+    for pattern, action, decided in rows:
+        *above, last = wrap(action, actions, break_long_words=False, break_on_hyphens=False)
+        lines = [*above, f"{last:{actions}}  {decided:{numbers}}"]
+        for place, line in enumerate(lines):
+            yield f"  {'' if place else pattern:{width}}  {line}"
 
 
 def _item(key: str, text: str, indent: int = 2) -> Iterator[str]:
