@@ -164,7 +164,7 @@ class LearnRequest:
         earlier = read_relations(self.policy, self.run.library).document
         if earlier.program != self.run.program.name:
             raise UsageError(
-                f"--from {self.policy}: its tests are those of '{earlier.program}', not of "
+                f"{self.policy}: its tests are those of '{earlier.program}', not of "
                 f"'{self.run.program.name}'"
             )
         return earlier

@@ -92,9 +92,9 @@ def _require_writable(trace: Path) -> None:
     from cbdsl.diagnostics.errors import UsageError
 
     if trace.is_dir():
-        raise UsageError(f"--trace {trace}: this is a folder; name a file, such as motion.npz")
+        raise UsageError(f"trace {trace}: this is a folder; name a file, such as motion.npz")
     if not trace.parent.is_dir():
-        raise UsageError(f"--trace {trace}: there is no folder {trace.parent}")
+        raise UsageError(f"trace {trace}: there is no folder {trace.parent}")
 
 
 def _introduction(
