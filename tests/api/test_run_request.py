@@ -27,7 +27,7 @@ def test_only_stages_of_the_same_robot_are_proposed(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "own.yaml").write_text(PROGRAM.format(robot=robot, used=used), encoding="utf-8")
-    with pytest.raises(UsageError, match="--stage") as error:
+    with pytest.raises(UsageError, match="own names no stage") as error:
         read_request("own.yaml", None, None, {})
     proposed = str(error.value).partition("known: ")[2].rstrip(")").split(", ")
     library = Library()

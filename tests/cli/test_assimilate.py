@@ -43,7 +43,10 @@ def test_a_schema_is_learned_resumed_and_run(
         (LEARN, "and none is named"),
         ((*LEARN, "--from", "searchtrack"), "serves program 'searchtrack'"),
         ((*LEARN, "--from", "reachtuch"), "did you mean 'reachtouch'"),
-        ((*LEARN[:2], "--from", "reachtouch"), "only assimilate starts from 'reachtouch'"),
+        (
+            (*LEARN[:2], "--from", "reachtouch"),
+            "only assimilate and name_relations start from 'reachtouch'",
+        ),
     ],
 )
 def test_what_cannot_be_assimilated_is_said(

@@ -31,6 +31,8 @@ ASKED = {
     "schema": ["pick_and_place"],
     "catalog": ["red_ball"],
     "meta-catalog": ["four_things"],
+    "relations": ["contacts"],
+    "knowledge": [],
 }
 
 

@@ -251,7 +251,7 @@ def test_a_robot_without_cameras_and_hands(tmp_path: Path) -> None:
     stage = StageDocument.model_validate({**made, "contexts": {"only": {}}})
     recording = Recording(program, robot, urdf)
     runner = Runner(robot, Kinematics(robot, urdf), program, SyntheticBackend(robot, urdf))
-    result = runner.run(stage, 0, None, recording.note_transition, recording.note_tick)
+    result = runner.run(stage, 0, observer=recording)
     recorded = read_recording(recording.write(tmp_path, result))
     file = tmp_path / "bare.html"
     file.write_text(page(recorded), encoding="utf-8")

@@ -54,7 +54,7 @@ def test_controllers_may_get_slots_while_others_act(checked: Checked, play: Play
     added = []
 
     def add(tick: Tick) -> None:
-        plan: Any = tick.run._plan
+        plan: Any = tick.run.runs[0]._plan
         more = others.controllers if len(added) < 100 else ()
         added.extend(ControllerRun(each, tick.signals, plan, 0.01) for each in more)
 

@@ -162,7 +162,7 @@ def test_mjcf_becomes_a_robot_with_its_meshes(
         ((*MADE, *PACKAGE, "--xacro-arg", "mass:=heavy"), 'has value="heavy"'),
         ((*MADE, *PACKAGE, "--srdf", "bad.srdf"), "did you mean 'shoulder'?"),
         ((*MADE, *PACKAGE, "--srdf", "circle.srdf"), "group 'a' is in itself"),
-        ((*MADE, *PACKAGE, "--srdf", "none.srdf"), "--srdf none.srdf: No such file"),
+        ((*MADE, *PACKAGE, "--srdf", "none.srdf"), "cb: srdf none.srdf: No such file"),
         (("new", "robot", "arm", "--urdf", "none.urdf", *PACKAGE), "No such file"),
         (("new", "robot", "arm", "--urdf", "bad.xacro"), "xacro cannot expand it"),
     ],
