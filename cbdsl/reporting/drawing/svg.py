@@ -66,7 +66,9 @@ class _Label(NamedTuple):
 
 def svg(graph: Graph) -> str:
     """Return a graph as SVG; the graphs within it follow below."""
-    panels = [_Panel(each) for each in _all(graph, [])]
+    graphs = _all(graph, [])
+    keys = _keys(graphs)
+    panels = [_Panel(each, graphs, keys) for each in graphs]
     wide = max(panel.width for panel in panels)
     body: list[str] = []
     top = float(_MARGIN)
@@ -96,11 +98,29 @@ def _all(graph: Graph, seen: list[Graph]) -> list[Graph]:
     return seen
 
 
-class _Panel:
-    """Layout and drawing of one graph."""
+def _keys(graphs: Sequence[Graph]) -> list[str]:
+    """Return a distinct identifier for each graph: its name, with a number if it is repeated."""
+    # One program may occur with several arguments, such as a search for either of two objects.
+    names = [graph.name for graph in graphs]
+    counts = [names[: place + 1].count(name) for place, name in enumerate(names)]
+    return [
+        name if number == 1 else f"{name}-{number}"
+        for name, number in zip(names, counts, strict=True)
+    ]
 
-    def __init__(self, graph: Graph) -> None:
+
+class _Panel:
+    """Layout and drawing of one graph.
+
+    Args:
+        graph: Graph to draw.
+        graphs: All graphs of the picture.
+        keys: Identifiers of these graphs.
+    """
+
+    def __init__(self, graph: Graph, graphs: Sequence[Graph], keys: Sequence[str]) -> None:
         self.graph = graph
+        self._graphs, self._keys = graphs, keys
         self._loops = {edge.source: edge for edge in graph.edges if edge.source == edge.target}
         self._back = [edge for edge in graph.edges if edge.back]
         self._arcs = [e for e in graph.edges if not e.back and e.source != e.target]
@@ -122,7 +142,7 @@ class _Panel:
         """Yield the panel from ``top`` downwards, centred in a width, px."""
         # Columns begin at the left margin like text; diagrams in rows are centred.
         left = _MARGIN + (0 if self.graph.across else (wide - self._layout.size.width) / 2)
-        yield f"<g id={quoteattr(self.graph.name)}>"
+        yield f"<g id={quoteattr(self._key(self.graph))}>"
         yield text(self.graph.title, _MARGIN, top, "name")
         yield f'<g transform="translate({left:.1f} {top + self._above:.1f})">'
         yield from self._paths()
@@ -131,12 +151,16 @@ class _Panel:
         yield from self._way_back()
         yield "</g></g>"
 
+    def _key(self, graph: Graph) -> str:
+        """Return the identifier of one of the picture's graphs."""
+        return self._keys[self._graphs.index(graph)]
+
     def _node(self, node: Vertex) -> Iterator[str]:
         x, y = self._layout.centers[node.key]
         loop, size, rim = self._loops.get(node.key), self._sizes[node.key], _rim(node)
         wide, tall = size.width - (2 * _LOOP if loop else 0), size.height
         outer, top = y - tall / 2, y - tall / 2 + rim
-        link = None if node.inner is None else quoteattr(f"#{node.inner.name}")
+        link = None if node.inner is None else quoteattr(f"#{self._key(node.inner)}")
         yield f"<a href={link}>" if link else f"<g><title>{escape(node.tooltip)}</title>"
         if rim:
             yield rectangle(node.frame, x - wide / 2, outer, wide, tall, 10)

@@ -67,8 +67,14 @@ def hostile() -> Graph:
 def test_svg_holds_its_nodes_without_overlap(name: str) -> None:
     root = ElementTree.fromstring(svg(program_graph(program_of(name))))
     width, height = float(root.attrib["width"]), float(root.attrib["height"])
-    panels = {each.attrib["id"]: each for each in root.iter(f"{SVG}g") if "id" in each.attrib}
-    assert panels.keys() == {part.name for part in within(program_of(name))}
+    drawn = [each for each in root.iter(f"{SVG}g") if "id" in each.attrib]
+    panels = {each.attrib["id"]: each for each in drawn}
+    assert len(panels) == len(drawn)
+    # A program that is used with several arguments has one panel for each of them.
+    names = {re.sub(r"-\d+$", "", key) for key in panels}
+    assert names == {part.name for part in within(program_of(name))}
+    linked = {each.attrib["href"].removeprefix("#") for each in root.iter(f"{SVG}a")}
+    assert linked == panels.keys() - {name}
     bottom = 0.0
     for panel in panels.values():
         offset = re.findall(r"[\d.]+", panel.find(f"{SVG}g").attrib["transform"])
