@@ -6,6 +6,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from cbdsl.checking.knowledge.model import model_resources
+from cbdsl.checking.knowledge.pair_likeness import likeness_resource
 from cbdsl.checking.lookup.document_search import find_document, first_stage, for_robot
 from cbdsl.checking.program_context import Steps
 from cbdsl.checking.robot.checked_robot import CheckedRobot
@@ -141,8 +142,6 @@ class Dependencies:
             self._unread.add(LIKENESS_OF.rstrip("."))
             return {}
         self.is_for_the_robot(catalog.document.robot, name, ("meta_catalog",))
-        from cbdsl.checking.knowledge.pair_likeness import likeness_resource  # imports numpy
-
         pairs = catalog.document.pairs
         made = (likeness_resource(catalog.document, pair, body.resources) for pair in pairs)
         return {each.name: each for each in made if each is not None}

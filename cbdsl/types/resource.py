@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from cbdsl.types.resource_type import ResourceType
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from cbdsl.numeric.affordance_model import AffordanceModel
 
 #: Prefix of the names of probabilities that a catalog predicts.
@@ -321,14 +323,19 @@ class PairLikeness(NamedTuple):
     Attributes:
         catalog: Name of the meta-catalog.
         pair: Name of one of its pairs.
-        model: Model of the features of the pair when it stayed.
+        fitted: Function that returns the model; repeated calls return the same object.
         features: Resources of these features, in the order of the model's components.
     """
 
     catalog: str
     pair: str
-    model: AffordanceModel
+    fitted: Callable[[], AffordanceModel]
     features: tuple[Resource, ...]
+
+    @property
+    def model(self) -> AffordanceModel:
+        """Model of the features of the pair when it stayed."""
+        return self.fitted()
 
 
 Source = (

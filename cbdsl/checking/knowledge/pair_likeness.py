@@ -3,12 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.program.catalog_models import model_of
 from cbdsl.robot.pair_names import pair_resource
 from cbdsl.types.resource import LIKENESS_OF, Origin, PairLikeness, Resource
 from cbdsl.types.resource_type import LIKENESS
+
+if TYPE_CHECKING:
+    from cbdsl.numeric.affordance_model import AffordanceModel
+
+
+class _PairModel:
+    """Model of a pair of a meta-catalog, computed at its first use.
+
+    Args:
+        catalog: Meta-catalog with the pair.
+        pair: Name of the pair.
+    """
+
+    def __init__(self, catalog: MetaCatalogDocument, pair: str) -> None:
+        self._catalog, self._pair = catalog, pair
+
+    def __call__(self) -> AffordanceModel:
+        """Return the model."""
+        return self._model
+
+    @cached_property
+    def _model(self) -> AffordanceModel:
+        # Validation needs no model, and starts without numpy.
+        from cbdsl.program.catalog_models import model_of
+
+        return model_of(self._catalog.pairs[self._pair], self._catalog)
 
 
 def likeness_resource(
@@ -29,5 +56,5 @@ def likeness_resource(
     features = tuple(each for each in signals if each is not None)
     if own.with_reward is None or not features or len(features) < len(signals):
         return None
-    source = PairLikeness(catalog.name, pair, model_of(own, catalog), features)
+    source = PairLikeness(catalog.name, pair, _PairModel(catalog, pair), features)
     return Resource(f"{LIKENESS_OF}{pair}", LIKENESS, Origin.ENVIRONMENT, source)
