@@ -22,8 +22,7 @@ class ProgramDigest(NamedTuple):
 
     sha256: str
     policies: Mapping[str, str]
-    # Digests are sent to processes of workers, and a mapping proxy cannot be pickled.
-    programs: Mapping[str, str] = {}
+    programs: Mapping[str, str]
 
 
 def digest(document: Document, leave_out: Iterable[str] = ()) -> str:

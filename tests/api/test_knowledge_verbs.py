@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,18 @@ def test_learn_trials_on_workers_equals_trials_in_this_process(here: Path) -> No
         assert [len(each.rewarded) for each in outcomes] == [3, 3]
         texts.append([each.policy.read_text("utf-8") for each in outcomes])
     assert texts[0] == texts[1]
+
+
+def test_tasks_survive_the_way_to_a_worker(here: Path) -> None:
+    (trial,) = cbdsl.LearnRequest(run=cbdsl.load("searchtrack"), out=Path("p.yaml")).tasks()
+    _, exploration = cbdsl.ExploreRequest(
+        ["searchtrack"], "exploring_basketball", Path("ball.yaml")
+    ).task()
+    _, pairs = cbdsl.ExplorePairsRequest(
+        "stand", {"blue_box": "blue", "purple_box": "hue_9"}, "stacking", Path("boxes.yaml")
+    ).task()
+    for task in (trial, exploration, pairs):
+        assert pickle.loads(pickle.dumps(task)).path == task.path
 
 
 def test_learn_limits_and_sequential_actions_reach_the_trial(here: Path) -> None:

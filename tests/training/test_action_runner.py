@@ -22,7 +22,7 @@ from cbdsl.training.explorable import OPEN, Explorable, explorable, with_marks
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 
-DIGEST = ProgramDigest("0" * 64, {})
+DIGEST = ProgramDigest("0" * 64, {}, {})
 HUE = "visualinspect_blue"
 
 Inspect = Callable[..., ActionOutcome]

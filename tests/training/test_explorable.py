@@ -21,7 +21,7 @@ from cbdsl.training.explorable import Explorable, explorable, other_hues
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 
-DIGEST = ProgramDigest("0" * 64, {})
+DIGEST = ProgramDigest("0" * 64, {}, {})
 
 
 @pytest.fixture(scope="module")

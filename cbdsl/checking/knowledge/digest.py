@@ -39,7 +39,7 @@ def program_digest(path: Path, library: Library) -> ProgramDigest:
         name: policy_digest(name, path, library)
         for name in sorted(_policies(document, path, library))
     }
-    return ProgramDigest(digest_of_text(whole), policies)
+    return ProgramDigest(digest_of_text(whole), policies, programs={})
 
 
 def policy_digest(name: str, beside: Path, library: Library) -> str:
