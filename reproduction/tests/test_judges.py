@@ -61,6 +61,27 @@ def test_result_is_missed_just_beyond_each_aim(
         assert result["met"] == (amiss <= allowed)
 
 
+@pytest.mark.parametrize(
+    ("judge", "condition", "outcome", "amiss", "met"),
+    [
+        ("scenes", "in view", "right", 2, True),
+        ("scenes", "in view", "right", 3, False),
+        ("scenes", "in view", "ghost", 1, False),
+        ("force", "right hand", "within tolerance", 5, True),
+        ("force", "right hand", "within tolerance", 6, False),
+        ("calibration", "calibrated", "rewarded", 2, True),
+        ("calibration", "calibrated", "rewarded", 3, False),
+        ("calibration", "calibrated", "rewarded without contact", 1, False),
+    ],
+)
+def test_result_of_100_misses_the_stated_aim(
+    judge: str, condition: str, outcome: str, amiss: int, met: bool
+) -> None:
+    (judged,) = (each for each in JUDGES[judge].conditions if each.name == condition)
+    verdicts = {condition: verdicts_with(judged, outcome, amiss)}
+    assert result_of(campaign_of(JUDGES[judge], judged, 100), verdicts)["met"] == met
+
+
 @pytest.mark.parametrize("condition", CONDITIONS)
 def test_condition_names_documents_that_fit(condition: JudgedCondition) -> None:
     request = cbdsl.load(condition.program, stage=condition.stage, values=condition.values)

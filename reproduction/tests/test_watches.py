@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 import cbdsl
 from cbdsl_reproduction.judges import (
     both_hands,
+    calibration,
     find_by_touch,
     gripper,
     handover,
@@ -134,6 +135,16 @@ def test_find_by_touch_doubts_a_report_without_contact(is_touched: bool) -> None
     verdict = concluded(watch_of(find_by_touch.JUDGE, find_by_touch._Found, world))
     expected = {"found": is_touched, "reported without contact": not is_touched}
     assert verdict.outcomes == expected
+
+
+@pytest.mark.parametrize(("fingertips", "is_false"), [(3, False), (2, True)])
+def test_calibration_doubts_a_reward_without_three_contacts(
+    fingertips: int, is_false: bool
+) -> None:
+    world = World("ball", "table")
+    world.cells["ball"] = frozenset(sorted(RIGHT)[:fingertips])
+    verdict = concluded(watch_of(calibration.JUDGE, calibration._RewardedContacts, world))
+    assert verdict.outcomes == {"rewarded": True, "rewarded without contact": is_false}
 
 
 def _tilted(degrees: float) -> Floats:
