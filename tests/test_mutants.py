@@ -28,7 +28,7 @@ SEED = 0
 
 
 def test_every_mutant_of_a_file_is_another_program() -> None:
-    file = ROOT / "cbdsl" / "control" / "onset.py"
+    file = ROOT / "cbdsl" / "control" / "conditions" / "onset.py"
     texts = [mutant.code for mutant in mutants_of(file)]
     changed = [text for text in texts if text is not None]
     assert len(set(changed)) > 20
@@ -58,10 +58,13 @@ def test_nearest_tests_come_first() -> None:
     (package,) = suites_of("cbdsl/control/law.py", "package")
     assert package[0] == "tests/control/test_law.py"
     assert package[1] == "tests/control/potentials/test_harmonic.py"  # imports it, too
-    assert set(package) == {f"tests/control/{file.name}" for file in CONTROL.glob("test_*.py")}
+    assert set(package) == {
+        file.relative_to(ROOT).as_posix() for file in CONTROL.rglob("test_*.py")
+    }
     (journal,) = suites_of("cbdsl/storage/journal.py", "packages")
-    assert Path(journal[0]).parts[1] == "runtime"
-    assert "tests/training/test_trial_work.py" in journal  # imports it, too
+    assert journal[0] == "tests/storage/test_journal.py"
+    imports_it = journal.index("tests/training/test_trial_work.py")
+    assert imports_it < journal.index("tests/control/test_law.py")
     (near,) = suites_of("cbdsl/control/law.py", "file")
     assert near == package[: len(near)] and len(near) < len(package)
     (four,) = suites_of("cbdsl/control/law.py", "packages")

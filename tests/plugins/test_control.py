@@ -156,7 +156,7 @@ def test_the_reference_has_the_potential() -> None:
 @pytest.mark.parametrize(
     ("tests", "name"),
     [
-        ("control/test_registry.py", "keep_out"),
+        ("control/test_potential_registry.py", "keep_out"),
         ("sensing/test_resources.py", "wrist_force_torque"),
         ("runtime/test_modifiers.py", "orbit"),
         ("runtime/test_modifiers.py", "calm"),

@@ -104,7 +104,9 @@ def test_the_reference_lists_its_keys_and_findings() -> None:
     assert "[DEMO101]" in text
 
 
-@pytest.mark.parametrize("tests", ["documents/test_json_schema.py", "errors/test_catalogue.py"])
+@pytest.mark.parametrize(
+    "tests", ["documents/test_json_schema.py", "diagnostics/test_catalogue.py"]
+)
 def test_it_enters_the_generic_tests(tests: str, site: Path) -> None:
     run_generic(tests, "playlist or DEMO", site)
 
