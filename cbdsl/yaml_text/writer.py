@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from cbdsl.yaml_text.characters import (
     suggested_key,
     suggested_value,
 )
+from cbdsl.yaml_text.composer import MERGE
 
 
 class _Dumper(yaml.SafeDumper):
@@ -30,6 +32,7 @@ class _Dumper(yaml.SafeDumper):
             ("tag:yaml.org,2002:int", scalar.INTEGER),
             ("tag:yaml.org,2002:float", scalar.FLOAT),
             *(("tag:yaml.org,2002:float", refused) for refused in scalar.REFUSED),
+            ("tag:yaml.org,2002:merge", re.compile(rf"{re.escape(MERGE)}\Z")),
         ]
     }
 

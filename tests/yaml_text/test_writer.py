@@ -42,6 +42,20 @@ def test_load_after_dump_is_the_identity(kind: str, data: st.DataObject, tmp_pat
     assert dump(again) == dump(document)
 
 
+@pytest.mark.parametrize(
+    "text", ["<<", "=", "~", "", "no", "012", "1:30", "0x1", "---", "?", "- a"]
+)
+def test_text_with_a_meaning_in_yaml_survives_as_key_and_value(text: str, tmp_path: Path) -> None:
+    document = KINDS["program"].model_validate(
+        {
+            "cbdsl": 1, "kind": "program", "name": "a", "robot": "a", "controllers": {},
+            "actions": [text], "policy": {text: text},
+        }
+    )  # fmt: skip
+    write(document, tmp_path / "a.yaml")
+    assert read_document(tmp_path / "a.yaml").document == document
+
+
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_documents_survive(path: Path, tmp_path: Path) -> None:
     document = read_document(path).document
