@@ -60,5 +60,8 @@ def bind(function: Callable[[Handle], Result], values: Any) -> Callable[[], Resu
     """
     handle = hold(values)
     dispatcher: Any = function
-    entry = dispatcher.compile((typeof(handle),))
+    signature = (typeof(handle),)
+    # Compilation waits for a lock that all threads share, even if there is nothing to compile.
+    known = dispatcher.overloads.get(signature)
+    entry = dispatcher.compile(signature) if known is None else known.entry_point
     return partial(entry, handle)

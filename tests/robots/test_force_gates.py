@@ -12,7 +12,7 @@ from tests.conftest import ROOT
 WIDEST = 0.2
 #: Gate of a controller that presses with 2 N of a weight that swings in the hand, by program: it
 #: came to rest 0.5 N off. Other controllers of these programs have no wider gate.
-PRESSING = {"bring": 0.5, "pick_and_place": 0.5, "set_on": 0.5}
+PRESSING = {"bring": 0.5, "impedance": 0.5, "pick_and_place": 0.5, "set_on": 0.5}
 PRESS = "press"
 FILES = sorted([*(ROOT / "programs").glob("*.yaml"), *(ROOT / "robots").glob("*.yaml")])
 
