@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 # without physics, which is the fastest.
 _PROGRAMS = (
     "reachtouch", "reach", "notice", "bimanualgrab", "bimanualinspect", "impedance", "touch_table",
+    "transport_hand",
 )  # fmt: skip
 # The engines with physics have few compiled functions of their own.
 _ON_ENGINES = "reachtouch"
