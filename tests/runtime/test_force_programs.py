@@ -75,7 +75,7 @@ def test_both_hands_take_what_is_too_large_for_one(thing: str) -> None:
             if transition.depth == 0 and transition.rewarding == ("squeeze",):
                 rewards.append({hand for hand, _ in truth.touching(thing)})
 
-        result = fixture.runner().run(fixture.stage, 4, thing, judge, note)
+        result = fixture.runner().run(fixture.stage, 4, thing, EpisodeListeners(judge, note))
         touching = {hand for hand, _ in truth.touching(thing)}
     assert result.outcome == "success", result.ending
     assert rewards and all(hands == {"left_hand", "right_hand"} for hands in rewards)
