@@ -22,12 +22,11 @@ _HEAD = """\
 
 Each table holds the newest judged numbers of a capability.
 Intervals are exact (Clopper-Pearson, 95 %) unless a line says otherwise.
-Rows without a commit belong to the first-order control law (commit 55090bcb); their own is unknown.
-Seeds from 7000000 are [judging seeds](seeds.md); no listed seed influenced a choice.
-A command stands in the first of successive rows that it gives.
-Scripts are in `benchmarks/` of the row's commit.
-Since then `cb judge NAME` has taken over force, constellations, scenes, triangulation, calibration,
-schemas and five_skills.
+A command stands in the first of successive rows that it gives, with its commit in parentheses.
+Rows without one belong to the first-order control law (commit 55090bcb); their own is unknown.
+`cb judge NAME` has taken over some scripts that they name.
+Seeds from 7000000 are [judging seeds](seeds.md).
+No listed seed influenced a choice, except where a remark says so.
 [Judge behaviour](how_to/judge_behaviour.md) explains `cb judge`.
 The machine has two shared cores and no GPU.
 "Ideal" and "rendered" name the cameras of the [engines](how_to/choose_an_engine.md).
@@ -100,14 +99,14 @@ def _cells(row: Mapping[str, Any]) -> list[str]:
         return [row["condition"], row["result"], "", row["aim"]]
     low, high = (f"{100 * end:.1f}".removesuffix(".0") for end in row["interval"])
     count = f"{row['successes']} of {row['n']}"
-    return [row["condition"], count, f"{low} to {high} %", row["aim"]]
+    return [row["condition"], count, f"[{low}, {high}] %", row["aim"].removeprefix("at least ")]
 
 
 def _command(row: Mapping[str, Any]) -> str:
     """Return a command with the commit that ran it, if these are known."""
     seed = f", seed {row['seed']}" if "seed" in row else ""
     words = f"`{row['command']}`" if row["command"] else f"not recorded{seed}"
-    return f"{words} (commit {row['commit']})" if row["commit"] else words
+    return f"{words} ({row['commit'][:8]})" if row["commit"] else words
 
 
 def _line(cells: Sequence[str]) -> str:

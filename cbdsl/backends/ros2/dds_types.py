@@ -15,42 +15,39 @@ from cyclonedds.idl.types import array, float64, int32, sequence, uint8, uint32
 _NANO = 1_000_000_000
 
 
+class _Seconds:
+    """Conversion of seconds and nanoseconds from and to seconds."""
+
+    sec: int32
+    nanosec: uint32
+
+    @classmethod
+    def of(cls, seconds: float) -> Self:
+        """Return the value of some seconds."""
+        return cls(*divmod(round(seconds * _NANO), _NANO))
+
+    @property
+    def seconds(self) -> float:
+        """The value in seconds."""
+        return float(self.sec + self.nanosec / _NANO)
+
+
 @dataclass
 @final
-class Time(IdlStruct, typename="builtin_interfaces::msg::dds_::Time_"):
+class Time(IdlStruct, _Seconds, typename="builtin_interfaces::msg::dds_::Time_"):
     """Time since the epoch."""
 
     sec: int32 = 0
     nanosec: uint32 = 0
 
-    @classmethod
-    def of(cls, seconds: float) -> Self:
-        """Return the time of seconds since the epoch."""
-        return cls(*divmod(round(seconds * _NANO), _NANO))
-
-    @property
-    def seconds(self) -> float:
-        """Seconds since the epoch."""
-        return float(self.sec + self.nanosec / _NANO)
-
 
 @dataclass
 @final
-class Duration(IdlStruct, typename="builtin_interfaces::msg::dds_::Duration_"):
+class Duration(IdlStruct, _Seconds, typename="builtin_interfaces::msg::dds_::Duration_"):
     """Span of time."""
 
     sec: int32 = 0
     nanosec: uint32 = 0
-
-    @classmethod
-    def of(cls, seconds: float) -> Self:
-        """Return the span of some seconds."""
-        return cls(*divmod(round(seconds * _NANO), _NANO))
-
-    @property
-    def seconds(self) -> float:
-        """The span in seconds."""
-        return float(self.sec + self.nanosec / _NANO)
 
 
 @dataclass
