@@ -2,6 +2,8 @@
 
 The context follows from the seed, so that each one has its share. A pair that was not brought
 together, or not tested in all directions, counts as not named.
+The stage's relation sets how deep the object goes, on the other one or into it, since no signal
+decides this. The name follows from the impedance alone.
 """
 
 from __future__ import annotations
