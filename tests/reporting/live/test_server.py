@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.reporting.live import server as module
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.page_message import message
 from cbdsl.reporting.live.requests import Requests
@@ -173,7 +174,7 @@ def test_request_with_an_odd_value_has_an_answer(served: Served, key: str, value
 def test_request_with_an_odd_length_has_an_answer(
     served: Served, length: str, words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cbdsl.reporting.live.server._Handler.timeout", 0.2)
+    monkeypatch.setattr(module._Handler, "timeout", 0.2)
     head = f"POST /request HTTP/1.1\r\nHost: {served.host}\r\n{TOKEN}: {served.token}\r\n"
     with socket.create_connection(("127.0.0.1", served.port), timeout=LONG) as client:
         client.sendall(f"{head}Content-Length: {length}\r\n\r\n{{}}".encode("latin-1"))
