@@ -21,7 +21,7 @@ from tests.mutants import (
     suites_of,
 )
 
-LAW = ROOT / "cbdsl" / "control" / "composition.py"
+BASIS = ROOT / "cbdsl" / "control" / "basis.py"
 CONTROL = ROOT / "tests" / "control"
 #: Seed of the sample that is judged with the slow tests.
 SEED = 0
@@ -153,7 +153,7 @@ def test_results_are_kept_and_survivors_judged_again_by_more_tests(
 def test_a_priority_that_is_turned_round_dies(tmp_path: Path) -> None:
     """Compile its code apart from the checkout's."""
     mutants.copy_checkout(tmp_path)
-    turned = next(mutant for mutant in mutants_of(LAW) if "along / basis" in mutant.change)
+    turned = next(mutant for mutant in mutants_of(BASIS) if "-= along / basis" in mutant.change)
     copy = Copy(tmp_path)
     assert copy.killer(turned, "file") is not None
     assert copy.killer(harmless(), "file") is None
@@ -169,7 +169,7 @@ def test_of_a_sample_some_die() -> None:
 
 def harmless() -> Mutant:
     """Return a change of a sweep's bound, which has no effect on the results."""
-    return next(mutant for mutant in mutants_of(LAW) if "_SWEEPS = 21" in mutant.change)
+    return next(mutant for mutant in mutants_of(BASIS) if "_SWEEPS = 21" in mutant.change)
 
 
 ONE = Path("cbdsl", "control", "one.py")
