@@ -372,11 +372,23 @@ def test_the_reference_is_up_to_date() -> None:
     assert page() == (DOCS / "reference.md").read_text("utf-8")
 
 
+def words(text: str) -> int:
+    """Return the number of words of a text, without numbers and signs."""
+    return sum(bool(re.search("[A-Za-z]", word)) for word in text.split())
+
+
+def test_written_pages_hold_at_most_45000_words() -> None:
+    reports = {DOCS / "results.md", *(DOCS / "reproduction").glob("*.md")}
+    pages = {*WRITTEN, ROOT / "SECURITY.md"} - reports
+    assert sum(words(page.read_text("utf-8")) for page in pages) <= 45000
+    assert words((ROOT / "README.md").read_text("utf-8")) <= 450
+
+
 def test_the_results_are_up_to_date() -> None:
     """``python docs/make_results.py`` writes them again."""
     page = runpy.run_path(str(DOCS / "make_results.py"))["page"]()
     assert page == (DOCS / "results.md").read_text("utf-8")
-    assert sum(bool(re.search("[A-Za-z]", word)) for word in page.split()) <= 2000
+    assert words(page) <= 2000
 
 
 def test_result_files_hold_exact_intervals() -> None:
