@@ -149,6 +149,24 @@ class CylinderForm(Section):
     """Radius, or the range to draw it from."""
     height: SizeSpan
     """Height, or the range to draw it from."""
+    spot: Spot | None = None
+    """Spot painted on a side."""
+    spots: tuple[Spot, ...] = ()
+    """Several spots, each on another side."""
+
+    @property
+    def all_spots(self) -> tuple[Spot, ...]:
+        """The spots, one or several."""
+        return (*([self.spot] if self.spot else []), *self.spots)
+
+    @model_validator(mode="after")
+    def _has_room_for_the_spots(self) -> Self:
+        _require_own_sides(self.all_spots)
+        # The smallest cylinder that may be drawn has to have room as well.
+        for spot in self.all_spots:
+            if spot.radius >= self.radius[0] or 2 * spot.radius > self.height[0]:
+                raise ValueError("the spot is larger than the side of the cylinder")
+        return self
 
 
 # Engines collide convex solids, which have no bore. A hollow form is a union of boxes that leaves
@@ -210,7 +228,7 @@ class Piece(Section):
         # drawn.
         if any(first != last for first, last in spans):
             raise ValueError("a piece has one size, which is not drawn")
-        if isinstance(form, (BallForm, BoxForm)) and form.all_spots:
+        if form.all_spots:
             raise ValueError("a piece has no spot")
         if isinstance(form, BoxForm) and form.pattern is not None:
             raise ValueError("a piece has no pattern")

@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from cbdsl.documents.digest import digest
-from cbdsl.documents.form import BallForm, BoxForm, MeshForm
+from cbdsl.documents.form import BallForm, BoxForm, CylinderForm, MeshForm
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library
 
@@ -52,7 +52,14 @@ def test_a_spot_has_room_on_the_smallest_thing_that_can_be_drawn(
     spot = {"face": face, "radius": radius, "color": [0, 0, 1]}
     box = {"shape": "box", "size": ["10 cm", ["10 cm", "30 cm"], "15 cm"], "spot": spot}
     ball = {"shape": "ball", "radius": ["5.05 cm", "7 cm"], "spot": spot}
-    for form, made in ((box, BoxForm), (ball, BallForm)):
+    wide = {"shape": "cylinder", "radius": ["5.05 cm", "9 cm"], "height": "20 cm", "spot": spot}
+    low = {"shape": "cylinder", "radius": "9 cm", "height": ["10.1 cm", "20 cm"], "spot": spot}
+    for form, made in (
+        (box, BoxForm),
+        (ball, BallForm),
+        (wide, CylinderForm),
+        (low, CylinderForm),
+    ):
         if fits:
             assert made.model_validate(form).spot is not None
         else:

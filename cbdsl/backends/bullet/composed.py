@@ -40,6 +40,8 @@ def create_composed(client: int, item: SceneObject) -> int:
                 position,
                 quaternion,
                 useFixedBase=item.mass == 0.0,
+                # Otherwise a lone cylinder becomes a hull, whose inertia is that of a box.
+                flags=0 if item.shape.walls else p.URDF_USE_IMPLICIT_CYLINDER,
                 physicsClientId=client,
             )
         )

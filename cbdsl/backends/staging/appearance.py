@@ -17,6 +17,9 @@ from cbdsl.robot.urdf import UrdfOrigin
 _THICKNESS = 1e-4
 # Share of the radius by which a ball's spot is nearer to the side, as part of another ball.
 _RAISED = 0.05
+# Upright strips of which a spot on a cylinder consists, and their height above its side, m. Some
+# renderers draw cylinders with corners a little outside of the side.
+_STRIPS, _PROUD = 16, 5e-4
 _BLACK = (0.0, 0.0, 0.0)
 _CENTRE, _UNTURNED = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 _NORMALS = {"-x": (-1, 0, 0), "+x": (1, 0, 0), "-y": (0, -1, 0), "+y": (0, 1, 0)}
@@ -36,7 +39,8 @@ def parts_of(item: SceneObject) -> list[Part]:
     parts = solid_parts(shape, color)
     if shape.pattern is not None:
         parts += _bars(shape.halves, shape.pattern)
-    parts += [_spot(shape, spot) for spot in shape.spots]
+    for spot in shape.spots:
+        parts += _strips(shape, spot) if shape.kind == "cylinder" else [_spot(shape, spot)]
     return parts
 
 
@@ -69,6 +73,29 @@ def _spot(shape: SolidShape, spot: Spot) -> Part:
     turned, centre = LYING[spot.face[1]].quaternion, height * normal
     size = 2 * _THICKNESS
     return Part("cylinder", (spot.radius, size), tuple(centre.tolist()), turned, spot.color)
+
+
+def _strips(shape: SolidShape, spot: Spot) -> Iterator[Part]:
+    """Yield the upright strips that show a spot on a cylinder.
+
+    The spot covers the points of the side with y^2 + z^2 <= s^2, s being its radius and y the
+    distance across its axis. On a cylinder of the radius r, y = r sin(t) at the angle t from the
+    axis. A strip at the angle t is tangent to the side and reaches as far as the spot does there.
+    """
+    radius, normal = shape.halves[0], _NORMALS[spot.face]
+    middle, reach = math.atan2(normal[1], normal[0]), math.asin(spot.radius / radius)
+    step = 2 * reach / _STRIPS
+    for number in range(_STRIPS):
+        aside = (number + 0.5) * step - reach
+        height = 2 * math.sqrt(spot.radius**2 - (radius * math.sin(aside)) ** 2)
+        turn = middle + aside
+        yield Part(
+            "box",
+            (2 * _PROUD, 2 * radius * math.tan(step / 2), height),
+            (radius * math.cos(turn), radius * math.sin(turn), 0.0),
+            (0.0, 0.0, math.sin(turn / 2), math.cos(turn / 2)),
+            spot.color,
+        )
 
 
 def _bars(halves: Sequence[float], pattern: Pattern) -> Iterator[Part]:

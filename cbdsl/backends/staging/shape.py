@@ -58,7 +58,7 @@ class SolidShape:
         kind: Kind of the shape, or of its envelope if it is hollow; a cylinder stands along its z.
         halves: Half extents along its own axes, m.
         pattern: Print on a box.
-        spots: Painted spots on the sides of a ball or a box.
+        spots: Painted spots on the sides of a ball, a box or a cylinder.
         walls: Solids of a hollow shape; those of a hull fill it, for code that supports balls,
             boxes and cylinders only.
         mesh: Visible mesh, m, in its frame, if there is one.
@@ -79,9 +79,9 @@ class SolidShape:
         return cls("ball", (radius, radius, radius), spots=spots)
 
     @classmethod
-    def cylinder(cls, radius: float, height: float) -> SolidShape:
+    def cylinder(cls, radius: float, height: float, spots: tuple[Spot, ...] = ()) -> SolidShape:
         """Return a cylinder of a radius and a height, m."""
-        return cls("cylinder", (radius, radius, height / 2))
+        return cls("cylinder", (radius, radius, height / 2), spots=spots)
 
     @classmethod
     def tube(cls, radius: float, height: float, wall: float) -> SolidShape:
@@ -172,7 +172,7 @@ class SolidShape:
         radius, height = draw(form.radius, rng), draw(form.height, rng)
         if isinstance(form, TubeForm):
             return cls.tube(radius, height, form.wall)
-        return cls.cylinder(radius, height)
+        return cls.cylinder(radius, height, form.all_spots)
 
     @property
     def solids(self) -> tuple[Wall, ...]:
@@ -193,8 +193,11 @@ class SolidShape:
         return share * 8 * math.prod(self.halves)
 
     def spot_height(self, spot: Spot) -> float:
-        """Return the distance from the centre to the plane of a spot's edge, along its axis, m."""
-        if self.kind == "ball":
+        """Return the distance from the centre to a spot's edge, along its axis, m.
+
+        The edge on a cylinder is not in one plane; the shortest distance counts.
+        """
+        if self.kind in ("ball", "cylinder"):
             return math.sqrt(self.halves[0] ** 2 - spot.radius**2)
         return self.halves["xy".index(spot.face[1])]
 
