@@ -1,7 +1,6 @@
-"""Writes docs/reference.md: everything that programs, documents and ``cb`` are made of.
+"""Write the tables of docs/reference.md: the parts of programs, documents and ``cb``.
 
-Run ``python docs/make_reference.py`` after a change of types, potentials, units, documents,
-commands, diagnostics or Dexter. Equal code gives an equal page.
+The build of the site inserts them (docs/site_hooks.py). Equal code gives equal tables.
 """
 
 from __future__ import annotations
@@ -26,7 +25,6 @@ from cbdsl.learning.learner import LEARNERS, LearnerClass, first_line
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.storage.atomic_file import write_text
 from cbdsl.types.casts import CASTS, Cast
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource
@@ -35,25 +33,14 @@ from cbdsl.types.unit import UNITS
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[1]
-FILE = ROOT / "docs" / "reference.md"
-
-_HEAD = """\
-# Reference
-
-[Types and casts](#types-and-casts), [potentials](#potentials), [resources](#resources-of-dexter),
-[units](#units), [commands](#commands), [learners](#learners), [documents](#documents) and
-[findings](#findings). This page is written from the code by
-`python docs/make_reference.py`. [Documents](documents/index.md) and
-[control](control.md) explain its entries.
-"""
 
 Rows = Iterable[Sequence[object]]
 
 
 def page() -> str:
-    """Return the page."""
-    made = (_types, _potentials, _dexter, _units, _commands, _learners, _documents, _diagnostics)
-    return "\n".join([_HEAD, *(part() for part in made)])
+    """Return the generated part of the page."""
+    parts = (_types, _potentials, _dexter, _units, _commands, _learners, _documents, _diagnostics)
+    return "\n".join(part() for part in parts)
 
 
 def _section(level: int, title: str, *parts: str) -> str:
@@ -365,7 +352,3 @@ def _diagnostic(entry: Entry) -> str:
 def anchor(heading: str) -> str:
     """Return the anchor of a heading."""
     return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
-
-
-if __name__ == "__main__":
-    write_text(page(), FILE)

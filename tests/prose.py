@@ -43,7 +43,7 @@ _FRAGMENT = re.compile(
 _SECTION = re.compile(r"(Args|Attributes|Returns|Raises|Yields):")
 _ENTRY = re.compile(r" {4}\*{0,2}[A-Za-z_][\w., ]*: +(\S.*)")
 _CODE = re.compile(r"``[^`]*``|`[^`]*`|<!--.*?-->|\]\([^)]*\)")
-_GENERATED = re.compile(r"docs/(reference|diagnostics|reproduction/\w+)\.md")
+_GENERATED = re.compile(r"docs/reproduction/\w+\.md")
 
 
 class Place(NamedTuple):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.documents.kinds import entries
 from tests.conftest import ROOT
 from tests.reporting.browser import CHROMIUM, browser
 
@@ -31,6 +32,13 @@ def test_no_page_runs_what_is_elsewhere(site: Path) -> None:
     assert len(pages) > 30
     for page in pages:
         assert '<script src="http' not in page.read_text("utf-8"), page
+
+
+@pytest.mark.slow
+def test_site_holds_the_generated_parts_of_pages(site: Path) -> None:
+    diagnostics = (site / "diagnostics.html").read_text("utf-8")
+    assert diagnostics.count("<h2") == len(entries())
+    assert 'id="resources-of-dexter"' in (site / "reference.html").read_text("utf-8")
 
 
 @pytest.mark.slow

@@ -15,7 +15,6 @@ _HEAD = """\
 Diagnostics of `cb validate`, by code. `cb explain CODE` prints the same in a terminal.
 Each example is a whole document. Without the lines marked `+` it has the diagnostic.
 Without the lines marked `-` it has none.
-This page is written by `cb explain --all --markdown`.
 """
 
 
@@ -31,7 +30,12 @@ def explanation(entry: Entry) -> str:
 
 def page(entries: Iterable[Entry]) -> str:
     """Return a page of Markdown with a section for each entry."""
-    return "\n".join([_HEAD, *(_section(entry) for entry in entries)]).rstrip("\n")
+    return f"{_HEAD}\n{sections(entries)}"
+
+
+def sections(entries: Iterable[Entry]) -> str:
+    """Return the sections of such a page."""
+    return "\n".join(map(_section, entries)).rstrip("\n")
 
 
 def _section(entry: Entry) -> str:

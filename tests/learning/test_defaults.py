@@ -10,7 +10,7 @@ from cbdsl.documents.document import Section
 from cbdsl.learning.catalogs.explorations import EXPLORATIONS
 from cbdsl.learning.learner import LEARNERS
 
-#: Of explorations the algorithms' constants, which no page lists; docs/reference.md has the others.
+#: Of explorations the algorithms' constants, which no page lists; the reference has the others.
 MEASURED = {
     "explore_catalog": {
         "alpha": 0.3, "cost": 0.05, "prior": 1.0, "units": "workspace", "measure": "spread",
