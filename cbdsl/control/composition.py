@@ -74,6 +74,7 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
     """
     ages, ends, total, locked = levels.ages, levels.ends, law.displacement, law.locked
     _clear(law)
+    levels.bent[0] = False
     middle = np.empty(levels.rows.shape[1:])
     if not write_middle(positions, levels, bends, middle):
         fill(total, math.nan)
@@ -100,6 +101,7 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
             if second and (delicate or singular or _is_near(values, threshold)):
                 left = _undone(own, residual, change, law, bounds)
                 if delicate or singular or norm(left) > _ACHIEVED * norm(residual):
+                    levels.bent[0] = True
                     if not bends:
                         return True
                     scale(left, 1.0 / levels.fractions[level])

@@ -47,13 +47,14 @@ def _rotate(matrix: Floats, vectors: Floats, i: int, j: int) -> None:
     ratio = (matrix[j, j] - matrix[i, i]) / (2.0 * matrix[i, j])
     tangent = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
-    sine = tangent * cosine
+    sine, change = tangent * cosine, tangent * matrix[i, j]
+    matrix[i, i] -= change
+    matrix[j, j] += change
+    matrix[i, j] = matrix[j, i] = 0.0
     for k in range(len(matrix)):
-        one, other = matrix[i, k], matrix[j, k]
-        matrix[i, k], matrix[j, k] = cosine * one - sine * other, sine * one + cosine * other
-    for k in range(len(matrix)):
-        one, other = matrix[k, i], matrix[k, j]
-        matrix[k, i], matrix[k, j] = cosine * one - sine * other, sine * one + cosine * other
-    for k in range(len(matrix)):
+        if k not in (i, j):
+            one, other = matrix[i, k], matrix[j, k]
+            matrix[i, k] = matrix[k, i] = cosine * one - sine * other
+            matrix[j, k] = matrix[k, j] = sine * one + cosine * other
         one, other = vectors[i, k], vectors[j, k]
         vectors[i, k], vectors[j, k] = cosine * one - sine * other, sine * one + cosine * other

@@ -27,6 +27,7 @@ class LevelArrays(NamedTuple):
         hessians: Second derivatives of the task coordinates by the joints, shape (k, n, n).
         withheld: Number of directions that each level withheld from those below in the preceding
             tick, because it resists them, shape (levels,).
+        bent: True if a level used its Hessians in the preceding tick, shape (1,).
     """
 
     clock: NDArray[np.int64]
@@ -38,6 +39,7 @@ class LevelArrays(NamedTuple):
     curved: NDArray[np.bool_]
     hessians: Floats
     withheld: NDArray[np.int64]
+    bent: NDArray[np.bool_]
 
 
 class Level(NamedTuple):

@@ -145,6 +145,7 @@ def _below_guards(
     return LevelArrays(
         np.full(1, newest), rows, ages, requested, ends, np.ones(2 + count),
         np.zeros(2 + count, np.bool_), np.zeros((0, joints, joints)), np.zeros(2 + count, np.int64),
+        np.zeros(1, np.bool_),
     )  # fmt: skip
 
 

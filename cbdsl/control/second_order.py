@@ -26,11 +26,11 @@ import math
 
 import numpy as np
 
-from cbdsl.control.basis import Basis
+from cbdsl.control.basis import Basis, gram_schmidt, project
 from cbdsl.control.eigen import diagonalize
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
-from cbdsl.numeric.vector import add, copy, dot, fill, norm
+from cbdsl.numeric.vector import add, copy, dot, norm
 
 # A level resists a direction if its curvature, relative to the remaining displacement, is above
 # this, m or rad: far below a link's length, and far above the effect of an encoder's resolution.
@@ -39,6 +39,9 @@ _RESISTED = 1e-3
 # Added to squared singular values that multipliers are divided by. They grow at a singularity, and
 # with them the stiffness of the levels below: bounded multipliers would let these swing.
 _SOFT = 1e-10
+
+# Curvature of a direction that is rounding, as a share of the largest one.
+_ROUNDING = 1e-13
 
 # Least divisor of a step, in the square of the Jacobians' unit.
 _FLOOR = 1e-24
@@ -91,28 +94,6 @@ def balance(pull: Floats, basis: Basis, count: int, rows: Floats) -> Floats:
 
 
 @compiled
-def _complete(basis: Floats, first: int) -> None:
-    """Complete the ``first`` orthonormal rows of a square matrix to a basis."""
-    joints = len(basis)
-    for row in range(first, joints):
-        best, largest = 0, -1.0
-        for joint in range(joints):
-            rest = 1.0
-            for i in range(row):
-                rest -= basis[i, joint] * basis[i, joint]
-            if rest > largest:
-                best, largest = joint, rest
-        direction = basis[row]
-        fill(direction, 0.0)
-        direction[best] = 1.0
-        # Twice is enough to be orthogonal to rounding.
-        for _ in range(2):
-            for i in range(row):
-                add(direction, basis[i], -dot(direction, basis[i]))
-            copy(direction, direction, 1.0 / norm(direction))
-
-
-@compiled
 def newton_step(
     curvature: Floats,
     basis: Floats,
@@ -127,7 +108,7 @@ def newton_step(
     Args:
         curvature: Symmetric curvature S, shape (n, n).
         basis: Orthonormal directions, shape (n, n): first those of the levels above, then those of
-            the level's rows; becomes complete.
+            the level's rows; those in which the error is curved are added.
         taken: Number of directions of the levels above.
         values: Singular values of the level's rows, shape (rank,).
         along: Requested displacement along each of them, shape (rank,).
@@ -138,8 +119,8 @@ def newton_step(
         The step, rad, shape (n,), and the resisted directions, as long as the square roots of their
         stiffness, shape (r, n).
     """
-    _complete(basis, taken + len(values))
-    free, damping, threshold = basis[taken:], guards[0], guards[1]
+    rank = len(values) + _span_curvature(curvature, basis, taken + len(values))
+    free, damping, threshold = basis[taken : taken + rank], guards[0], guards[1]
     size = len(free)
     positive, resisted = _positive_part(_restrict(curvature, free), free, least)
     for i in range(len(values)):
@@ -156,6 +137,28 @@ def newton_step(
         for j in range(size):
             add(change, free[j], step * vectors[i, j])
     return change, resisted
+
+
+@compiled
+def _span_curvature(curvature: Floats, basis: Floats, taken: int) -> int:
+    """Add the directions that a curvature bends to a basis; return their number.
+
+    The step has no part along others: they have neither stiffness nor a request.
+
+    Args:
+        curvature: Symmetric curvature, shape (n, n).
+        basis: Orthonormal directions, shape (n, n).
+        taken: Number of directions in the basis so far.
+    """
+    rest, count, largest = np.empty(curvature.shape), 0, 0.0
+    for row in curvature:
+        length = norm(row)
+        if length > 0.0:
+            copy(rest[count], row, 1.0)
+            project(rest, count, basis, taken)
+            largest = max(largest, length)
+            count += 1
+    return len(gram_schmidt(rest[:count], basis, taken, _ROUNDING * largest, count))
 
 
 @compiled

@@ -47,7 +47,7 @@ class Stack:
         self.arrays = LevelArrays(
             self.clock, self.rows, self.ages, self.wanted, self.ends, np.ones(len(levels)),
             np.zeros(len(levels), dtype=np.bool_), np.zeros((size, joints, joints)),
-            np.zeros(len(levels), dtype=np.int64),
+            np.zeros(len(levels), dtype=np.int64), np.zeros(1, dtype=np.bool_),
         )  # fmt: skip
 
     @classmethod

@@ -100,7 +100,11 @@ def tick(arrays: Handle) -> int:
     if not active:
         return RESTED
     references, joints, load_guards = held.references, acting.joints, held.load_guards
-    outcome = move(references, joints, signals, levels, False, law, load_guards)
+    # Levels that needed their Hessians need them again, as a rule: the law then composes once.
+    bends = bool(levels.bent[0])
+    if bends:
+        _bend(acting, levels, plan, signals)
+    outcome = move(references, joints, signals, levels, bends, law, load_guards)
     if outcome == NEEDS_HESSIANS:
         _bend(acting, levels, plan, signals)
         outcome = move(references, joints, signals, levels, True, law, load_guards)
