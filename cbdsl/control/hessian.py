@@ -83,11 +83,17 @@ def _select(bends: Floats, slope: Floats, columns: Integers, hessian: Floats) ->
             if weight == 0.0:
                 continue
             for j in range(joints):
-                for k in range(joints):
-                    one, other = columns[j], columns[k]
-                    if one >= 0 and other >= 0:
+                one = columns[j]
+                if one < 0:
+                    continue
+                for k in range(j + 1):
+                    other = columns[k]
+                    if other >= 0:
                         both = bends[row, one, other] + bends[row, other, one]
                         hessian[i, j, k] += weight * both
+        for j in range(joints):
+            for k in range(j):
+                hessian[i, k, j] = hessian[i, j, k]
 
 
 @compiled

@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numba import njit
 
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
+from cbdsl.control.second_order import newton_step
 from cbdsl.control.stack import TICKS, Stack
 from cbdsl.kinematics.rotation import exp, log
 from cbdsl.numeric.arrays import Floats
@@ -201,3 +203,35 @@ def follow(case: Stretched, quantum: float, ticks: int = 1200) -> float:
 def test_stack_rests_though_encoders_round_and_servos_lag(seed: int) -> None:
     case = stretched(seed)._replace(stack="prq")
     assert follow(case, quantum=1e-4) <= STILL
+
+
+@njit
+def newton_step_of(
+    curvature: Floats, basis: Floats, values: Floats, along: Floats, guards: Floats
+) -> tuple[Floats, Floats]:
+    return newton_step(curvature, basis, 2, values, along, guards, 0.0)
+
+
+@pytest.mark.parametrize("bent_joints", [1, 3, 6])
+def test_newton_step_equals_that_in_all_free_directions(
+    bent_joints: int, rng: np.random.Generator
+) -> None:
+    joints, taken, rank, guards = 9, 2, 3, np.array([0.0, 1e-6, 1.0])
+    for _ in range(20):
+        directions = np.linalg.qr(rng.normal(size=(joints, joints)))[0]
+        factor = np.zeros((joints, bent_joints))
+        factor[:bent_joints] = rng.normal(size=(bent_joints, bent_joints))
+        curvature = factor @ factor.T
+        values, along = rng.uniform(0.5, 2.0, rank), rng.normal(size=rank)
+        free, pull = directions[taken:], np.zeros(joints - taken)
+        stiffness = free @ curvature @ free.T
+        stiffness[:rank, :rank] += np.diag(values**2)
+        pull[:rank] = values * along
+        expected = np.linalg.pinv(stiffness, rcond=1e-10) @ pull @ free
+        step, resisted = newton_step_of(curvature, directions.copy(), values, along, guards)
+        np.testing.assert_allclose(step, expected, atol=1e-7)
+        above = directions[:taken]
+        np.testing.assert_allclose(above @ resisted.T, 0.0, atol=1e-9)
+        np.testing.assert_allclose(
+            resisted.T @ resisted, free.T @ free @ curvature @ free.T @ free, atol=1e-9
+        )
