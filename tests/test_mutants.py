@@ -21,6 +21,9 @@ from tests.mutants import (
     suites_of,
 )
 
+# Most of them copy a checkout and start its tests.
+pytestmark = pytest.mark.slow
+
 BASIS = ROOT / "cbdsl" / "control" / "basis.py"
 CONTROL = ROOT / "tests" / "control"
 #: Seed of the sample that is judged with the slow tests.
@@ -149,7 +152,6 @@ def test_results_are_kept_and_survivors_judged_again_by_more_tests(
     assert len(ran) == 4
 
 
-@pytest.mark.slow
 def test_a_priority_that_is_turned_round_dies(tmp_path: Path) -> None:
     """Compile its code apart from the checkout's."""
     mutants.copy_checkout(tmp_path)
@@ -159,7 +161,6 @@ def test_a_priority_that_is_turned_round_dies(tmp_path: Path) -> None:
     assert copy.killer(harmless(), "file") is None
 
 
-@pytest.mark.slow
 def test_of_a_sample_some_die() -> None:
     """Four mutants judge no share. That none dies has a chance of 1 in 100 where 7 of 10 do."""
     died, of = judge(sample_of(PACKAGES, 4, seed=SEED), Judgement("file", None), math.inf)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from cbdsl.checking.document import check_document
@@ -87,6 +87,11 @@ def causes(diagnostics: list[Diagnostic]) -> set[tuple[str, str]]:
     return {(diagnostic.code, diagnostic.message) for diagnostic in diagnostics}
 
 
+#: A share of the examples, since each checks a document anew.
+few = settings(max_examples=settings().max_examples // 4)
+
+
+@few
 @given(st.sampled_from(PLACES))
 def test_a_value_of_the_wrong_kind_is_one_finding(place: tuple[Path, Steps]) -> None:
     file, path = place
@@ -94,18 +99,21 @@ def test_a_value_of_the_wrong_kind_is_one_finding(place: tuple[Path, Steps]) -> 
     assert diagnostic.code in ("CB202", "CB203", "CB204", "CB205", "CB206", "CB208")
 
 
+@few
 @given(st.sampled_from([place for place in PLACES if isinstance(place[1][-1], str)]))
 def test_a_misspelt_key_is_one_cause(place: tuple[Path, Steps]) -> None:
     file, path = place
     assert len(causes(found(file, (rename, path)))) <= 1
 
 
+@few
 @given(st.sampled_from([place for place in TEXTS if place[1][0] != "parameters"]))
 def test_a_misspelt_text_is_one_cause(place: tuple[Path, Steps]) -> None:
     file, path = place
     assert len(causes(found(file, (misspell, path)))) <= 1
 
 
+@few
 @given(st.data())
 def test_a_faulty_part_hides_nothing_in_another(data: st.DataObject) -> None:
     file, text = data.draw(st.sampled_from([p for p in TEXTS if p[1][0] in SEVERAL]))
