@@ -73,8 +73,7 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
         True if a level needs Hessians and ``bends`` is False; the displacement is then unfinished.
     """
     ages, ends, total, locked = levels.ages, levels.ends, law.displacement, law.locked
-    _clear(law)
-    levels.bent[0] = False
+    _clear(law, levels)
     middle = np.empty(levels.rows.shape[1:])
     if not write_middle(positions, levels, bends, middle):
         fill(total, math.nan)
@@ -125,8 +124,9 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
 
 
 @compiled
-def _clear(law: LawArrays) -> None:
+def _clear(law: LawArrays, levels: LevelArrays) -> None:
     """Clear the result of the last tick."""
+    levels.bent[0] = False
     fill(law.displacement, 0.0)
     fill(law.singular_values, 0.0)
     for joint in range(len(law.locked)):
