@@ -367,6 +367,7 @@ def test_a_page_shows_the_plugin_that_tests_run(page: str, module: str) -> None:
 def test_site_build_inserts_the_same_generated_part_twice(name: str) -> None:
     text = (DOCS / f"{name}.md").read_text("utf-8")
     built = on_page_markdown(text)
+    assert f"<!-- generated: {name} -->" in text.splitlines()
     assert "<!-- generated" not in built
     assert len(built.splitlines()) > 1000
     assert built == on_page_markdown(text)
