@@ -30,7 +30,7 @@ except ImportError as error:
 """
 
 
-def test_a_peers_process_says_why_it_has_none() -> None:
+def test_process_of_a_missing_peer_states_the_reason() -> None:
     run = subprocess.run(
         [sys.executable, str(FOLDER / "peer_process.py"), "nonesuch"],
         input=f"{SCENE}\n", capture_output=True, text=True, check=True,

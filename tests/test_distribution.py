@@ -38,7 +38,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "dist"
 
 
-def test_the_wheel_holds_the_package_its_types_and_what_is_shipped(built: Path) -> None:
+def test_wheel_holds_package_types_and_shipped_documents(built: Path) -> None:
     (wheel,) = built.glob("cbdsl-*.whl")
     names = zipfile.ZipFile(wheel).namelist()
     assert {"cbdsl/py.typed", "cbdsl/cli/main.py", "cbdsl/diagnostics/codes/CB1.toml"} <= {*names}
@@ -72,7 +72,7 @@ def test_the_sdist_can_be_tested(built: Path) -> None:
     assert not [name for name in names if name.startswith((".venv", ".git/", "dist"))]
 
 
-def test_a_bare_environment_checks_documents_and_says_what_running_needs(
+def test_bare_environment_validates_and_names_the_extra_for_runs(
     built: Path, tmp_path: Path
 ) -> None:
     (wheel,) = built.glob("cbdsl-*.whl")

@@ -64,8 +64,8 @@ GENERIC: list[Callable[..., None]] = [
     test_registry.test_gradient_equals_finite_differences,
     test_registry.test_small_steps_lower_phi_and_shapes_agree,
     test_registry.test_known_minimum_is_where_the_residual_leads,
-    test_registry.test_what_is_compiled_is_what_is_written,
-    test_registry.test_its_rule_is_the_one_that_the_checker_knows,
+    test_registry.test_compiled_potential_equals_the_interpreted_one,
+    test_registry.test_rule_of_a_potential_agrees_with_its_entry,
 ]
 #: Placeholders to fill in, or to choose from.
 PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")
@@ -244,7 +244,7 @@ def session(
 
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
-def test_what_a_page_shows_is_so(session: Session, page: Path) -> None:
+def test_blocks_and_commands_of_a_page_work(session: Session, page: Path) -> None:
     session.read(slow=False)
 
 
@@ -261,12 +261,12 @@ LONG_PAGES = [page for page in PAGES if is_long(page)]
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", LONG_PAGES, ids=[page.name for page in LONG_PAGES])
-def test_what_a_page_shows_is_so_on_the_simulator(session: Session, page: Path) -> None:
+def test_blocks_and_commands_of_a_page_work_on_the_simulator(session: Session, page: Path) -> None:
     session.read(slow=True)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
-def test_no_block_escapes(page: Path) -> None:
+def test_every_block_of_a_page_runs_or_states_a_reason(page: Path) -> None:
     """Run each block unless it states a reason; every comment that looks like a mark is one."""
     text = page.read_text("utf-8")
     found = blocks(page)
@@ -295,7 +295,7 @@ def test_no_block_escapes(page: Path) -> None:
         ("Type `cb show resources --robot nobody`.", AssertionError),
     ],
 )
-def test_what_is_wrong_on_a_page_is_found(
+def test_fault_on_a_page_fails_its_test(
     text: str,
     fault: type[Exception],
     tmp_path: Path,
@@ -448,7 +448,7 @@ def test_links_within_pages_lead_to_headings() -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
-def test_links_lead_somewhere(page: Path) -> None:
+def test_links_of_a_page_lead_to_files(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#:]+)[^)]*\)", page.read_text("utf-8")):
         assert (page.parent / target).exists(), target
 
@@ -462,7 +462,7 @@ def test_files_of_the_project_that_are_named_exist(page: Path) -> None:
         assert name in own or (ROOT / name).exists(), name
 
 
-def test_every_deviation_that_names_a_test_names_one_that_tests() -> None:
+def test_tests_named_by_deviations_exist() -> None:
     page = (ROOT / "docs" / "deviations.md").read_text("utf-8")
     named = set(re.findall(r"`((?:reproduction/)?tests/[\w/]+\.py)`", page))
     assert len(named) > 20

@@ -50,7 +50,9 @@ def test_the_tutorial_leads_to_a_program_that_runs(reader: Reader, tmp_path: Pat
     assert reader.seconds < DAY
 
 
-def test_a_stage_and_an_exploration_of_ones_own(reader: Reader, tmp_path: Path) -> None:
+def test_new_stage_and_new_exploration_work_in_a_fresh_clone(
+    reader: Reader, tmp_path: Path
+) -> None:
     reader.read("docs/how_to/new_stage.md")
     reader.read("docs/how_to/explore_a_catalog.md")
     assert (tmp_path / "programs" / "stages" / "tidying.yaml").is_file()

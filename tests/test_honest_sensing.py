@@ -44,7 +44,7 @@ def test_an_observation_has_sensors_only() -> None:
     assert {field.name for field in fields(Observation)} == SENSORS
 
 
-def test_what_bullet_observes_is_exactly_that(
+def test_observation_of_bullet_has_no_further_attributes(
     bullet: BulletBackend, dexter: RobotDocument, stage: Callable[[str], StageDocument]
 ) -> None:
     """Observations are of no subclass, and have no additional attribute."""
@@ -59,7 +59,7 @@ def test_what_bullet_observes_is_exactly_that(
     assert observation.positions.shape == observation.velocities.shape == (24,)
 
 
-def test_what_the_kinematic_backend_observes_is_exactly_that(
+def test_observation_of_the_kinematic_backend_has_no_further_attributes(
     dexter: RobotDocument, urdf: Path, stage: Callable[[str], StageDocument]
 ) -> None:
     """Regions hold only information that a channel's pixels contain."""
@@ -104,7 +104,7 @@ def test_the_runtime_needs_nothing_but_the_protocol(
 
 
 @pytest.mark.parametrize("layer", ["runtime", "control", "robot", "program"])
-def test_what_controls_never_mentions_the_simulator(layer: str) -> None:
+def test_layers_of_control_never_mention_the_simulator(layer: str) -> None:
     """Exclude also the truth, which only tests and the experimenter may read."""
     package = Path(cbdsl.__file__).parent / layer
     for file in package.rglob("*.py"):

@@ -25,7 +25,7 @@ def test_a_developer_runs_all_tests() -> None:
     assert planned_tests("check").endswith('-m "slow or not slow"')
 
 
-def test_ci_leaves_to_make_what_the_readme_has_not_run() -> None:
+def test_ci_runs_fast_tests_by_the_readme_and_slow_ones_by_make() -> None:
     first = [line for line in blocks(ROOT / "README.md", "sh") if "pytest" in line]
     assert len(first) == 1 and " -m" not in first[0]  # as pyproject.toml has it: not slow
     last = (ROOT / ".ci" / "run").read_text("utf-8").splitlines()[-1]

@@ -38,7 +38,7 @@ def test_every_mutant_of_a_file_is_another_program() -> None:
     assert file.read_text() not in changed
 
 
-def test_annotations_are_no_behaviour(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mutants_leave_annotations_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mutants, "ROOT", tmp_path)
     file = tmp_path / "one.py"
     file.write_text(
@@ -79,7 +79,7 @@ def test_nearest_tests_come_first() -> None:
     ]
 
 
-def test_what_no_test_names_is_left_to_its_package() -> None:
+def test_file_without_a_test_gets_the_tests_of_its_package() -> None:
     (suite,) = suites_of("cbdsl/runtime/modifiers/seek.py", "file")
     assert [suite] == suites_of("cbdsl/runtime/modifiers/seek.py", "package")
 
@@ -106,7 +106,7 @@ def test_the_first_test_that_fails_kills(checkout: Path, asserted: str, by: str 
     assert (checkout / ONE).read_text() == TEXT
 
 
-def test_what_cannot_be_imported_dies(checkout: Path) -> None:
+def test_mutant_that_cannot_be_imported_dies(checkout: Path) -> None:
     write_test(checkout, "    assert one(2) == 3\n")
     assert Copy(checkout).killer(one_of(checkout, "HALF = 1 * 2"), "file") is None
     assert (
@@ -115,7 +115,7 @@ def test_what_cannot_be_imported_dies(checkout: Path) -> None:
     )
 
 
-def test_a_test_that_fails_anyway_kills_nothing(checkout: Path) -> None:
+def test_test_that_fails_without_a_mutant_kills_none(checkout: Path) -> None:
     write_test(checkout, "    assert one(2) == 4\n")
     copy = Copy(checkout)
     assert copy.killer(one_of(checkout, "a - 1"), "file") is None
@@ -152,7 +152,7 @@ def test_results_are_kept_and_survivors_judged_again_by_more_tests(
     assert len(ran) == 4
 
 
-def test_a_priority_that_is_turned_round_dies(tmp_path: Path) -> None:
+def test_mutant_with_reversed_priorities_dies(tmp_path: Path) -> None:
     """Compile its code apart from the checkout's."""
     mutants.copy_checkout(tmp_path)
     turned = next(mutant for mutant in mutants_of(BASIS) if "-= along / basis" in mutant.change)
@@ -161,7 +161,7 @@ def test_a_priority_that_is_turned_round_dies(tmp_path: Path) -> None:
     assert copy.killer(harmless(), "file") is None
 
 
-def test_of_a_sample_some_die() -> None:
+def test_some_mutants_of_a_sample_die() -> None:
     """Four mutants judge no share. That none dies has a chance of 1 in 100 where 7 of 10 do."""
     died, of = judge(sample_of(PACKAGES, 4, seed=SEED), Judgement("file", None), math.inf)
     assert of == 4

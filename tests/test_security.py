@@ -79,7 +79,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         "cli/test_legible_output.py:test_command_on_harmful_names_and_texts_prints_legible_text",
     ),
     "an installed package with entry points of `cbdsl` runs as part of `cb`": (
-        "plugins/test_documents.py:test_it_is_found_by_its_name_and_has_no_findings",
+        "plugins/test_documents.py:test_plugin_document_is_found_by_name_without_diagnostics",
     ),
     "`cb run` and `cb replay` hand URDF and meshes to PyBullet, Pinocchio and MuJoCo, native code "
     "that is not made for hostile files": (
@@ -92,13 +92,13 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_HERE}test_mesh_of_a_stage_by_any_path_is_read_as_a_mesh_alone",
     ),
     "Dask sends code both ways": (
-        "cli/test_workers.py:test_a_plain_scheduler_elsewhere_is_warned_of",
+        "cli/test_workers.py:test_plain_scheduler_on_another_machine_gives_a_warning",
     ),
     "use [TLS](docs/how_to/learn_on_a_cluster.md#on-a-cluster) between machines.": (
-        "test_docs.py:test_links_lead_somewhere",
+        "test_docs.py:test_links_of_a_page_lead_to_files",
     ),
     "`cb` warns of a plain scheduler that is not on this machine": (
-        "cli/test_workers.py:test_a_plain_scheduler_elsewhere_is_warned_of",
+        "cli/test_workers.py:test_plain_scheduler_on_another_machine_gives_a_warning",
     ),
     "DDS authenticates none of them": (
         "backends/ros2/test_follower.py:test_follower_refuses_a_second_writer",
@@ -149,18 +149,20 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_HERE}test_commands_without_a_network_listen_nowhere",
         f"{_WORKERS}test_run_on_workers_listens_nowhere_and_denies_other_users",
     ),
-    "`--live` serves a page at 127.0.0.1.": (f"{_SERVER}test_it_listens_on_this_machine_alone",),
+    "`--live` serves a page at 127.0.0.1.": (
+        f"{_SERVER}test_server_listens_on_the_loopback_address",
+    ),
     "It answers only to that name and `localhost`, against DNS rebinding, and to pages of its own "
     "origin.": (
-        f"{_SERVER}test_other_hosts_and_origins_are_refused",
+        f"{_SERVER}test_foreign_hosts_and_origins_are_refused",
         f"{_SERVER}test_localhost_is_this_machine_too",
     ),
     "It acts only on requests with a token that is in the page": (
-        f"{_SERVER}test_nothing_is_done_without_the_token",
+        f"{_SERVER}test_request_without_the_token_is_refused",
         f"{_SERVER}test_the_page_has_an_unguessable_token",
     ),
     "other users of the same machine can open the page.": (
-        f"{_SERVER}test_two_pages_get_the_same",
+        f"{_SERVER}test_two_pages_receive_the_same_messages",
     ),
     "The page writes no file: the browser downloads a composed program.": (
         "reporting/live/test_requests.py:test_changes_are_made_and_saved",

@@ -26,7 +26,7 @@ def files(folder: str) -> list[Path]:
 
 
 @pytest.mark.parametrize("folder", FOLDERS)
-def test_nothing_is_chosen_by_seeds_that_judge(folder: str) -> None:
+def test_judging_seeds_occur_nowhere_else(folder: str) -> None:
     guilty = {
         str(path.relative_to(ROOT)): number
         for path in files(folder)
@@ -37,7 +37,7 @@ def test_nothing_is_chosen_by_seeds_that_judge(folder: str) -> None:
     assert guilty == {}
 
 
-def test_numbers_are_read_however_they_are_written() -> None:
+def test_numbers_are_read_in_every_notation() -> None:
     assert list(numbers("seed=7_000_001, range(7000002), x7000003, 7000004.5")) == [
         7_000_001,
         7_000_002,

@@ -125,7 +125,7 @@ def sources() -> dict[str, str]:
 
 
 @pytest.mark.parametrize("file", sources())
-def test_a_module_keeps_to_the_words(file: str) -> None:
+def test_module_has_no_banned_words(file: str) -> None:
     faults = diagnostics((ROOT / file).read_text("utf-8"))
     assert [f"{file}:{line}: {message}" for line, message in faults] == []
 
@@ -192,7 +192,7 @@ def test_no_class_name_has_two_owners() -> None:
         ("def f(self, a, b, c, d, e, f, g, /, h, i=1): ...", "f takes 9 positional parameters"),
     ],
 )
-def test_a_fault_is_seen(source: str, fault: str) -> None:
+def test_diagnostics_of_a_faulty_module_name_the_fault(source: str, fault: str) -> None:
     assert any(fault in message for _, message in diagnostics(source))
 
 
@@ -210,11 +210,11 @@ def test_a_fault_is_seen(source: str, fault: str) -> None:
         "@compiled_sum\ndef f(a, b, c, d, e, f, g, h, i): ...",
     ],
 )
-def test_others_names_endings_and_compiled_functions_pass(source: str) -> None:
+def test_foreign_names_endings_and_compiled_functions_pass(source: str) -> None:
     assert diagnostics(source) == []
 
 
-def test_a_class_name_with_two_owners_is_seen() -> None:
+def test_shared_names_finds_a_class_name_with_two_owners() -> None:
     assert shared_names({"a": "class A: ...", "b": "class A: ...\nclass B: ..."}) == {
         "A": ["a", "b"]
     }

@@ -13,7 +13,7 @@ STEPS = st.tuples(*(st.sampled_from(each) for each in (["XX", "X0"], ["a", "b"],
 
 
 @given(st.lists(st.lists(STEPS, min_size=1, max_size=5), max_size=5))
-def test_what_leaves_a_state_adds_up(episodes: list[list[tuple[str, str, str]]]) -> None:
+def test_shares_of_arcs_from_a_state_sum_to_one(episodes: list[list[tuple[str, str, str]]]) -> None:
     experiences = [experience(*steps) for steps in episodes]
     whole = diagram_of(experiences, least=0.0)
     for state in {arc.state for arc in whole}:
@@ -43,7 +43,7 @@ def test_a_drawn_arc_is_found_by_patterns(arc: ActionArc, among: bool, joined: b
 
 
 @pytest.mark.parametrize("action", ["search ◁ track", "track ◁ search", "search", "search ◁ reach"])
-def test_the_order_of_a_composition_counts_where_it_is_asked_for(action: str) -> None:
+def test_is_among_compares_the_order_of_a_composition_on_request(action: str) -> None:
     drawn, arc = DrawnArc("XX", "search ◁ track", ("00",)), ActionArc("XX", action, "00")
     assert drawn.is_among([arc]) == (action == drawn.action)
     assert drawn.is_turned_among([arc]) == (sorted(action.split()) == sorted(drawn.action.split()))

@@ -40,7 +40,7 @@ def _tip(kinematics: Kinematics, robot: RobotDocument, side: str) -> np.ndarray:
     return kinematics.point(tip.link, tip.offset).position
 
 
-def test_todays_mount_is_that_of_the_model(
+def test_mount_of_today_equals_the_mount_of_the_model(
     modules: Any, dexter: RobotDocument, urdf: Path, tmp_path: Path
 ) -> None:
     file = tmp_path / "mounted.urdf"
@@ -54,7 +54,9 @@ def test_todays_mount_is_that_of_the_model(
         assert _tip(written, dexter, side) == pytest.approx(_tip(ours, dexter, side), abs=1e-6)
 
 
-def test_a_mount_is_where_it_says(modules: Any, sideways: Any, dexter: RobotDocument) -> None:
+def test_base_of_a_mounted_arm_has_the_stated_pose(
+    modules: Any, sideways: Any, dexter: RobotDocument
+) -> None:
     arms = modules("mounted_arms").MountedArms(dexter, sideways)
     base = arms.kinematics.frame("right_link_1")
     assert base.position == pytest.approx([0.13, -0.13, 0.21], abs=1e-6)
@@ -63,7 +65,7 @@ def test_a_mount_is_where_it_says(modules: Any, sideways: Any, dexter: RobotDocu
     assert base.rotation[:, 2] == pytest.approx(axis, abs=1e-6)
 
 
-def test_both_arms_rest_as_mirror_images(
+def test_resting_postures_of_both_arms_are_mirror_images(
     modules: Any, sideways: Any, dexter: RobotDocument
 ) -> None:
     arms = modules("mounted_arms").MountedArms(dexter, sideways)
@@ -129,7 +131,7 @@ def test_only_arms_that_turn_about_a_level_axis_bring_the_hands_together(
     assert 1.4 < meetings[today].apart < 1.8
 
 
-def test_what_is_behind_an_arm_is_not_seen(modules: Any, dexter: RobotDocument) -> None:
+def test_place_behind_an_arm_is_not_seen(modules: Any, dexter: RobotDocument) -> None:
     arms = modules("mounted_arms").MountedArms(dexter, modules("arm_mount").TODAY)
     arms.rest()
     place = np.array((*PLACE, -0.35))
@@ -141,7 +143,9 @@ def test_what_is_behind_an_arm_is_not_seen(modules: Any, dexter: RobotDocument) 
     assert np.isnan(arms.sees(np.array((0.2, 0.0, 1.5)), held=())[1])
 
 
-def test_a_search_goes_on_as_if_it_had_not_stopped(modules: Any, tmp_path: Path) -> None:
+def test_interrupted_search_of_mounts_resumes_with_the_same_result(
+    modules: Any, tmp_path: Path
+) -> None:
     search = modules("search_mounts")
     whole = search.search(tmp_path / "whole.jsonl", "position", 2, 3, 0, 600.0)
     search.search(tmp_path / "parts.jsonl", "position", 2, 1, 0, 600.0)

@@ -30,13 +30,13 @@ from tests.conftest import ROOT
 HERE: Posture = (0.1, 0.3)
 
 
-def test_a_channel_is_given_up_after_a_search_in_vain() -> None:
+def test_channel_without_tracked_postures_is_left_out() -> None:
     searches = [ChannelSearch("hue_1", seed, HERE if seed < 3 else ()) for seed in range(9)]
     assert tracked_postures("hue_1", searches) == TrackedPostures("hue_1", (HERE,) * 3, True)
     assert tracked_postures("hue_1", searches[:3]) == TrackedPostures("hue_1", (HERE,) * 3, False)
 
 
-def test_what_is_kept_is_not_searched_again(tmp_path: Path) -> None:
+def test_kept_search_is_not_repeated(tmp_path: Path) -> None:
     path, made = tmp_path / "searches.jsonl", []
 
     def look(seed: int) -> Posture:
@@ -62,7 +62,7 @@ def test_empty_channels_are_reported() -> None:
     assert math.isnan(intensity.ours), "of no channels"
 
 
-def test_panels_show_what_is_there_and_say_what_is_not() -> None:
+def test_panels_draw_tracked_channels_and_name_empty_ones() -> None:
     panels = {"hue_1": np.array([HERE, HERE, (0.5, -0.4)]), "hue_2": np.zeros((0, 2))}
     picture = PosturePanels("p", "Where", panels, {"pan": (-1.0, 1.0), "tilt": (-1.0, 1.0)})
     svg = picture.svg()

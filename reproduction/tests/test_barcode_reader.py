@@ -54,7 +54,7 @@ def _corners(width: float, roll: float = 0.0, keystone: float = 0.0) -> np.ndarr
 
 @pytest.mark.parametrize(("barcode", "of_class"), BARCODES)
 @pytest.mark.parametrize("roll", [-0.25, 0.0, 0.1])
-def test_every_barcode_is_read_where_it_is_resolved(
+def test_resolved_barcode_is_classified_correctly(
     barcode: Barcode, of_class: tuple[Barcode, ...], roll: float
 ) -> None:
     image = _image(barcode, _corners(430, roll, keystone=0.05), blur=0.8, noise=5)
@@ -90,7 +90,7 @@ def test_finer_patterns_need_a_nearer_look() -> None:
     assert read["high", 70] < 3
 
 
-def test_without_a_white_box_or_a_print_there_is_nothing_to_read() -> None:
+def test_image_without_a_white_box_or_a_print_has_no_barcode() -> None:
     candidates = barcodes()["low"]
     grey = np.full((480, 640, 3), 128, dtype=np.uint8)
     assert classify(grey, candidates) is None

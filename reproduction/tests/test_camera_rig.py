@@ -20,16 +20,14 @@ def place() -> Iterator[CameraRig]:
         yield place
 
 
-def test_the_cameras_are_those_of_the_source(place: CameraRig) -> None:
+def test_cameras_have_the_size_and_focal_length_of_the_source(place: CameraRig) -> None:
     for camera in place.robot.cameras.values():
         assert (camera.width, camera.height, camera.focal_length) == (640, 480, 837)
     assert place.baseline() == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize("placement", [Placement(1.0), Placement(0.5, left=0.04, up=-0.03)])
-def test_a_pattern_is_where_a_pinhole_camera_sees_it(
-    place: CameraRig, placement: Placement
-) -> None:
+def test_pattern_is_drawn_at_its_pinhole_projection(place: CameraRig, placement: Placement) -> None:
     picture = place.picture(barcodes()["low"][0].stripes, placement)
     assert picture.shape == (480 * FINENESS, 640 * FINENESS, 3)
     corners = find_pattern(picture)
@@ -52,7 +50,7 @@ def test_a_turned_box_is_foreshortened(place: CameraRig) -> None:
 
 
 @pytest.mark.parametrize("frequency", ["low", "medium"])
-def test_what_is_resolved_is_read_through_the_lens(place: CameraRig, frequency: str) -> None:
+def test_resolved_barcode_is_read_through_the_lens(place: CameraRig, frequency: str) -> None:
     candidates = barcodes()[frequency]
     for seed, barcode in enumerate(candidates):
         picture = place.picture(barcode.stripes, Placement(0.5, turn=0.1))

@@ -27,18 +27,18 @@ def heights() -> dict[str, float]:
     return found
 
 
-def test_each_stands_above_what_it_joins_and_things_on_one_line() -> None:
+def test_node_is_drawn_above_its_parts_and_objects_on_one_line() -> None:
     known = heights()
     assert known["three"] < known["both"] < known["a ball"] == known["a <box>"]
 
 
-def test_lines_lead_to_what_is_joined() -> None:
+def test_line_leads_from_each_node_to_its_parts() -> None:
     drawn = catalog_hierarchy(NODES)
     assert drawn.count("<line") == 4
     assert drawn.count(">place<") == 2
 
 
-def test_what_was_never_rewarded_is_no_layer() -> None:
+def test_action_without_reward_has_no_layer() -> None:
     drawn = catalog_hierarchy(NODES)
     assert ">lift<" not in drawn
     assert drawn.count(">touch<") == 2

@@ -41,7 +41,9 @@ def test_an_interval_is_in_a_region_or_out_of_it_or_neither(
 
 @pytest.mark.parametrize("claim", [case[0] for case in CASES], ids=NAMES)
 @given(ends=st.tuples(st.floats(-5, 5), st.floats(-5, 5)))
-def test_nothing_clears_a_claim_and_its_negation(claim: Claim, ends: tuple[float, float]) -> None:
+def test_no_interval_satisfies_a_claim_and_its_negation(
+    claim: Claim, ends: tuple[float, float]
+) -> None:
     low, high = sorted(ends)
     if high - low > 1e-6:
         assert not (claim.contains((low, high)) and claim.excludes((low, high)))

@@ -21,7 +21,7 @@ def _drawn(stripes: tuple[float, ...], narrow: int = 4, quiet: int = 60) -> np.n
 @pytest.mark.parametrize(
     "text", ["A", "B", "C", "ROBOT", "DEXTER", "AMHERST", *(c * 3 for c in code39._ALPHABET[:-1])]
 )
-def test_another_library_reads_what_is_encoded(text: str, ratio: float) -> None:
+def test_zxing_decodes_encoded_text(text: str, ratio: float) -> None:
     (found,) = zxingcpp.read_barcodes(
         _drawn(code39.stripes(f"X{text}X", ratio)), formats=zxingcpp.BarcodeFormat.Code39
     )
@@ -35,6 +35,6 @@ def test_every_character_has_three_wide_elements_of_nine_and_a_code_of_its_own()
 
 
 @pytest.mark.parametrize("text", ["a", "*", "A*", "Ä"])
-def test_what_cannot_be_encoded_is_refused(text: str) -> None:
+def test_text_outside_of_the_alphabet_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="not in the alphabet"):
         code39.stripes(text)

@@ -15,7 +15,7 @@ RADIUS = 0.012
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_contact_with_friction_is_found_where_it_is(seed: int) -> None:
+def test_place_of_a_contact_with_friction_is_recovered(seed: int) -> None:
     rng = np.random.default_rng(seed)
     normal = rng.normal(size=3)
     normal /= np.linalg.norm(normal)
@@ -32,7 +32,7 @@ def test_a_torque_that_no_contact_causes_keeps_the_place_on_the_ball() -> None:
     assert np.linalg.norm(on_ball(load, RADIUS)) == pytest.approx(RADIUS)
 
 
-def test_each_finger_that_feels_something_has_a_place(
+def test_each_loaded_finger_has_a_contact_place(
     dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
 ) -> None:
     signals = Signals(dexter, kinematics, ())

@@ -21,14 +21,14 @@ def value_after(learner: Accommodate, *steps: Transition) -> float:
     return learner.values.value("X0", "touch")
 
 
-def test_what_changes_nothing_leads_nowhere() -> None:
+def test_transition_without_change_has_no_value() -> None:
     vain = [step("X0", "touch", "X0")] * 20
     plain = value_after(Accommodate(ACTIONS, AccommodateConstants()), *vain)
     decisive = value_after(Decisive(ACTIONS, AccommodateConstants()), *vain)
     assert decisive < 0.2 * plain
 
 
-def test_what_leads_on_is_worth_what_follows() -> None:
+def test_transition_to_another_state_has_the_discounted_value_of_that_state() -> None:
     learner = Decisive(ACTIONS, AccommodateConstants())
     value_after(learner, step("XX", "reach", "X0"))
     assert learner.values.value("XX", "reach") > 0

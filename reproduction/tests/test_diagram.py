@@ -26,7 +26,7 @@ def walked(states: list[str], rewarded: bool) -> Experience:
 
 
 @given(st.lists(st.tuples(st.lists(STATES, max_size=4), st.booleans()), min_size=1, max_size=6))
-def test_arcs_have_their_shares_of_what_left_their_states(
+def test_arc_has_its_share_of_the_transitions_from_its_state(
     checked: Checked, episodes: list[tuple[list[str], bool]]
 ) -> None:
     experiences = [walked(*episode) for episode in episodes]

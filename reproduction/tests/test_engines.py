@@ -38,7 +38,7 @@ def test_a_share_that_is_not_clearly_lower_agrees_and_a_lower_one_does_not() -> 
     assert rows[1].source == "bullet: 100 %"
 
 
-def test_what_never_succeeds_on_the_reference_is_not_judged() -> None:
+def test_program_that_never_succeeds_on_the_reference_is_not_judged() -> None:
     never = [episode(seed, False, "0") for seed in range(20)]
     played = {setup: {"follow": list(never)} for setup in engines._SETUPS}
     rows = list(engines._quantities(played))
@@ -46,7 +46,9 @@ def test_what_never_succeeds_on_the_reference_is_not_judged() -> None:
 
 
 @pytest.mark.parametrize("setup", engines._SETUPS[2:], ids=str)
-def test_what_a_hand_carries_is_measured_in_it(setup: engines.EngineSetup) -> None:
+def test_slip_of_a_carried_object_is_measured_in_the_frame_of_the_hand(
+    setup: engines.EngineSetup,
+) -> None:
     body = engines.EmbodiedRobot(setup)
     parts = {part.name: part for part in engines._parts()}
     lifted = body.player(parts["pick_and_lift"])(4_210_003)

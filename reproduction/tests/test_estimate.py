@@ -22,7 +22,7 @@ def test_few_skewed_samples_pass_by_chance_too_often() -> None:
     assert quantity.chance > 0.05 and quantity.verdict is Verdict.UNDECIDED
 
 
-def test_samples_that_are_all_the_same_pass_where_they_are_and_never_beside() -> None:
+def test_equal_samples_satisfy_only_claims_that_contain_their_value() -> None:
     samples = np.full(30, 5.0)
     assert chance_of_samples(at_most(25), samples, median) == 0.0
     assert mean_of("", "", "", samples.tolist(), at_most(25)).verdict is Verdict.REPRODUCED

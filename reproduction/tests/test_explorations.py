@@ -20,12 +20,12 @@ from cbdsl_reproduction.report import data
 CHAPTER = [name for name in EXPERIMENTS if name.startswith("fig-6")]
 
 
-def test_all_figures_are_there() -> None:
+def test_chapter_has_figures_6_2_to_6_8() -> None:
     assert [f"fig-6.{number}" for number in range(2, 9)] == CHAPTER
 
 
 @pytest.mark.parametrize("name", CHAPTER)
-def test_each_has_series_of_as_many_trials_as_the_source(name: str) -> None:
+def test_each_figure_has_25_trials_of_100_actions(name: str) -> None:
     series = EXPERIMENTS[name].imported().series_of(name)
     assert series and all(each.trials == 25 and each.actions == 100 for each in series)
 
@@ -33,7 +33,7 @@ def test_each_has_series_of_as_many_trials_as_the_source(name: str) -> None:
 @pytest.mark.parametrize(
     ("series", "longest"), [(TABLE, 120.0), (TABLE_MODELS, 120.0), (BASKETBALL, 60.0)]
 )
-def test_its_command_explores_with_the_same_constants(
+def test_command_of_a_series_sets_the_same_constants(
     series: ExplorationSeries, longest: float, tmp_path: Path
 ) -> None:
     _, task = series.request(tmp_path / "a.yaml").task()
@@ -48,7 +48,7 @@ def test_its_command_explores_with_the_same_constants(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CHAPTER)
-def test_what_was_run_is_kept_and_not_run_again(
+def test_finished_trial_is_kept_and_not_repeated(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     done: list[tuple[int, int]] = []

@@ -21,7 +21,7 @@ def verdicts(c0: list[_Reach], c1: list[_Reach], c2: list[_Reach]) -> list[Verdi
     return [each.verdict for each in _quantities({"c0": c0, "c1": c1, "c2": c2}, 0)]
 
 
-def test_reaches_as_the_source_has_them() -> None:
+def test_reaches_as_in_the_source_are_reproduced() -> None:
     alone = [reach([1.0, 0.5, 0.0], [0.0, 1.0]) for _ in range(30)]
     below = [reach([1.0, 0.5, 0.0], [0.0, 0.5]) for _ in range(30)]
     assert set(verdicts(alone, below, below)) == {Verdict.REPRODUCED}
@@ -34,7 +34,7 @@ def test_a_few_reaches_of_the_same_kind_decide_nothing_of_all() -> None:
     assert arrived is Verdict.UNDECIDED
 
 
-def test_reaches_that_a_lower_controller_does_not_help() -> None:
+def test_reaches_without_benefit_of_the_lower_controller_are_missed() -> None:
     alone = [reach([1.0, 0.5, 0.0], [0.0, 1.0]) for _ in range(30)]
     assert verdicts(alone, alone, alone)[4:] == [Verdict.MISSED] * 4
 

@@ -54,7 +54,7 @@ def test_only_touch_differs() -> None:
     assert len({str(each.policy) for each in ways.values()}) == 1
 
 
-def test_it_runs_and_goes_on_from_what_was_kept(tmp_path: Path) -> None:
+def test_experiment_resumes_from_kept_trials(tmp_path: Path) -> None:
     settings = RunSettings(seed=5430000, quick=True, folder=tmp_path, backend="kinematic")
     result = fig_5_12.run(settings)
     assert "reach" in result.charts[0].svg()

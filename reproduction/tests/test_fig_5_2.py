@@ -47,24 +47,24 @@ def test_half_of_the_episodes_are_shaken_and_no_seed_is_used_twice() -> None:
     assert (len(seeds_of(0, SHAKEN, 0)), len(seeds_of(0, NOTHING, 0))) == (13, 12)
 
 
-def test_one_place_is_one_peak(tmp_path: Path) -> None:
+def test_samples_at_one_place_give_a_single_peak(tmp_path: Path) -> None:
     quantities = judged(outcome(tmp_path, spread=0.08, phantoms=False))
     assert {each.verdict for each in quantities.values()} == {Verdict.REPRODUCED}
 
 
-def test_what_is_seen_where_nothing_moves_is_another_peak(tmp_path: Path) -> None:
+def test_motion_seen_in_a_still_scene_gives_another_peak(tmp_path: Path) -> None:
     quantities = judged(outcome(tmp_path, spread=0.08, phantoms=True))
     assert quantities["motion tracked where nothing moves"].verdict is Verdict.MISSED
     assert quantities["trials whose density has a single peak"].verdict is Verdict.MISSED
 
 
-def test_what_is_found_anywhere_is_no_single_peak(tmp_path: Path) -> None:
+def test_samples_spread_over_the_room_give_no_single_peak(tmp_path: Path) -> None:
     quantities = judged(outcome(tmp_path, spread=0.9, phantoms=False))
     assert quantities["trials whose density has a single peak"].verdict is Verdict.MISSED
 
 
 @pytest.mark.parametrize("engine", ["kinematic", "mujoco"])
-def test_what_is_shaken_is_tracked_and_what_rests_is_not(engine: str) -> None:
+def test_shaken_object_is_tracked_and_resting_one_is_not(engine: str) -> None:
     (found,) = run_motion_episodes(SHAKEN, [1], engine, "ideal")
     assert len(found.posture) == 2 and found.off < math.radians(5), found.ending
     (nothing,) = run_motion_episodes(NOTHING, [1], engine, "ideal")

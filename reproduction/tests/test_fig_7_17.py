@@ -63,14 +63,14 @@ def verdicts(result: Result) -> dict[str, Verdict]:
     return {each.name: each.verdict for each in result.quantities if each.expected is not None}
 
 
-def test_what_is_as_in_the_source_is_reproduced(tmp_path: Path) -> None:
+def test_outcome_as_in_the_source_is_reproduced(tmp_path: Path) -> None:
     result = outcome(tmp_path, lifted=False, stands=True)
     assert set(verdicts(result).values()) == {Verdict.REPRODUCED}
     assert [each.name for each in result.charts] == ["fig-7.16", "fig-7.17"]
     assert result.charts[0].svg().count("<ellipse") == 6
 
 
-def test_a_box_that_is_lifted_and_what_falls_are_missed(tmp_path: Path) -> None:
+def test_lifted_box_and_falling_stack_are_missed(tmp_path: Path) -> None:
     result = outcome(tmp_path, lifted=True, stands=False)
     missed = {name for name, verdict in verdicts(result).items() if verdict is Verdict.MISSED}
     assert missed == {

@@ -40,7 +40,7 @@ def episode(*steps: Transition) -> Experience:
     return Experience("some", 0, steps, {}, 1, 0.1)
 
 
-def test_what_leads_on_is_a_state_of_the_context_that_is_seen_then(learner: Flat) -> None:
+def test_next_state_belongs_to_the_context_seen_at_the_transition(learner: Flat) -> None:
     last = step("X0-", SECOND, "X11", RIGHT)
     replay(learner, episode(step("XX-", FIRST, "X0-", LEFT), last))
     counts = dict(learner.accommodate.counts.items())
@@ -50,7 +50,7 @@ def test_what_leads_on_is_a_state_of_the_context_that_is_seen_then(learner: Flat
     }
 
 
-def test_the_same_state_is_another_one_on_the_other_side(learner: Flat) -> None:
+def test_equal_letters_in_another_context_are_another_state(learner: Flat) -> None:
     for _ in range(10):
         replay(learner, episode(step("XX-", FIRST, "X11", LEFT)))
         replay(learner, episode(step("XX-", SECOND, "X11", RIGHT)))
@@ -59,7 +59,7 @@ def test_the_same_state_is_another_one_on_the_other_side(learner: Flat) -> None:
     assert (greedy["XX-sls"], greedy["XX-srs"]) == (FIRST, SECOND)
 
 
-def test_what_an_episode_without_an_end_left_is_forgotten(learner: Flat) -> None:
+def test_transitions_of_an_unfinished_episode_are_discarded(learner: Flat) -> None:
     learner.begin()
     learner.see(step("XX-", FIRST, "X0-", LEFT))
     replay(learner, episode(step("XX-", SECOND, "X1-", RIGHT)))
@@ -69,9 +69,7 @@ def test_what_an_episode_without_an_end_left_is_forgotten(learner: Flat) -> None
     assert set(dict(learner.accommodate.counts.items())) == {"XX-srs"}
 
 
-def test_its_policy_chooses_by_what_is_read_when_it_chooses(
-    learner: Flat, program: CheckedProgram
-) -> None:
+def test_policy_reads_the_context_at_each_choice(learner: Flat, program: CheckedProgram) -> None:
     asked = []
 
     class Asked(Policy):

@@ -35,7 +35,7 @@ def test_one_action_joins_after_a_hundred_in_the_same_world(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_no_color_of_what_is_placed_is_an_obstacle(name: str) -> None:
+def test_colour_of_a_placed_object_is_no_obstacle(name: str) -> None:
     """Obstacles have no object color: a blue patch on a ball would repel the ball itself."""
     _, task = FIGURES[name].series.request(Path("any.yaml")).task()
     placing = next(each for each in task.actions if each.name == "pick_and_place")
@@ -46,7 +46,7 @@ def test_no_color_of_what_is_placed_is_an_obstacle(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
-def test_what_was_run_is_kept_and_not_run_again(
+def test_finished_trial_is_kept_and_not_repeated(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     done: list[tuple[int, int]] = []

@@ -62,7 +62,9 @@ def test_an_action_that_fails_too_often_is_a_miss() -> None:
         ([1.0] * 5, math.inf),
     ],
 )
-def test_reward_is_negligible_once_it_stays_small(rewards: list[float], after: float) -> None:
+def test_negligible_after_returns_the_action_from_which_rewards_stay_small(
+    rewards: list[float], after: float
+) -> None:
     assert negligible_after(np.array(rewards)) == after
 
 
@@ -78,7 +80,7 @@ def test_by_hindsight_every_change_is_relative_to_the_largest_of_the_trial() -> 
     assert row[5] == 0.0 and row[1] == -0.05
 
 
-def test_noop_grows() -> None:
+def test_rising_share_of_noop_is_reproduced() -> None:
     growing = catalog("T" * 40 + "." * 40, [1.0] * 40 + [0.0] * 40)
     *_, grows = _habituation([growing] * 5, seed=1)
     assert grows.ours == 30 and grows.verdict is Verdict.REPRODUCED
@@ -87,7 +89,7 @@ def test_noop_grows() -> None:
     assert stays.verdict is not Verdict.REPRODUCED
 
 
-def test_charts_show_what_was_measured() -> None:
+def test_chart_has_one_point_per_measured_action() -> None:
     chart = reward_chart("fig", "made", [TEN, TEN])
     assert [len(line.y) for line in chart.lines] == [10, 10] and chart.lines[0].low
     change = change_chart("fig", "made", [TEN])

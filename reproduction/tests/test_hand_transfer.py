@@ -73,19 +73,21 @@ def test_a_dip_that_ends_and_a_transfer_that_works_are_reproduced() -> None:
         (episode("across", ("left_arm_handover", 0), ("right_arm", 1)), 100.0, 0.0),
     ],
 )
-def test_anything_else_is_missed(far: Experience, chosen: float, placed: float) -> None:
+def test_trials_without_a_dip_or_transfer_are_missed(
+    far: Experience, chosen: float, placed: float
+) -> None:
     rows = {each.name: each.ours for each in quantities([trial(far)] * 10, 0)}
     assert [rows[name] for name in rows if "is chosen" in name] == [chosen]
     assert [rows[name] for name in rows if "comes to the reward" in name] == [placed]
 
 
-def test_no_dip_is_no_dip() -> None:
+def test_level_curve_is_judged_as_no_dip() -> None:
     dip, *_ = quantities([trial(HANDED, dip=False)] * 10, 0)
     assert dip.verdict is not Verdict.REPRODUCED
 
 
 @pytest.mark.slow
-def test_it_runs_and_goes_on_from_what_was_kept(tmp_path: Path) -> None:
+def test_experiment_resumes_from_kept_trials(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     settings = RunSettings(
         seed=5530000, quick=True, trials=1, folder=tmp_path, backend="mujoco", cameras="ideal"

@@ -43,7 +43,7 @@ def test_displacements_are_bounded_and_the_pose_is_restored() -> None:
     assert loads and all(1.5 < load < 2.5 for load in loads)
 
 
-def test_resistance_counts_from_before_the_thing_was_borne() -> None:
+def test_resistance_counts_from_before_the_object_was_borne() -> None:
     """Press a hand on a ball before it goes down: it bears more than the added load."""
     tests = {(each.direction, each.sign): each for each in trial("football_on_ball").profile.tests}
     down = tests["dPz", -1]

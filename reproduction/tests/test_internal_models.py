@@ -98,7 +98,7 @@ def trials(tmp_path_factory: pytest.TempPathFactory) -> list[LearnedTrial]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("trial", range(3))
-def test_a_head_that_learned_expects_what_was_in_front_and_the_window_and_nothing_else(
+def test_learned_head_density_peaks_in_front_and_at_the_window_alone(
     trials: list[LearnedTrial], trial: int
 ) -> None:
     places = directions(trials[trial].stage)
@@ -121,7 +121,7 @@ def test_a_head_that_learned_expects_what_was_in_front_and_the_window_and_nothin
     assert peaks(np.full(len(ANGLES), 0.25)) == []
 
 
-def test_peaks_stand_out_from_what_is_between_them() -> None:
+def test_prominence_of_peaks_is_measured_against_the_valley_between() -> None:
     angles = np.linspace(-1, 1, 201)
     front = angles < 0
     two = 0.1 + np.exp(-((angles + 0.5) ** 2) / 0.01) + 0.5 * np.exp(-((angles - 0.5) ** 2) / 0.01)

@@ -35,7 +35,7 @@ def test_bootstrapping_is_repeatable_and_needs_samples() -> None:
 
 
 @given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=40))
-def test_an_interquartile_mean_lies_in_the_middle_and_forgets_what_is_far(
+def test_interquartile_mean_ignores_the_outer_quarters(
     values: list[float],
 ) -> None:
     mean = float(interquartile_mean(np.array(values)))
@@ -68,13 +68,13 @@ def test_resampled_intervals_of_a_mean_are_bootstrapped() -> None:
     assert (low, high) == pytest.approx(bootstrap_interval(samples), abs=0.05)
 
 
-def test_nothing_has_no_interquartile_interval() -> None:
+def test_interquartile_interval_of_no_samples_is_refused() -> None:
     with pytest.raises(ValueError, match="no samples"):
         interquartile_interval(np.empty((0, 3)))
 
 
 @given(st.lists(st.sampled_from([5.0, 10.0, 20.0, math.inf]), min_size=1, max_size=30))
-def test_the_interval_of_a_median_includes_it_even_if_some_are_infinite(
+def test_interval_of_a_median_contains_it_with_infinite_samples(
     values: list[float],
 ) -> None:
     low, high = median_interval(np.array(values))

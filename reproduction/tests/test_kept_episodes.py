@@ -30,7 +30,7 @@ def test_an_episode_is_run_once(tmp_path: Path) -> None:
     assert episodes.count == 1
 
 
-def test_something_else_is_run(tmp_path: Path) -> None:
+def test_episode_of_another_program_or_seed_is_run(tmp_path: Path) -> None:
     kept, episodes = KeptEpisodes(tmp_path / "kept.jsonl"), Counted()
     for what, seed in (("this", 7), ("that", 7), ("this", 8)):
         kept.run(what, seed, episodes.run)
@@ -48,7 +48,7 @@ def test_a_line_that_was_cut_off_does_not_count(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("row", ["[1, 2]", "{}", '{"what": "this", "result": 3}', '{"result": {}}'])
-def test_a_row_of_something_else_is_passed_over(tmp_path: Path, row: str) -> None:
+def test_row_of_another_kind_is_skipped(tmp_path: Path, row: str) -> None:
     file, episodes = tmp_path / "kept.jsonl", Counted()
     KeptEpisodes(file).run("this", 7, episodes.run)
     file.write_text(f"{row}\n{file.read_text()}")

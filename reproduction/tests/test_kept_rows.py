@@ -7,7 +7,7 @@ from pathlib import Path
 from cbdsl_reproduction.kept_rows import KeptRows
 
 
-def test_rows_are_there_as_soon_as_they_are_added(tmp_path: Path) -> None:
+def test_added_row_can_be_read_immediately(tmp_path: Path) -> None:
     path = tmp_path / "folder" / "rows.jsonl"
     rows = KeptRows(path)
     assert list(rows) == []
@@ -17,7 +17,7 @@ def test_rows_are_there_as_soon_as_they_are_added(tmp_path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) == 2
 
 
-def test_what_was_cut_off_spoils_no_other_row(tmp_path: Path) -> None:
+def test_truncated_row_is_dropped_and_others_are_kept(tmp_path: Path) -> None:
     path = tmp_path / "rows.jsonl"
     path.write_text('[1]\n[2, {"cut', encoding="utf-8")
     rows = KeptRows(path)

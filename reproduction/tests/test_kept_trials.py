@@ -18,7 +18,7 @@ def trial(seed: int) -> ImpedanceTrial:
     return ImpedanceTrial("box_on_box", seed, ImpedanceProfile((TEST,)), "Succeeded", 60.0)
 
 
-def test_trials_are_kept_for_what_was_run(tmp_path: Path) -> None:
+def test_kept_trials_are_separated_by_experiment(tmp_path: Path) -> None:
     path = tmp_path / "folder" / "kept.jsonl"
     kept = KeptTrials(path, "one", ImpedanceTrial)
     kept.add(trial(1))
@@ -40,7 +40,7 @@ def test_a_line_that_was_cut_off_is_run_again(tmp_path: Path) -> None:
     assert KeptTrials(path, "one", ImpedanceTrial).get("box_on_box", 2) == trial(2)
 
 
-def test_only_what_is_missing_is_run_and_all_of_it_is_counted(tmp_path: Path) -> None:
+def test_only_missing_trials_run_and_progress_counts_all(tmp_path: Path) -> None:
     path, ran, heard = tmp_path / "kept.jsonl", list[int](), list[tuple[int, int]]()
     KeptTrials(path, "of box_on_box", ImpedanceTrial).add(trial(1))
 
@@ -67,7 +67,7 @@ def test_only_what_is_missing_is_run_and_all_of_it_is_counted(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("row", ["[1, 2]", "{}", '{"what": "one"}', '{"what": "one", "things": 3}'])
-def test_a_row_of_something_else_is_passed_over(tmp_path: Path, row: str) -> None:
+def test_row_of_another_kind_is_skipped(tmp_path: Path, row: str) -> None:
     path = tmp_path / "kept.jsonl"
     KeptTrials(path, "one", ImpedanceTrial).add(trial(1))
     path.write_text(f"{row}\n{path.read_text()}")

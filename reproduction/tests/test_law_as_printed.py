@@ -13,7 +13,7 @@ STEP = 1e-6
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_planar_arm_by_finite_differences(seed: int) -> None:
+def test_jacobian_of_the_planar_arm_equals_finite_differences(seed: int) -> None:
     q = np.random.default_rng(seed).uniform(-np.pi, np.pi, 3)
     jacobian, curvature = law_as_printed._planar(q)
     for joint, change in enumerate(STEP * np.eye(3)):
@@ -29,7 +29,7 @@ def tip(q: np.ndarray) -> np.ndarray:
     return law_as_printed._LINKS @ np.column_stack((np.cos(angles), np.sin(angles)))
 
 
-def test_the_outcome() -> None:
+def test_printed_law_is_missed_and_ours_is_reproduced() -> None:
     told: list[tuple[int, int]] = []
     settings = RunSettings(quick=True, progress=lambda done, total: told.append((done, total)))
     outcome = law_as_printed.run(settings)

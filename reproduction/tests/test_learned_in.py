@@ -41,7 +41,9 @@ def checks(*rewarded: int) -> list[Check]:
         ((), math.inf),
     ],
 )
-def test_three_in_a_row(rewarded: Sequence[int], episodes: float) -> None:
+def test_learned_in_requires_three_successful_checks_in_a_row(
+    rewarded: Sequence[int], episodes: float
+) -> None:
     assert learned_in(COARTICULATED, checks(*rewarded)) == episodes
 
 
@@ -54,7 +56,7 @@ def test_contexts_without_a_reward_do_not_count() -> None:
     assert Check(5, (experience(step, context="absent"),)).success(series) == 0
 
 
-def test_those_that_never_learn_are_in_the_median() -> None:
+def test_median_includes_trials_that_never_learn() -> None:
     trials = [checks(20, 20, 20), checks(0, 20, 20, 20), checks(0, 0, 0)]
     middle, never = learned_in_quantities(COARTICULATED, trials, "", near(10, 1), seed=0)
     assert middle.ours == 10

@@ -10,13 +10,13 @@ from cbdsl_reproduction.chapter_4.learning_curves import per_transition, settled
 
 
 @pytest.mark.parametrize("jump", [5, 12, 25])
-def test_a_step_settles_where_it_is(jump: int) -> None:
+def test_curve_with_a_step_settles_at_the_step(jump: int) -> None:
     curve = np.where(np.arange(50) < jump, 0.1, 0.5)
     rewards = np.tile(curve, (8, 1)) + np.random.default_rng(0).normal(0, 0.001, (8, 50))
     assert abs(settled_at(rewards) - jump) <= 1
 
 
-def test_a_level_curve_has_settled_at_once() -> None:
+def test_level_curve_settles_at_the_first_episode() -> None:
     assert settled_at(np.full((4, 50), 0.3)) == 1
 
 

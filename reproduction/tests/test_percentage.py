@@ -19,7 +19,7 @@ from cbdsl_reproduction.quantity import Verdict
 @pytest.mark.parametrize(
     "claim", [above(50), at_least(95), below(15), between(60, 90)], ids=lambda claim: claim.text
 )
-def test_what_is_only_just_false_passes_in_one_of_forty(claim: Claim, trials: int) -> None:
+def test_chance_of_a_barely_false_claim_is_at_most_one_in_forty(claim: Claim, trials: int) -> None:
     assert chance_of_counts(claim, trials) <= 0.025 + 1e-9
 
 
@@ -36,7 +36,7 @@ def test_the_chance_is_that_of_simulated_coins() -> None:
     assert share == pytest.approx(chance_of_counts(above(50), trials), abs=0.004)
 
 
-def test_a_majority_of_few_is_undecided() -> None:
+def test_majority_of_few_trials_is_undecided() -> None:
     assert percentage("", "", 6, 10, above(50)).verdict is Verdict.UNDECIDED
     assert percentage("", "", 27, 30, above(50)).verdict is Verdict.REPRODUCED
 
@@ -45,17 +45,17 @@ def test_a_single_trial_is_not_judged() -> None:
     assert percentage("", "", 1, 1, above(50)).verdict is Verdict.NOT_JUDGED
 
 
-def test_none_of_no_trials_is_a_miss() -> None:
+def test_percentage_of_no_trials_is_missed() -> None:
     assert percentage("", "", 0, 0, above(50)).verdict is Verdict.MISSED
 
 
-def test_outcomes_that_do_not_depend_on_each_other_count_as_many() -> None:
+def test_independent_outcomes_of_a_trial_count_separately() -> None:
     rng = np.random.default_rng(1)
     hits, sizes = rng.binomial(20, 0.9, size=2000).tolist(), [20] * 2000
     assert effective_number(hits, sizes) == pytest.approx(40_000, rel=0.07)
 
 
-def test_outcomes_that_go_together_count_as_one_of_each_trial() -> None:
+def test_fully_correlated_outcomes_count_once_per_trial() -> None:
     hits, sizes = [20] * 60 + [0] * 40, [20] * 100
     assert effective_number(hits, sizes) == pytest.approx(99, rel=0.05)
     whole = clustered_percentage("", "", hits, sizes, at_least(45), of="actions")
@@ -68,7 +68,7 @@ def test_outcomes_that_go_together_count_as_one_of_each_trial() -> None:
     assert surer.verdict is Verdict.UNDECIDED
 
 
-def test_few_trials_report_less_of_what_always_happens() -> None:
+def test_interval_of_few_certain_trials_is_wider_than_of_many() -> None:
     few, many = ([[40] * trials] * 2 for trials in (2, 25))
     claim = at_least(95)
     assert clustered_percentage("", "", few[0], few[1], claim).verdict is Verdict.UNDECIDED
@@ -82,7 +82,7 @@ def test_outcomes_of_a_single_trial_are_not_judged() -> None:
     assert clustered_percentage("", "", [], [], at_least(50)).verdict is Verdict.MISSED
 
 
-def test_intervals_of_dependent_outcomes_cover_what_they_say() -> None:
+def test_intervals_of_dependent_outcomes_have_their_nominal_coverage() -> None:
     rng, share, trials = np.random.default_rng(2), 0.45, 25
     covered = exact = 0
     for _ in range(400):

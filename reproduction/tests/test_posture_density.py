@@ -32,7 +32,7 @@ def test_a_posture_between_two_cells_is_one_peak() -> None:
     assert len(density(between).peaks()) == 1
 
 
-def test_of_no_postures_there_is_no_peak() -> None:
+def test_density_without_postures_has_no_peak() -> None:
     assert density().peaks() == []
     assert "0 postures" in density().svg()
 

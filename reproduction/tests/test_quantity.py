@@ -28,12 +28,12 @@ def test_the_whole_interval_decides(
     assert quantity.verdict is verdict
 
 
-def test_what_chance_would_often_pass_is_not_reproduced() -> None:
+def test_quantity_with_a_large_chance_is_undecided() -> None:
     few = Quantity("share", "", "most", 0.9, above(0.8), interval=(0.85, 0.95), chance=0.06)
     assert few.verdict is Verdict.UNDECIDED
 
 
-def test_what_claims_nothing_is_not_judged() -> None:
+def test_quantity_without_a_claim_is_not_judged() -> None:
     assert Quantity("level", "", "drawn", 0.9, None, interval=(0.8, 1)).verdict is (
         Verdict.NOT_JUDGED
     )

@@ -45,7 +45,7 @@ def test_experiment_of_a_chapter_is_in_its_folder(experiment: Experiment) -> Non
 
 
 @pytest.mark.parametrize("experiment", ALL)
-def test_an_experiment_says_where_the_source_has_it(experiment: Experiment) -> None:
+def test_experiment_names_its_section_table_or_figure(experiment: Experiment) -> None:
     assert re.fullmatch(r"[a-z0-9.-]+", experiment.name)
     assert re.search(r"\b(Section|Sections|Table|Figure|Equation)s? [0-9]", experiment.section)
     assert experiment.title

@@ -8,7 +8,7 @@ from cbdsl_reproduction.registry import EXPERIMENTS
 from cbdsl_reproduction.report import picture_file, section
 
 
-def test_each_section_has_pictures_of_its_own() -> None:
+def test_pictures_of_sections_have_distinct_names() -> None:
     chart = Chart("fig-4.4", "Some", "x", "y", ())
     learns, other = EXPERIMENTS["fig-4.4"], EXPERIMENTS["fig-3.4"]
     kinematic, bullet = RunSettings(), RunSettings(backend="bullet")

@@ -70,7 +70,9 @@ def learning(toys: list[RunSettings], monkeypatch: pytest.MonkeyPatch) -> list[R
     return toys
 
 
-def test_the_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_option_prints_all_experiments(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert cb(monkeypatch, "--list") == 0
     printed = capsys.readouterr().out
     assert cb(monkeypatch, "--list", "--json") == 0
@@ -93,7 +95,7 @@ def test_the_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
         (("toy-1", "--out", "folder.json"), "cannot be written"),
     ],
 )
-def test_wrong_calls(
+def test_wrong_calls_exit_with_2(
     arguments: tuple[str, ...],
     message: str,
     toys: list[RunSettings],
@@ -109,7 +111,7 @@ def test_wrong_calls(
     assert not toys
 
 
-def test_lines_for_pipes_say_all(
+def test_output_to_a_pipe_has_all_results(
     toys: list[RunSettings],
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -123,7 +125,7 @@ def test_lines_for_pipes_say_all(
     assert [(each.seed, each.quick) for each in toys] == [(7, True)]
 
 
-def test_json_of_all(
+def test_json_of_all_experiments_has_one_entry_each(
     toys: list[RunSettings],
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -157,7 +159,7 @@ def test_a_page_is_renewed_section_by_section(
     )
 
 
-def test_what_was_learned_has_a_section_for_each_backend(
+def test_learned_result_has_a_section_for_each_backend(
     learning: list[RunSettings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder, keep = tmp_path / "pages", tmp_path / "a" / "trials"
@@ -182,7 +184,7 @@ def test_what_was_learned_has_a_section_for_each_backend(
     [("--backend", "bullet"), ("--trials", "3"), ("--workers", "2"), ("--keep", "x")],
     ids=lambda option: option[0],
 )
-def test_options_of_learning_are_for_what_learns(
+def test_learning_options_are_refused_for_other_experiments(
     option: tuple[str, str],
     learning: list[RunSettings],
     tmp_path: Path,
@@ -196,7 +198,7 @@ def test_options_of_learning_are_for_what_learns(
     assert not learning and not list(tmp_path.iterdir())
 
 
-def test_what_keeps_its_episodes_takes_a_folder_and_a_number_of_them(
+def test_keeping_experiment_accepts_keep_and_trials(
     toys: list[RunSettings],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -214,7 +216,7 @@ def test_what_keeps_its_episodes_takes_a_folder_and_a_number_of_them(
     assert "--workers is for experiments that learn" in capsys.readouterr().err
 
 
-def test_a_folder_that_cannot_be_is_reported(
+def test_folder_that_cannot_be_created_is_reported(
     learning: list[RunSettings],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -251,7 +253,7 @@ def test_the_cause_of_an_unfinished_trial_is_reported_with_the_folder(
     assert str(tmp_path) in printed and told in printed
 
 
-def test_a_json_file(
+def test_json_option_writes_the_result_file(
     toys: list[RunSettings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert cb(monkeypatch, "all", "--out", str(tmp_path / "all.json")) == 0
@@ -272,7 +274,7 @@ def test_a_missing_package_is_reported() -> None:
 
 
 @pytest.mark.slow
-def test_two_workers_measure_what_one_process_measures_and_report_what_stops_them(
+def test_two_workers_give_the_result_of_one_process_and_report_errors(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     pytest.importorskip("distributed", reason="side by side: extra 'learn'")

@@ -32,14 +32,14 @@ def test_the_sources_trees_are_reproduced() -> None:
     assert rows[-1].ours == 1.0
 
 
-def test_one_arm_for_all_and_no_end_of_reach_are_missed() -> None:
+def test_trees_with_one_arm_and_without_a_limit_of_reach_are_missed() -> None:
     large, left, right, far, near, first = quantities([BAD] * 10, ASKED, 0)
     missed = [each.verdict is Verdict.MISSED for each in (large, left, far, first)]
     assert all(missed)
     assert right.verdict is near.verdict is Verdict.REPRODUCED
 
 
-def test_it_runs_and_goes_on_from_what_was_kept(tmp_path: Path) -> None:
+def test_experiment_resumes_from_kept_trials(tmp_path: Path) -> None:
     # Some of its ten episodes are out of reach, so that the tree has a question to draw.
     settings = RunSettings(seed=5330200, quick=True, folder=tmp_path)
     result = schema_trees.run(settings)

@@ -22,7 +22,7 @@ LIBRARY = Library(shipped())
 
 
 @pytest.mark.parametrize("drawn", POLICIES)
-def test_the_source_draws_what_the_program_has(drawn: DrawnPolicy) -> None:
+def test_drawn_states_and_actions_exist_in_the_program(drawn: DrawnPolicy) -> None:
     series = drawn.series
     program = check_program(shipped_file(LIBRARY, ProgramDocument, series.program), {}, LIBRARY)
     stage = LIBRARY.read(shipped_file(LIBRARY, StageDocument, series.stage), StageDocument).document

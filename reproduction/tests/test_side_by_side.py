@@ -18,7 +18,7 @@ def flat() -> CheckedProgram:
     return side_by_side(variants_of(path, Session(library), {}), Schema("", {}, {}))
 
 
-def test_seven_actions_and_as_many_predicates() -> None:
+def test_flat_program_has_seven_actions_and_seven_predicates() -> None:
     program = flat()
     limbs = ("right_arm", "left_arm", "reachtouch_bimanual")
     expected = [f"{member}({limb})" for limb in limbs for member in ("reach", "touch")]
@@ -27,7 +27,7 @@ def test_seven_actions_and_as_many_predicates() -> None:
     assert [each.allocation for each in program.actions][:3] == ["", "right_arm", "right_arm"]
 
 
-def test_a_touch_moves_nothing_that_its_reach_has_brought_there() -> None:
+def test_touch_moves_no_joint_of_the_preceding_reach() -> None:
     program = flat()
     assert program.background is None
     reach, touch = (program.primitives[f"{name}(left_arm)"] for name in ("reach", "touch"))
@@ -39,7 +39,7 @@ def test_a_touch_moves_nothing_that_its_reach_has_brought_there() -> None:
     assert [each.name for each in touch.controllers] == ["touch"]
 
 
-def test_a_touch_seeks_at_once_and_is_still_rewarded() -> None:
+def test_touch_of_the_flat_program_seeks_immediately_and_is_rewarded() -> None:
     touch = flat().primitives["touch(right_arm)"]
     seek = touch.lead.seek
     assert seek is not None

@@ -20,7 +20,7 @@ def trial() -> Trial:
     return found
 
 
-def test_from_there_on_it_does_what_it_does_at_the_end_and_not_before(trial: Trial) -> None:
+def test_policy_equals_its_final_choice_from_the_stable_episode_on(trial: Trial) -> None:
     again, chosen = toy_trial(), []
     for each in trial.experiences:
         again.replay(each)
@@ -37,7 +37,7 @@ def test_from_there_on_it_does_what_it_does_at_the_end_and_not_before(trial: Tri
     assert stable_after(trial, often) == max(found)
 
 
-def test_a_state_that_is_hardly_met_says_nothing(trial: Trial) -> None:
+def test_rarely_met_state_is_ignored(trial: Trial) -> None:
     known = trial.learner.greedy()
     states = {state: stable_after(trial, [experience((state, "", ""))]) for state in known}
     late, early = max(states, key=lambda s: states[s]), min(states, key=lambda s: states[s])

@@ -56,7 +56,7 @@ def built(after: Truth, seconds: float = 1.5, order: tuple[str, ...] = ORDER) ->
     return judge.conclude("_on_".join(reversed(order)), 7, "")
 
 
-def test_what_rests_on_the_one_below_it_stands() -> None:
+def test_object_at_rest_on_the_lower_one_stands() -> None:
     trial = built(Truth())
     assert trial.released and trial.stands
     assert trial.offset == pytest.approx(0.05)
@@ -72,22 +72,22 @@ def test_what_rests_on_the_one_below_it_stands() -> None:
         Truth(speed=0.05),  # still rolls
     ],
 )
-def test_all_else_does_not_stand(after: Truth) -> None:
+def test_object_off_the_lower_one_does_not_stand(after: Truth) -> None:
     trial = built(after)
     assert trial.released and not trial.stands
 
 
-def test_it_has_to_stay_for_a_second() -> None:
+def test_stack_stands_only_after_a_second() -> None:
     assert not built(Truth(), seconds=0.9).stands
 
 
-def test_what_is_not_let_go_does_not_stand() -> None:
+def test_held_object_does_not_stand() -> None:
     trial = built(Truth(hands={"top"}))
     assert not trial.released and not trial.stands
     assert math.isnan(trial.pace) and math.isnan(trial.offset)
 
 
-def test_what_was_never_lifted_was_never_let_go() -> None:
+def test_object_that_was_not_lifted_is_not_released() -> None:
     truth = Truth()
     judge = StackJudge(truth, ORDER)
     for hands in (("top",), ()):
@@ -98,7 +98,7 @@ def test_what_was_never_lifted_was_never_let_go() -> None:
     assert not judge.conclude("top_on_base", 7, "").released
 
 
-def test_of_three_the_middle_one_has_to_rest_too() -> None:
+def test_stack_of_three_requires_the_middle_object_at_rest() -> None:
     order = ("base", "middle", "top")
     beside = {"base": {"table", "middle"}, "middle": {"base", "top"}, "top": {"middle"}}
     assert built(Truth(beside=beside), order=order).stands

@@ -25,12 +25,12 @@ def test_a_period_is_measured_from_dark_edges(period: float) -> None:
     assert measured_period(picture) == pytest.approx(period, rel=0.01)
 
 
-def test_without_two_stripes_there_is_no_period() -> None:
+def test_pattern_without_two_stripes_has_no_period() -> None:
     assert np.isnan(measured_period(np.full((3, 50, 3), 240, dtype=np.uint8)))
 
 
 @pytest.mark.parametrize("baseline", [0.12, 0.3, 0.35])
-def test_localizability_is_what_eq_3_6_gives_for_planar_headings(baseline: float) -> None:
+def test_localizability_equals_eq_3_6_for_planar_headings(baseline: float) -> None:
     for depth in DEPTHS:
         step = 1e-6
 

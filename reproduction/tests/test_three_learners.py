@@ -70,7 +70,7 @@ def test_equal_learners_are_not_in_order_and_a_level_curve_has_no_drop() -> None
     assert drop.verdict is not Verdict.REPRODUCED
 
 
-def test_who_earns_nothing_never_settles() -> None:
+def test_curve_without_reward_never_settles() -> None:
     never = np.full((TRIALS, EPISODES), 0.01)
     assert stable_at(never) > EPISODES
     settles = rows(np.full(EPISODES, 0.01), step(50), dipping())[2]
@@ -79,7 +79,7 @@ def test_who_earns_nothing_never_settles() -> None:
 
 
 @pytest.mark.parametrize("length", [4, 10, 30])
-def test_a_drop_is_as_long_as_it_is(length: int) -> None:
+def test_dip_length_returns_the_length_of_a_drop(length: int) -> None:
     curve = np.full((3, EPISODES), 0.8)
     curve[:, FIRST : FIRST + length] = 0.1
     assert abs(dip_length(curve, FIRST) - length) <= 1
@@ -97,7 +97,7 @@ def test_a_retry_is_made_with_other_resources() -> None:
     assert list(retries(replace(episode, transitions=(there, other)))) == [other]
 
 
-def test_it_goes_on_from_what_was_kept(tmp_path: Path) -> None:
+def test_experiment_resumes_from_kept_trials(tmp_path: Path) -> None:
     settings = RunSettings(seed=8450000, quick=True, trials=1, folder=tmp_path)
     whole = three_learners.run(settings, "fig-5.8")
     journals = sorted(tmp_path.rglob("*.episodes.jsonl"))

@@ -62,7 +62,7 @@ def test_maps_are_models_that_programs_can_draw_from(tmp_path: Path) -> None:
         assert model.density.form == "kernel" and len(model.density.samples) == WANTED
 
 
-def test_kernels_are_narrower_the_more_samples_there_are() -> None:
+def test_kernel_width_falls_with_the_number_of_samples() -> None:
     places = np.random.default_rng(0).normal(size=(400, 3)) * (0.2, 0.1, 0.0)
     few, many = bandwidth(places[:20]), bandwidth(places)
     assert (few[:2] > 1.1 * many[:2]).all() and few[2] == many[2] > 0
@@ -78,7 +78,7 @@ def test_the_peak_is_where_most_samples_are() -> None:
 
 
 @pytest.mark.slow
-def test_fingers_feel_the_table_where_it_is(tmp_path: Path) -> None:
+def test_contact_places_lie_on_the_table(tmp_path: Path) -> None:
     """Run two episodes of each way to touch, by load cells and kinematics alone."""
     settings = RunSettings(
         seed=5605000, quick=True, folder=tmp_path, backend="mujoco", cameras="ideal"

@@ -23,7 +23,7 @@ CIRCLE = [("XXX", "reach ◁ touch", "X1-"), *[("X1-", "searchtrack", "X1-")] * 
 @pytest.mark.parametrize(
     ("contexts", "shown"), [(("presented", "absent"), "X11"), (("absent",), "X1-")]
 )
-def test_a_picture_leaves_out_where_nothing_can_be_rewarded_unless_that_is_all(
+def test_picture_omits_unrewarded_contexts_unless_all_are(
     checked: Checked, contexts: tuple[str, ...], shown: str
 ) -> None:
     held_out = tuple(
@@ -51,17 +51,17 @@ ARC = DrawnArc("X0*", REACH, ("X11",))
         ({}, False),
     ],
 )
-def test_orders_are_alike_where_both_are_worth_the_same_in_all_its_states(
+def test_orders_of_a_composition_with_equal_values_are_equivalent(
     worth: dict[str, dict[str, float]], alike: bool
 ) -> None:
     assert orders_alike(ARC, worth) == alike
 
 
-def test_an_action_without_order_has_none_that_is_alike() -> None:
+def test_single_action_has_no_equivalent_order() -> None:
     assert not orders_alike(DrawnArc("X0-", "reach", ("X1-",)), {"X0-": {"reach": 100.0}})
 
 
-def test_an_arc_whose_context_did_not_occur_is_not_asked_for() -> None:
+def test_arc_of_a_context_that_did_not_occur_is_not_required() -> None:
     arcs = (DrawnArc("X0-", REACH, ("X11",)), DrawnArc("X0-", REACH, ("X1-",), "absent"))
     drawn = DrawnPolicy(REACHTOUCH, arcs)
     absent = experience(("XXX", "searchtrack", "X0-"), ("X0-", "touch", "X11"), context="absent")
@@ -79,7 +79,7 @@ PAST_IT = experience(("XXX", "searchtrack", "1XX"), ("1XX", "reach", "X11"))
 @pytest.mark.parametrize(
     ("worth", "counts"), [({}, "1 of 3 trials"), ({"X0-": {REACH: 99.0, TURNED: 99.0}}, "2 of 3")]
 )
-def test_an_arc_is_asked_of_trials_that_leave_its_state_and_all_arcs_of_all(
+def test_arc_is_judged_by_the_trials_that_leave_its_state(
     worth: dict[str, dict[str, float]], counts: str
 ) -> None:
     last = [Check(25, (each,)) for each in (IN_ORDER, OTHER_ORDER, DIFFERENT, PAST_IT)]

@@ -36,7 +36,7 @@ def run(experiment: Experiment, settings: RunSettings) -> list[tuple[int, int]]:
 
 
 @pytest.mark.parametrize("experiment", LEARNING)
-def test_after_its_shares_an_experiment_has_nothing_to_run_and_the_same_outcome(
+def test_experiment_after_all_shares_runs_nothing_and_has_the_same_outcome(
     experiment: Experiment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     here, there = tmp_path / "here", tmp_path / "there"

@@ -47,14 +47,14 @@ def test_a_kept_line_is_read_and_written_again_to_the_byte(kind: type[Any]) -> N
 
 
 @pytest.mark.parametrize("kind", ROWS, ids=lambda kind: str(kind.__name__))
-def test_what_lacks_a_field_or_has_another_one_is_none(kind: type[Any]) -> None:
+def test_record_with_missing_or_unknown_fields_is_none(kind: type[Any]) -> None:
     data = json.loads(ROWS[kind])
     for other in ({**data, "pace_2": 0.0}, {k: v for k, v in data.items() if k != "seed"}, [data]):
         with pytest.raises(ValueError, match=f"^no {kind.__name__}: "):
             read_record(kind, other)
 
 
-def test_fields_have_the_types_that_they_declare() -> None:
+def test_read_fields_have_the_declared_types() -> None:
     stack = read_record(GrowingStack, json.loads(ROWS[GrowingStack]))
     assert stack.views == ({"a": (0.1, 0.2)}, {})
     (tried,) = read_record(AssimilationTrial, json.loads(ROWS[AssimilationTrial])).tried
@@ -62,7 +62,7 @@ def test_fields_have_the_types_that_they_declare() -> None:
     assert math.isnan(read_record(MotionEpisode, json.loads(ROWS[MotionEpisode])).off)
 
 
-def test_what_has_a_default_may_be_missing() -> None:
+def test_field_with_a_default_may_be_missing() -> None:
     assert read_record(TriedContext, {"features": {}, "outcomes": {}}) == TriedContext({}, {})
 
 

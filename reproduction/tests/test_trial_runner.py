@@ -31,7 +31,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("experiment", LEARNING)
-def test_an_experiment_measures_and_goes_on_from_what_is_kept(
+def test_experiment_resumes_from_kept_episodes(
     experiment: Experiment, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: list[tuple[int, int]] = []
@@ -57,7 +57,7 @@ def test_an_experiment_measures_and_goes_on_from_what_is_kept(
     assert data(experiment, settings, again) == data(experiment, settings, outcome)
 
 
-def test_an_episode_that_another_policy_would_have_run_the_same_is_not_run_again(
+def test_episode_with_equal_choices_of_two_policies_runs_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     runs: list[int] = []

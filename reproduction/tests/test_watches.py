@@ -238,7 +238,7 @@ def test_holding_counts_no_object_without_a_grasp() -> None:
 @pytest.mark.parametrize(
     ("cells", "is_false"), [(RIGHT | LEFT, False), (RIGHT, True), (frozenset(), True)]
 )
-def test_both_hands_doubt_a_reward_of_one_hand(
+def test_watch_of_both_hands_doubts_a_reward_of_one_hand(
     cells: frozenset[tuple[str, str]], is_false: bool
 ) -> None:
     world = World("ball")

@@ -33,7 +33,7 @@ DETOUR = experience(("XX", "search", "0X"), ("0X", "track", "X0"), ("X0", "track
 NOTHING = experience(("XX", "track", "X-"), ("X-", "track", "X-"))
 
 
-def test_what_follows_is_discounted_and_weighed_by_how_often_it_did() -> None:
+def test_worth_averages_discounted_continuations_by_frequency() -> None:
     found = worth(trial_of(toy_trial(), *[DIRECT, DETOUR, DETOUR, NOTHING] * 5))
     assert found["X0", "track"] == pytest.approx(1.0)
     assert found["0X", "track"] == pytest.approx(0.8)
@@ -42,13 +42,13 @@ def test_what_follows_is_discounted_and_weighed_by_how_often_it_did() -> None:
     assert found["X-", "track"] == 0.0
 
 
-def test_a_choice_is_followed_by_the_best_ones_in_any_case() -> None:
+def test_choice_is_valued_with_the_best_continuation() -> None:
     badly = experience(("0X", "search", "X-"))
     found = worth(trial_of(toy_trial(), *[DETOUR, badly, badly, badly] * 5))
     assert found["XX", "search"] == pytest.approx(0.64)
 
 
-def test_what_was_met_too_rarely_says_nothing() -> None:
+def test_worth_of_a_rarely_met_pair_is_undefined() -> None:
     found = worth(trial_of(toy_trial(), *[DIRECT] * 9, *[DETOUR] * 4))
     assert math.isnan(found["XX", "search"])
     assert found["XX", "track"] == pytest.approx(0.8)
@@ -67,7 +67,7 @@ def test_a_used_program_is_one_choice(checked: Checked) -> None:
     assert ("0XX", "searchtrack") not in found
 
 
-def test_trials_count_as_often_as_they_are_reported_to() -> None:
+def test_trial_counts_once_per_occurrence_in_the_sample() -> None:
     found = met([trial_of(toy_trial(), *[DIRECT] * 6), trial_of(toy_trial(), *[NOTHING] * 6)])
     place = found.pairs.index(("XX", "track"))
     for times, expected in ((1, 1), 0.4), ((2, 0), 0.8), ((0, 2), 0.0), ((3, 1), 0.6):
@@ -91,14 +91,14 @@ def test_shares_are_reported_of_every_state() -> None:
     assert shares["X0"] == {}, "there is nothing to compare with"
 
 
-def test_few_trials_say_nothing() -> None:
+def test_few_trials_give_no_verdict() -> None:
     few = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(4)]
     assert not list(worth_quantities(REACHTOUCH, few, [("XX", "track")], seed=0))
     assert shares_of(few) == {}
 
 
 @pytest.mark.parametrize("met_by_all", [(DIRECT,), (NOTHING, NOTHING)])
-def test_where_there_is_nothing_to_compare_with_nothing_is_claimed(
+def test_pair_without_an_alternative_has_no_claim(
     met_by_all: tuple[Experience, ...],
 ) -> None:
     trials = [trial_of(toy_trial(), *met_by_all * 6) for _ in range(5)]

@@ -43,7 +43,7 @@ def test_predicates_are_statuses(robot: cbdsl.OpenRobot) -> None:
     assert behaviour.feedback_message == behaviour.result.ending
 
 
-def test_what_cannot_be_done_fails() -> None:
+def test_program_without_an_action_returns_failure() -> None:
     request = cbdsl.load("searchtrack")
     from dataclasses import replace
 
@@ -70,7 +70,7 @@ def test_programs_share_a_robot_one_after_another(robot: cbdsl.OpenRobot) -> Non
     assert abs(first[neck]).max() > 0.05 and moved[neck].max() < 0.01
 
 
-def test_what_is_interrupted_halts_and_begins_anew(robot: cbdsl.OpenRobot) -> None:
+def test_interrupted_behaviour_halts_and_restarts(robot: cbdsl.OpenRobot) -> None:
     behaviour = ProgramBehaviour(robot, seed=11)
     for _ in range(5):
         behaviour.tick_once()

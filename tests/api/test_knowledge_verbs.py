@@ -98,7 +98,7 @@ def test_explore_writes_a_catalog_and_resumes_to_the_same_one(here: Path) -> Non
     assert cbdsl.check(whole.catalog) == []
 
 
-def test_explore_rejects_a_stage_that_begins_each_action_anew(here: Path) -> None:
+def test_explore_rejects_a_stage_without_a_persistent_world(here: Path) -> None:
     with pytest.raises(cbdsl.UsageError, match="no persistent world"):
         cbdsl.explore(["searchtrack"], "table_right", "ball.yaml", backend="kinematic")
 
@@ -222,7 +222,7 @@ def test_truth_of_physics_names_the_objects_that_press_on_each_other(backend: st
         assert all(names <= {*truth.objects} - {name} for name, names in pressed.items())
 
 
-def test_truth_of_the_kinematic_engine_reports_that_it_knows_no_contacts() -> None:
+def test_truth_of_the_kinematic_engine_refuses_questions_about_contacts() -> None:
     with cbdsl.simulate("searchtrack", backend="kinematic", cameras="ideal") as simulation:
         next(simulation.robot.ticks(SEED))
         with pytest.raises(cbdsl.UsageError, match="use bullet or mujoco"):

@@ -27,7 +27,7 @@ USES: dict[str, Callable[[cbdsl.OpenRobot], Any]] = {
 
 @pytest.mark.parametrize("backend", ["kinematic", "mujoco", "bullet"])
 @pytest.mark.parametrize("use", USES)
-def test_a_closed_robot_says_that_it_is_closed(backend: str, use: str) -> None:
+def test_run_on_a_closed_robot_is_refused(backend: str, use: str) -> None:
     with cbdsl.open_robot("searchtrack", backend=backend, cameras="ideal") as robot:
         other = robot.with_program("searchtrack")
     for each in (robot, other):

@@ -24,7 +24,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_importing_it_imports_nothing_of_it_and_names_are_listed() -> None:
+def test_import_of_cbdsl_loads_no_module_and_lists_its_names() -> None:
     code = (
         "import sys, cbdsl; print([m for m in sys.modules if m.startswith('cbdsl.')], dir(cbdsl))"
     )
@@ -60,7 +60,7 @@ def test_findings_of_several_documents_are_given_once(here: Path) -> None:
         cbdsl.check("serchtrack")
 
 
-def test_loading_what_has_errors_raises_them(here: Path) -> None:
+def test_load_of_a_program_with_errors_raises_them(here: Path) -> None:
     (here / "bad.yaml").write_text("cbdsl: 1\nkind: program\nname: bad\n", encoding="utf-8")
     with pytest.raises(cbdsl.DiagnosticsError) as caught:
         cbdsl.load("bad.yaml")
@@ -69,7 +69,7 @@ def test_loading_what_has_errors_raises_them(here: Path) -> None:
         cbdsl.load("reachtouch", policy="reachtouch", schema="reachtouch")
 
 
-def test_running_gives_an_outcome_an_episode_and_equal_seeds_are_equal() -> None:
+def test_run_returns_one_result_per_episode_and_repeats_with_the_seed() -> None:
     ticks: list[Tick] = []
     first, second = cbdsl.run(
         "searchtrack", backend="kinematic", seed=SEED, episodes=2, on_tick=ticks.append

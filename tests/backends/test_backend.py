@@ -27,7 +27,7 @@ def test_bullet_is_built_in() -> None:
     assert find_backend("bullet") is BulletBackend
 
 
-def test_an_engine_says_nothing_while_it_is_imported() -> None:
+def test_import_of_an_engine_prints_nothing() -> None:
     script = "from cbdsl.backends.backend import find_backend; find_backend('bullet')"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -39,7 +39,7 @@ def test_an_unknown_name_lists_the_known_ones(folder: Path) -> None:
         find_backend("bulet")
 
 
-def test_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_find_backend_without_its_package_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     BACKENDS.refresh()
     monkeypatch.setitem(BACKENDS._builtins, "bullet", "cbdsl.no_such_module:Backend")
     with pytest.raises(BackendError, match=r"no_such_module.*cbdsl\[bullet\]"):
@@ -55,19 +55,19 @@ def test_without_mujoco_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> N
         find_backend("mujoco")
 
 
-def test_backends_of_others_are_not_mended_by_installing_ours(folder: Path) -> None:
+def test_missing_package_of_a_plugin_backend_names_no_extra_of_cbdsl(folder: Path) -> None:
     write_package(folder, "far", {BACKENDS.group: {"far": "no_such_package.module:Backend"}})
     with pytest.raises(BackendError, match=r"package far 1.0.*no_such_package'$"):
         find_backend("far")
 
 
-def test_a_class_that_is_not_there_is_named(folder: Path) -> None:
+def test_missing_class_of_an_entry_point_is_named(folder: Path) -> None:
     write_package(folder, "far", {BACKENDS.group: {"odd": "cbdsl.backends.backend:Backand"}})
     with pytest.raises(BackendError, match=r"'odd'.*Backand"):
         find_backend("odd")
 
 
-def test_a_class_that_is_no_backend_says_what_it_lacks(folder: Path) -> None:
+def test_class_without_backend_methods_is_refused_with_their_names(folder: Path) -> None:
     write_package(folder, "far", {BACKENDS.group: {"tuple": "builtins:tuple"}})
     with pytest.raises(BackendError, match="reset, observe, apply, step, halt, close"):
         find_backend("tuple")

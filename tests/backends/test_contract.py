@@ -68,7 +68,7 @@ def test_same_seed_gives_same_bytes_after_any_run(
     other.close()
 
 
-def test_it_resets_to_a_context_of_the_stage(backend: Backend) -> None:
+def test_reset_begins_the_given_context_of_the_stage(backend: Backend) -> None:
     stage = stage_named("table_right")
     for context in stage.contexts:
         assert backend.reset(stage, context, np.random.default_rng(0)) == context
@@ -89,7 +89,7 @@ def test_an_observation_holds_sensors_only(backend: Backend, dexter: RobotDocume
     assert {wrench.shape for wrench in observation.loads.values()} == {(6,)}
 
 
-def test_asking_twice_changes_nothing(backend: Backend) -> None:
+def test_observe_twice_returns_the_same_observation(backend: Backend) -> None:
     assert as_bytes(begin(backend, "noisy_right")) == as_bytes(backend.observe())
 
 
@@ -103,7 +103,7 @@ def test_an_observation_does_not_change_with_the_next_step(backend: Backend) -> 
     assert backend.observe().time == pytest.approx(backend.control_period)
 
 
-def test_a_halted_robot_stays_where_it_is(name: str, dexter: RobotDocument, urdf: Path) -> None:
+def test_halted_robot_keeps_its_positions(name: str, dexter: RobotDocument, urdf: Path) -> None:
     backend = embody(name, sightless(dexter), urdf)
     before = begin(backend, "absent").positions
     backend.apply(before + 0.5)

@@ -45,7 +45,7 @@ def test_walls_leave_the_inside_free_and_fill_the_rest(name: str) -> None:
         assert not free(scale * x, scale * y, 0.0)
 
 
-def test_what_lies_in_something_hollow_stays_there(unseeing: Simulated) -> None:
+def test_object_in_a_hollow_object_stays_inside(unseeing: Simulated) -> None:
     for context in ("in_tube", "in_tray", "beside"):
         unseeing.reset(stage_named("hollow"), context, np.random.default_rng(2))
         names = ("tube", "tray")
@@ -92,7 +92,7 @@ def gutter_with_a_ball(colour: tuple[float, ...] = (0, 0.4, 1)) -> StageDocument
     )
 
 
-def test_a_composed_thing_stands_and_keeps_what_falls_into_it(unseeing: Simulated) -> None:
+def test_composed_object_rests_and_keeps_an_object_inside(unseeing: Simulated) -> None:
     unseeing.reset(gutter_with_a_ball(), None, np.random.default_rng(0))
     run(unseeing, 1.0)
     gutter, ball = unseeing.truth.pose("gutter"), unseeing.truth.pose("ball")
@@ -104,7 +104,7 @@ def test_a_composed_thing_stands_and_keeps_what_falls_into_it(unseeing: Simulate
 
 
 @pytest.mark.usefixtures("opengl")
-def test_both_kinds_of_cameras_see_as_much_of_something_composed(dexter: RobotDocument) -> None:
+def test_ideal_and_rendered_silhouettes_of_a_composed_object_agree(dexter: RobotDocument) -> None:
     hue = "hue_7"
     channels = ChannelFilter(dexter.vision.channels, [hue], least_area=4)
     rendered = BulletBackend(dexter, URDF, cameras="rendered")
@@ -121,7 +121,7 @@ def test_both_kinds_of_cameras_see_as_much_of_something_composed(dexter: RobotDo
 
 
 @pytest.mark.usefixtures("opengl")
-def test_both_kinds_of_cameras_see_as_much_of_a_tube(dexter: RobotDocument) -> None:
+def test_ideal_and_rendered_silhouettes_of_a_tube_agree(dexter: RobotDocument) -> None:
     """Walls of a tube are one region without the bore."""
     stage, hue = stage_named("hollow"), "hue_7"
     channels = ChannelFilter(dexter.vision.channels, [hue], least_area=4)

@@ -81,7 +81,7 @@ contexts:
 
 @pytest.mark.parametrize("solid", ["hull", "boxes", "box"])
 @pytest.mark.parametrize("mesh", MESHES)
-def test_a_mesh_stands_where_it_was_put(
+def test_mesh_rests_at_its_place(
     unseeing: Simulated, tmp_path: Path, mesh: str, solid: str
 ) -> None:
     unseeing.reset(stage_with(tmp_path, mesh, solid), None, np.random.default_rng(0))
@@ -114,7 +114,7 @@ def test_a_ball_rolls_down_a_hull(unseeing: Simulated, tmp_path: Path) -> None:
     assert unseeing.truth.pose("ball").position[0] > 0.66
 
 
-def test_a_mesh_is_seen_as_it_is(
+def test_mesh_is_drawn_in_its_own_shape(
     rendered: BulletBackend, dexter: RobotDocument, tmp_path: Path
 ) -> None:
     """Show a box mesh as a box for every kind of solid, and a wedge mesh as less."""
@@ -136,7 +136,7 @@ def test_a_mesh_is_seen_as_it_is(
     assert all(less < 0.9 * whole for less, whole in zip(wedge, box, strict=True))
 
 
-def test_the_room_that_a_hull_takes_is_its_own(tmp_path: Path) -> None:
+def test_hull_occupies_its_own_volume(tmp_path: Path) -> None:
     write_mesh(tmp_path, "wedge")
     wedge = SolidShape.meshed(tmp_path / "wedge.obj", 0.001, "hull")
     (body,) = wedge.bodies(Pose(np.zeros(3), np.eye(3)))

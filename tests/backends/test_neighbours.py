@@ -13,7 +13,7 @@ from tests.backends.conftest import sightless, stage_named
 
 
 @pytest.mark.parametrize("name", ["bullet", "mujoco"])
-def test_neighbours_are_what_a_thing_presses_on(
+def test_neighbours_of_an_object_are_its_contacts(
     name: str, dexter: RobotDocument, urdf: Path
 ) -> None:
     if name not in BACKENDS.usable_names():

@@ -70,7 +70,7 @@ def test_the_same_seed_shows_the_same_things_at_the_same_places(
 
 @pytest.mark.parametrize("name", ["table_right", "table_left"])
 @pytest.mark.usefixtures("opengl")
-def test_ideal_cameras_see_what_is_in_rendered_images(
+def test_regions_of_ideal_cameras_agree_with_rendered_images(
     bullet: BulletBackend,
     kinematic: KinematicBackend,
     dexter: RobotDocument,
@@ -106,7 +106,7 @@ def test_ideal_cameras_see_what_is_in_rendered_images(
 
 @pytest.mark.usefixtures("opengl")
 @pytest.mark.parametrize("shape", ["ball", "box", "cylinder"])
-def test_spots_are_seen_alike(
+def test_spots_have_equal_regions_on_bullet_and_kinematic(
     shape: str,
     bullet: BulletBackend,
     kinematic: KinematicBackend,
@@ -203,7 +203,7 @@ SAME = [
 @pytest.mark.parametrize(
     ("program", "on", "seed", "values"), SAME, ids=lambda value: str(value).replace(" ", "")
 )
-def test_programs_pass_the_same_states_on_both(
+def test_programs_pass_the_same_states_on_bullet_and_kinematic(
     play: Play, program: str, on: str, seed: int, values: dict[str, str]
 ) -> None:
     require_the_same(play(program, on, seed, **values))
@@ -211,7 +211,7 @@ def test_programs_pass_the_same_states_on_both(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(70001, 70007))
-def test_probing_fingers_are_rewarded_on_both(play: Play, seed: int) -> None:
+def test_tactileprobe_is_rewarded_on_bullet_and_kinematic(play: Play, seed: int) -> None:
     """Allow different states.
 
     The pose of a stopped finger, and the time until it rests, depend on the compliance of the
@@ -225,7 +225,7 @@ def test_probing_fingers_are_rewarded_on_both(play: Play, seed: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [70002, 70003, 70004])
-def test_spots_are_found_on_both(play: Play, seed: int) -> None:
+def test_visualinspect_finds_spots_on_bullet_and_kinematic(play: Play, seed: int) -> None:
     """Allow different states.
 
     Fingers occlude part of the objects that they lift, and more of it in images than by ideal
@@ -238,7 +238,7 @@ def test_spots_are_found_on_both(play: Play, seed: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [70001, 70002, 70003])
-def test_both_hands_are_rewarded_on_both(play: Play, seed: int) -> None:
+def test_bimanualtouch_is_rewarded_on_bullet_and_kinematic(play: Play, seed: int) -> None:
     """Allow different states.
 
     Without physics no hand pushes the object that the other one holds, so the hold rests earlier.
@@ -252,7 +252,7 @@ def test_both_hands_are_rewarded_on_both(play: Play, seed: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(70001, 70005))
-def test_what_is_thrown_away_earns_nothing_on_either(play: Play, seed: int) -> None:
+def test_thrown_object_earns_no_reward_on_bullet_and_kinematic(play: Play, seed: int) -> None:
     """Allow different states.
 
     After it bounced, the ball flies centimetres apart on the two backends. It may then be

@@ -45,7 +45,7 @@ def began(backend: Simulated, stage: StageDocument) -> None:
     backend.reset(stage, None, np.random.default_rng(0))
 
 
-def test_the_world_is_as_it_was_left(simulated: Simulated) -> None:
+def test_persistent_world_keeps_the_poses_of_objects(simulated: Simulated) -> None:
     stage = going_on("nothing", place={"on": "table", "x": 1.2}, motion={**AWAY, "speed": 0.5})
     began(simulated, stage)
     simulated.apply(simulated.observe().positions + 0.1)
@@ -63,7 +63,7 @@ def test_the_world_is_as_it_was_left(simulated: Simulated) -> None:
     assert simulated.observe().time == pytest.approx(simulated.control_period)
 
 
-def test_another_world_is_not_gone_on_with(simulated: Simulated) -> None:
+def test_another_stage_resets_the_world(simulated: Simulated) -> None:
     began(simulated, stage_named("table_right"))
     assert simulated.resume(going_on("nothing", place={"z": 0}), None) is None
     assert simulated.resume(stage_named("table_right"), "out_of_view") in (None, "out_of_view")
@@ -73,7 +73,7 @@ def test_another_world_is_not_gone_on_with(simulated: Simulated) -> None:
     ("put_back", "direction", "returns"),
     [("nothing", 0.0, False), ("fallen", 0.0, True), ("moved", 0.0, True)],
 )
-def test_what_fell_is_put_back(
+def test_fallen_object_is_put_back(
     unseeing: Simulated, put_back: str, direction: float, returns: bool
 ) -> None:
     stage = going_on(put_back, place={"x": 0.9, "y": 1.5, "z": 0.3})
@@ -89,7 +89,7 @@ def test_what_fell_is_put_back(
 
 
 @pytest.mark.parametrize(("put_back", "returns"), [("fallen", False), ("moved", True)])
-def test_what_was_pushed_aside_is_put_back_where_asked_for(
+def test_moved_object_is_put_back_on_request(
     unseeing: Simulated, put_back: str, returns: bool
 ) -> None:
     motion = {"speed": 0.2, "direction": 0.0}
@@ -111,7 +111,7 @@ def holding(request: pytest.FixtureRequest, dexter: RobotDocument) -> Iterator[S
     backend.close()
 
 
-def test_what_is_in_the_hand_is_held_and_felt_in_the_next_episode(
+def test_held_object_is_measured_in_the_next_episode(
     holding: Simulated, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
 ) -> None:
     """Close the fingers on a ball; they still press on it after the tare in the next episode."""
@@ -144,7 +144,7 @@ def test_what_is_in_the_hand_is_held_and_felt_in_the_next_episode(
     assert felt[0] == pytest.approx(forces, abs=0.1), "the bias is kept, and the grip too"
 
 
-def test_a_backend_whose_world_cannot_go_on_says_so(
+def test_backend_without_persistent_worlds_is_refused(
     unseeing: Simulated, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
 ) -> None:
     class Forgetful:

@@ -29,7 +29,7 @@ def test_another_seed_is_another_episode(simulated: Simulated) -> None:
     assert episode(simulated, 4) != episode(simulated, 3)
 
 
-def test_sensor_noise_does_not_depend_on_who_else_draws(simulated: Simulated) -> None:
+def test_sensor_noise_does_not_depend_on_other_draws(simulated: Simulated) -> None:
     rng = np.random.default_rng(0)
     simulated.reset(stage_named("absent"), None, rng)
     state = rng.bit_generator.state

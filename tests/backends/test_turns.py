@@ -93,7 +93,7 @@ def test_scattered_things_keep_apart(unseeing: Simulated) -> None:
         assert np.hypot(*apart) >= 0.13 - 1e-9
 
 
-def test_what_moved_is_put_at_a_place_that_is_drawn_anew(unseeing: Simulated) -> None:
+def test_moved_object_is_put_at_a_newly_drawn_place(unseeing: Simulated) -> None:
     own = {"place": {"on": "table", "x": [1.1, 1.5], "y": [-0.2, 0.2]}}
     shown = stage({"ball": own}, put_back="moved", where="anew")
     began(unseeing, shown)

@@ -60,7 +60,7 @@ def test_known_errors_are_recovered(
     assert np.linalg.norm(crossing.position - place) < 0.004, "a metre away, on the table"
 
 
-def test_a_ball_that_is_taken_anew_may_lie_otherwise(
+def test_estimate_allows_another_place_in_the_hand_after_a_new_grasp(
     dexter: RobotDocument, showing: Showing
 ) -> None:
     true = draw_corrections(np.random.default_rng(8), 0.003, 0.01, CAMERAS)
@@ -104,7 +104,7 @@ def test_errors_before_and_after_are_reported(dexter: RobotDocument, showing: Sh
         assert 0.2 < each.error(each.after) < 0.45
 
 
-def test_outliers_do_little(dexter: RobotDocument, showing: Showing) -> None:
+def test_estimate_is_robust_to_outliers(dexter: RobotDocument, showing: Showing) -> None:
     true = draw_corrections(np.random.default_rng(5), 0.002, 0.01, CAMERAS)
     views = showing(5).views(true, 60, noise=0.1)
     spoilt = [

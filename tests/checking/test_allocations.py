@@ -52,14 +52,14 @@ def test_reachtouch_fits_each_arm_with_its_own_hand() -> None:
         assert each.choices == {"limb": each.values["arm"]}
 
 
-def test_what_does_not_fit_has_a_reason() -> None:
+def test_unsuitable_allocation_has_a_reason() -> None:
     found = allocated(Library(ROOT).locate(ProgramDocument, "reachtouch"))
     reasons = {tuple(each.values.values()): each.refusal for each in found if each.refusal}
     assert reasons["left_arm", "right_hand"] == "'right_hand' is not mounted on 'left_arm'"
     assert "position x 2" in reasons["arms", "hands"]
 
 
-def test_programs_are_found_by_what_they_are_rewarded_for() -> None:
+def test_programs_are_listed_by_the_signal_of_their_reward() -> None:
     found = allocated(Library(ROOT).locate(ProgramDocument, "reachtouch"))
     others = {each.values["program"]: each for each in found if "program" in each.values}
     assert {name for name, each in others.items() if each.program} == {"reachtouch_bimanual"}

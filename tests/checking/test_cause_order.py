@@ -25,7 +25,7 @@ def write(folder: Path, name: str, uses: str = "") -> Path:
     return path
 
 
-def test_what_is_used_comes_before_what_uses_it(tmp_path: Path) -> None:
+def test_used_document_is_reported_before_its_user(tmp_path: Path) -> None:
     write(tmp_path, "z")
     write(tmp_path, "m", "z")
     found = check_document(write(tmp_path, "a", "m"), session=Session(Library(tmp_path)))
@@ -41,7 +41,7 @@ def test_documents_that_name_each_other_keep_their_order(tmp_path: Path) -> None
     assert ordered == causes_first(found, session.library)
 
 
-def test_strangers_are_reported_by_path_and_line() -> None:
+def test_unrelated_documents_are_sorted_by_path_and_line() -> None:
     places = [Place("b.yaml", 1), Place("a.yaml", 9), Place("a.yaml", 2), Place("b.yaml", 4)]
     found = [Diagnostic("CB101", "a message", place) for place in places]
     assert [f.place for f in causes_first(found, Library())] == sorted(places)

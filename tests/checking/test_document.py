@@ -38,7 +38,7 @@ def diagnostics(path: Path, session: Session) -> list[Diagnostic]:
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
-def test_findings(path: Path, session: Session) -> None:
+def test_diagnostics_of_a_bad_document_equal_its_comment(path: Path, session: Session) -> None:
     wanted = re.findall(r"^# finds (.*)$", text_of(path), re.MULTILINE)
     found = []
     for diagnostic in diagnostics(path, session):
@@ -80,17 +80,17 @@ SEVERAL = {
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
-def test_one_mistake_is_one_finding(path: Path, session: Session) -> None:
+def test_bad_document_with_one_mistake_has_one_diagnostic(path: Path, session: Session) -> None:
     justified = {name for names in SEVERAL.values() for name in names.split()}
     assert (len(diagnostics(path, session)) > 1) == (path.stem in justified)
 
 
-def test_there_are_enough_cases() -> None:
+def test_at_least_350_bad_documents_exist() -> None:
     assert len(CASES) >= 350
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
-def test_caret_stands_inside_its_line(path: Path, session: Session) -> None:
+def test_caret_of_a_diagnostic_is_inside_its_line(path: Path, session: Session) -> None:
     for diagnostic in diagnostics(path, session):
         text = text_of(Path(diagnostic.place.file))
         lines = render(diagnostic, text).split("\n")
@@ -102,6 +102,6 @@ def test_caret_stands_inside_its_line(path: Path, session: Session) -> None:
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-def test_shipped_documents_are_clean(path: Path) -> None:
+def test_shipped_documents_have_no_diagnostics(path: Path) -> None:
     assert check_document(path) == []
     assert path.stem == re.search(r"^name: (\w+)$", path.read_text("utf-8"), re.MULTILINE)[1]  # type: ignore[index]

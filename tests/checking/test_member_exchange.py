@@ -67,7 +67,7 @@ def test_a_transfer_from_hand_to_hand_stands_in_for_the_grasp(found: list[Alloca
         ("right_arm", "reachtouch", "'grasp' uses 'reachtouch' itself"),
     ],
 )
-def test_what_does_not_stand_in_has_a_reason(
+def test_program_that_cannot_replace_a_member_has_a_reason(
     found: list[Allocation], arm: str, program: str, reason: str
 ) -> None:
     (refused,) = [
@@ -80,7 +80,7 @@ def test_what_does_not_stand_in_has_a_reason(
     assert "searchtrack" not in {each.values.get("reachtouch") for each in found}
 
 
-def test_names_do_not_matter(tmp_path: Path) -> None:
+def test_substitutes_are_found_under_other_names(tmp_path: Path) -> None:
     """Copies of the handover under another name are substitutes as well."""
     for name in ("pick_and_place", "handover"):
         text = (ROOT / "programs" / f"{name}.yaml").read_text(encoding="utf-8")
@@ -94,7 +94,7 @@ def test_names_do_not_matter(tmp_path: Path) -> None:
     assert "entrust" in {each.values.get("reachtouch") for each in fitting}
 
 
-def test_only_members_are_opened(tmp_path: Path) -> None:
+def test_only_members_can_be_exchanged(tmp_path: Path) -> None:
     text = (ROOT / "programs" / "reachtouch.yaml").read_text(encoding="utf-8")
     path = tmp_path / "reachtouch.yaml"
     for member, is_sound in (("touch", True), ("approach", False), ("feature", False)):
@@ -134,6 +134,8 @@ def test_a_schema_may_exchange_members(tmp_path: Path) -> None:
         ("choose", "look: {place: {program: serchtrack}}\nchoose", "CB645"),
     ],
 )
-def test_what_does_not_fit_is_found(tmp_path: Path, old: str, new: str, diagnostic: str) -> None:
+def test_unsuitable_exchange_in_a_schema_is_reported(
+    tmp_path: Path, old: str, new: str, diagnostic: str
+) -> None:
     (only,) = diagnostics(tmp_path, SCHEMA.replace(old, new, 1))
     assert diagnostic in only

@@ -37,6 +37,6 @@ def test_a_faulty_use_hides_no_further_fault_and_adds_none(tmp_path: Path) -> No
     assert found and not any("'controllers'" in each for each in found)
 
 
-def test_controllers_that_are_nothing_are_a_fault(tmp_path: Path) -> None:
+def test_empty_controllers_section_is_reported(tmp_path: Path) -> None:
     (found,) = codes(tmp_path, HEAD + POLICY + USE + "controllers:\n")
     assert found.startswith("CB204")

@@ -31,7 +31,7 @@ def test_composites_are_one_primitive_with_the_last_controller_leading(tmp_path:
     assert reach.lead.name == "approach"
 
 
-def test_seeking_waits_for_a_call_as_the_actions_write_it(tmp_path: Path) -> None:
+def test_once_of_seek_names_a_call_as_actions_do(tmp_path: Path) -> None:
     path = write(
         tmp_path,
         "controllers:\n"
@@ -46,7 +46,7 @@ def test_seeking_waits_for_a_call_as_the_actions_write_it(tmp_path: Path) -> Non
     assert seek is not None and seek.once == "reach(motion)"
 
 
-def test_only_what_comes_from_the_environment_is_rewarded() -> None:
+def test_only_signals_of_the_environment_are_rewarded() -> None:
     search = check_program("searchtrack").primitives
     assert [name for name, primitive in search.items() if primitive.lead.rewarded] == ["track"]
     assert check_program("reachtouch").primitives["touch"].lead.rewarded
@@ -110,7 +110,7 @@ def test_the_chains_lead_from_the_feedback_to_joints() -> None:
         ),
     ],
 )
-def test_a_heading_has_the_chain_along_which_its_effector_moves_it(
+def test_heading_has_the_chain_of_its_effector(
     tmp_path: Path, effector: str, casts: list[str]
 ) -> None:
     look = LOOK.replace("$feature", "hue_1").replace("effector: head", f"effector: {effector}")
@@ -143,7 +143,7 @@ def test_documents_next_to_the_program_come_before_shipped_ones(tmp_path: Path) 
     assert program.actions[1].program.members == ("look",)
 
 
-def test_a_closer_pattern_settles_what_others_leave_open(tmp_path: Path) -> None:
+def test_closest_pattern_resolves_an_ambiguity(tmp_path: Path) -> None:
     text = (
         "parameters: {feature: hue_1}\n"
         f"controllers: {{look: {{{LOOK}}}, watch: {{{LOOK}}}}}\nactions: [look, watch]\n"

@@ -79,7 +79,7 @@ def test_a_number_of_things_is_a_condition(folder: Path) -> None:
     assert decide(schema.choice, {"place.y": 0.0, "number": 1.0}) == ("left",)
 
 
-def test_trees_decide_as_they_read_in_si(folder: Path) -> None:
+def test_trees_decide_by_values_in_si_units(folder: Path) -> None:
     schema = checked(folder).schema
     assert schema is not None and schema.choice is not None and schema.reward is not None
     near, thin = {"place.y": 0.01, "place.x": 1.0}, {"volume": 0.0019}
@@ -98,7 +98,7 @@ def test_features_follow_the_parameters_of_the_using_program(folder: Path) -> No
     assert {action.allocation for action in pick.actions} == {"", "right", "left"}
 
 
-def test_what_is_learned_with_a_schema_depends_on_it(folder: Path) -> None:
+def test_digest_of_a_program_depends_on_its_schema(folder: Path) -> None:
     using, schema = folder / "programs/using.yaml", folder / "knowledge/schemas/pick.yaml"
     before = program_digest(using, Library(folder))
     assert {"reachtouch", "searchtrack_table"} <= before.policies.keys()
@@ -123,7 +123,7 @@ def test_a_schema_has_no_findings_of_its_own(folder: Path) -> None:
         ("0.02", "1.02", "CB208"),
     ],
 )
-def test_what_does_not_fit_is_found(folder: Path, old: str, new: str, code: str) -> None:
+def test_unsuitable_schema_is_reported(folder: Path, old: str, new: str, code: str) -> None:
     path = folder / "knowledge" / "schemas" / "pick.yaml"
     text = path.read_text("utf-8")
     assert old in text

@@ -49,7 +49,7 @@ def test_a_schema_is_learned_resumed_and_run(
         ),
     ],
 )
-def test_what_cannot_be_assimilated_is_said(
+def test_unsuitable_program_for_assimilate_is_refused(
     words: tuple[str, ...],
     message: str,
     tmp_path: Path,

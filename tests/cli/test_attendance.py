@@ -14,7 +14,7 @@ from cbdsl.documents.robot import RobotDocument
 from tests.backends.conftest import URDF, sightless
 
 
-def test_consent_in_advance_answers_what_it_may() -> None:
+def test_consent_in_advance_confirms_the_set_up_stage() -> None:
     assert TerminalPerson(yes=True).confirm("", "is this set up", released=True)
 
 

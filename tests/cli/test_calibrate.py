@@ -47,7 +47,7 @@ def made(folder: Path, robot: str = "dexter", body: int | None = 3) -> Path:
     return file
 
 
-def test_a_calibration_corrects_the_cameras_that_it_has(
+def test_calibration_corrects_only_its_own_cameras(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = made(tmp_path)

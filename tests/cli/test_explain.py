@@ -37,12 +37,14 @@ def test_the_page_has_a_section_for_every_code() -> None:
 
 
 @pytest.mark.parametrize("words", [[], ["CB504", "--all"], ["CB999"]])
-def test_it_wants_a_code_or_all(words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_explain_without_a_code_or_all_exits_with_2(
+    words: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert cb(monkeypatch, "explain", *words) == 2
 
 
 @pytest.mark.parametrize(("code", "near"), [("CB999", None), ("504", "CB504"), ("cb5044", "CB504")])
-def test_only_the_number_makes_a_code_near(
+def test_unknown_code_proposes_one_with_a_similar_number(
     code: str,
     near: str | None,
     monkeypatch: pytest.MonkeyPatch,

@@ -50,7 +50,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize(("words", "named"), MISTAKES, ids=lambda each: str(each)[-60:])
-def test_mistakes_are_named(
+def test_explore_with_wrong_arguments_names_the_mistake(
     words: list[str],
     named: list[str],
     here: Path,
@@ -73,7 +73,9 @@ def test_mistakes_are_named(
         ("visualinspect:mark=?", "visualinspect", "visualinspect", {"mark": "?"}),
     ],
 )
-def test_actions_are_read(text: str, label: str, program: str, values: dict[str, str]) -> None:
+def test_action_words_are_parsed(
+    text: str, label: str, program: str, values: dict[str, str]
+) -> None:
     assert read_action(text) == (label, program, values)
 
 
@@ -170,7 +172,7 @@ def test_an_action_that_cannot_run_is_left_out_and_the_rest_goes_on(
     assert found["searchtrack"].rewarded == found["searchtrack"].tried > 0
 
 
-def test_an_object_that_is_gone_is_reported(
+def test_missing_object_is_reported(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["explore", "searchtrack", *ON, "--seed", "4", "--out", "gone.yaml"]
@@ -180,7 +182,7 @@ def test_an_object_that_is_gone_is_reported(
     assert catalog(here / "gone.yaml").affordances["searchtrack"].rewarded == 0
 
 
-def test_predictions_are_beside_what_happened(
+def test_expect_prints_predictions_beside_outcomes(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["explore", "searchtrack", *ON, "--seed", "4", "--out", "ball.yaml"]
@@ -226,7 +228,7 @@ def ended(process: subprocess.Popen[bytes], done: Callable[[], bool]) -> None:
 
 
 @pytest.mark.slow
-def test_who_is_killed_loses_one_action_at_most(here: Path) -> None:
+def test_killed_exploration_loses_at_most_one_action(here: Path) -> None:
     words = [*LOOK, "--actions", "9", "--out", "ball.yaml"]
     journal, total = here / "ball.actions.jsonl", 0
 

@@ -39,7 +39,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize(("words", "named"), MISTAKES, ids=lambda each: str(each)[-60:])
-def test_mistakes_are_named(
+def test_explore_pairs_with_wrong_arguments_names_the_mistake(
     words: list[str],
     named: list[str],
     here: Path,
@@ -58,7 +58,7 @@ def read(path: Path) -> MetaCatalogDocument:
     return Library().read(path, MetaCatalogDocument).document
 
 
-def test_what_was_done_is_not_done_again(
+def test_resumed_exploration_of_pairs_repeats_no_action(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, *WORDS, *FAST, "--actions", "1") == 0
@@ -83,7 +83,7 @@ def test_what_was_done_is_not_done_again(
 
 
 @pytest.mark.slow
-def test_a_box_stands_on_a_larger_one_and_that_on_no_smaller_one(
+def test_small_box_stands_on_a_large_one_and_not_vice_versa(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     engine = ["--backend", "mujoco", "--cameras", "ideal"]
@@ -98,7 +98,7 @@ def test_a_box_stands_on_a_larger_one_and_that_on_no_smaller_one(
     assert max(map(abs, seen.mean[3:5])) < 0.06 < seen.mean[5]
 
 
-def test_it_is_shown_drawn_and_planned_from(
+def test_meta_catalog_is_printed_drawn_and_planned(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     show = ["show", "meta-catalog", "four_things"]

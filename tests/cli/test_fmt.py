@@ -93,7 +93,7 @@ def test_fmt_of_a_folder_leaves_yaml_of_other_tools_alone(
     assert {name: (here / name).read_text("utf-8") for name in FOREIGN} == FOREIGN
 
 
-def test_fmt_of_a_named_file_of_another_tool_says_why_it_stays(
+def test_fmt_of_a_named_file_of_another_tool_states_the_reason(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = FOREIGN["docker-compose.yml"]

@@ -48,7 +48,7 @@ def test_the_problem_matcher_finds_places(
     assert file == str(path)
 
 
-def test_the_workflows_are_yaml_and_say_what_cb_understands() -> None:
+def test_workflows_on_the_page_are_yaml_with_valid_commands() -> None:
     blocks = re.findall(r"^```yml\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
     assert len(blocks) == 4
     for block in blocks:

@@ -87,7 +87,7 @@ MISTAKES = [
 @pytest.mark.parametrize(
     ("words", "code", "named"), MISTAKES, ids=[" ".join(each[0]) for each in MISTAKES]
 )
-def test_a_mistake_is_one_clear_message(
+def test_learn_with_wrong_arguments_prints_one_message(
     here: Path,
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
@@ -103,9 +103,7 @@ def test_a_mistake_is_one_clear_message(
     assert {path: path.is_file() and path.read_bytes() for path in here.iterdir()} == before
 
 
-def test_an_episode_lasts_no_longer_than_asked_for(
-    here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_episode_ends_at_the_requested_time(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """``--episode-time`` also bounds the search that a reach uses, which lasts many transitions."""
     words = ["learn", "reachtouch", "--stage", "absent", "--backend", "kinematic", "--seed", "3"]
     words += ["--episodes", "2", "--episode-time", "6", "--out", "short.yaml"]
@@ -151,7 +149,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize(("words", "told"), OTHERS, ids=[" ".join(each[0]) for each in OTHERS])
-def test_another_trial_does_not_go_on_and_what_differs_is_reported(
+def test_resume_of_another_trial_is_refused_with_the_difference(
     begun: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -166,7 +164,7 @@ def test_another_trial_does_not_go_on_and_what_differs_is_reported(
     assert contents(begun) == before
 
 
-def test_a_changed_program_does_not_go_on_with_what_the_old_one_did(
+def test_resume_after_a_change_of_the_program_is_refused(
     begun: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = (ROOT / "programs" / "searchtrack.yaml").read_text("utf-8")
@@ -178,7 +176,7 @@ def test_a_changed_program_does_not_go_on_with_what_the_old_one_did(
     assert "program 'searchtrack' has changed since" in capsys.readouterr().err
 
 
-def test_what_is_in_the_way_of_a_model_is_found_before_the_episodes(
+def test_foreign_file_in_the_place_of_a_model_is_reported_before_the_episodes(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (here / "new_head.yaml").write_text("not learned", encoding="utf-8")
@@ -187,7 +185,7 @@ def test_what_is_in_the_way_of_a_model_is_found_before_the_episodes(
     assert not (here / "new.episodes.jsonl").exists()
 
 
-def test_where_models_cannot_go_is_found_before_the_episodes(
+def test_unusable_folder_of_models_is_reported_before_the_episodes(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (here / "models").write_text("no folder", encoding="utf-8")
@@ -240,7 +238,7 @@ LEARN = ["learn", "searchtrack", "--stage", "searchtrack_training", "--seed", "3
 
 
 @pytest.mark.slow
-def test_what_is_learned_on_bullet_goes_on_validates_and_runs(
+def test_policy_learned_on_bullet_resumes_validates_and_runs(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, *LEARN, "--episodes", "4", "--out", "policy.yaml") == 0
@@ -276,7 +274,7 @@ def test_a_policy_of_a_program_that_changed_is_refused_before_it_runs(
     assert cb(monkeypatch, "validate", "policy.yaml") == 0
 
 
-def test_what_stops_an_episode_is_one_clear_message(
+def test_unsolvable_field_ends_learning_with_one_message(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     (here / "stuck.yaml").write_text(STUCK, encoding="utf-8")

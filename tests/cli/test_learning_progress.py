@@ -32,7 +32,7 @@ def watched(*, trials: int = 1) -> None:
                 progress.note(number, replace(trial.run(runner), wall_seconds=30.0))
 
 
-def test_lines_say_what_was_how_it_goes_and_how_long_it_takes(
+def test_progress_lines_state_episodes_rewards_and_remaining_time(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     watched()
@@ -45,7 +45,7 @@ def test_lines_say_what_was_how_it_goes_and_how_long_it_takes(
     assert "left" not in lines[-1]
 
 
-def test_of_several_trials_lines_say_which_it_is_and_what_is_left_of_all(
+def test_progress_lines_of_several_trials_name_the_trial_and_the_total_time(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     watched(trials=3)
@@ -58,7 +58,9 @@ def test_of_several_trials_lines_say_which_it_is_and_what_is_left_of_all(
     assert lines[-1].endswith("42 of 42 in all")
 
 
-def test_trials_at_once_take_their_share_of_the_time(capsys: pytest.CaptureFixture[str]) -> None:
+def test_remaining_time_of_parallel_trials_is_divided_by_their_number(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     with LearningProgress("searchtrack", trials=8, episodes=10, at_once=4) as progress:
         progress.begin(2, "nothing", [])
         progress.note(2, replace(toy_trial().run(ToyEpisodeRunner()), wall_seconds=12.0))
@@ -66,9 +68,7 @@ def test_trials_at_once_take_their_share_of_the_time(capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.parametrize("trials", [1, 30])
-def test_a_terminal_shows_all_of_it_on_one_line(
-    monkeypatch: pytest.MonkeyPatch, trials: int
-) -> None:
+def test_progress_on_a_terminal_is_one_line(monkeypatch: pytest.MonkeyPatch, trials: int) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stdout", terminal)
     monkeypatch.setenv("COLUMNS", "80")

@@ -28,7 +28,7 @@ def supervision(tasks: Sequence[LearningTask]) -> Supervision:
     return Supervision(tasks, progress)
 
 
-def test_episodes_are_reported_as_they_end_elsewhere_and_before_their_files(
+def test_episodes_of_workers_are_reported_from_their_journals(
     tasks: list[LearningTask], capsys: pytest.CaptureFixture[str]
 ) -> None:
     take(tasks[0].path, EPISODES - 1)
@@ -44,7 +44,7 @@ def test_episodes_are_reported_as_they_end_elsewhere_and_before_their_files(
     assert said[5:] == [f"wrote {tasks[0].path}"]
 
 
-def test_a_torn_line_is_reported_when_it_is_whole(
+def test_partial_line_of_a_journal_is_reported_once_complete(
     tasks: list[LearningTask], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     take(tmp_path / "policy.yaml", EPISODES)
@@ -58,7 +58,7 @@ def test_a_torn_line_is_reported_when_it_is_whole(
     assert told[-1] and told[-2] == 0 == told[0]
 
 
-def test_failures_are_reported_at_once_and_with_their_reasons_at_the_end(
+def test_failed_trials_are_reported_immediately_and_with_reasons_at_the_end(
     tasks: list[LearningTask], capsys: pytest.CaptureFixture[str]
 ) -> None:
     watching = supervision(tasks)

@@ -35,7 +35,7 @@ def test_every_document_that_has_a_name_here_is_listed(
 
 
 @pytest.mark.parametrize("word", ["robot", "robots", "policies"])
-def test_one_kind_alone(
+def test_list_of_one_kind_contains_no_others(
     word: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "list", word, "--json") == 0
@@ -43,7 +43,7 @@ def test_one_kind_alone(
     assert kinds == {"policy" if word == "policies" else "robot"}
 
 
-def test_people_get_a_table_and_a_wrong_kind_the_right_ones(
+def test_list_prints_a_table_and_refuses_an_unknown_kind_with_the_known_ones(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "list", "programs") == 0

@@ -28,7 +28,7 @@ def outcome(line: str) -> dict[str, object]:
     return {key: each for key, each in json.loads(line).items() if key != "wall_seconds"}
 
 
-def test_a_page_changes_nothing_and_leaves_nothing(
+def test_run_with_a_page_equals_a_run_without_one(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, *REACH) == 0
@@ -73,7 +73,7 @@ def test_exploring_with_a_page_explores_the_same(
     assert shown.read_text("utf-8") == alone.read_text("utf-8")
 
 
-def test_the_page_of_an_exploration_is_reported_what_each_action_teaches(
+def test_page_of_an_exploration_receives_a_catalog_per_action(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -108,7 +108,7 @@ def test_the_page_of_an_exploration_is_reported_what_each_action_teaches(
     ],
     ids=str,
 )
-def test_what_makes_no_sense_is_one_message(
+def test_unsuitable_live_options_print_one_message(
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],

@@ -54,7 +54,7 @@ class Interrupted:
         raise KeyboardInterrupt
 
 
-def test_an_interrupt_that_a_destructor_swallows_comes_again(
+def test_interrupt_swallowed_by_a_destructor_is_raised_again(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(sys, "unraisablehook", sys.__unraisablehook__)
@@ -65,7 +65,7 @@ def test_an_interrupt_that_a_destructor_swallows_comes_again(
     assert capsys.readouterr().err == ""
 
 
-def test_what_else_a_destructor_raises_is_printed(
+def test_other_exception_of_a_destructor_is_printed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     printed: list[object] = []
@@ -90,7 +90,7 @@ def test_wrong_input_is_one_located_message(
     assert printed.count(": CB") == 1 and "Traceback" not in printed
 
 
-def test_findings_exit_with_1_and_say_where(
+def test_validate_with_errors_exits_with_1_and_names_the_place(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = BAD / "programs" / "resource_part.yaml"
@@ -130,7 +130,7 @@ def test_a_folder_without_documents_is_a_wrong_call(
     assert cb(monkeypatch, "validate", str(tmp_path)) == 2
 
 
-def test_faults_of_cb_show_no_traceback(
+def test_internal_error_prints_no_traceback(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def fail(*_: object, **__: object) -> None:
@@ -143,7 +143,7 @@ def test_faults_of_cb_show_no_traceback(
 
 
 @pytest.mark.parametrize("what", [("types",), ("resources",), ("program", "reachtouch")])
-def test_what_is_shown_is_the_same_as_json(
+def test_table_of_show_equals_its_json(
     what: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", *what) == 0

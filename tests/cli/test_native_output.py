@@ -23,12 +23,12 @@ def run(failing: bool) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", script], capture_output=True, encoding="utf-8")
 
 
-def test_it_is_dropped_where_all_goes_well() -> None:
+def test_native_output_of_a_successful_command_is_dropped() -> None:
     done = run(failing=False)
     assert (done.stdout, done.stderr) == ("said \u25c1\nsaid afterwards\n", "")
 
 
-def test_it_is_shown_where_something_fails() -> None:
+def test_native_output_of_a_failed_command_is_printed() -> None:
     done = run(failing=True)
     assert done.stdout == "said \u25c1\n"
     assert done.stderr.startswith("noise\nTraceback") and "on purpose" in done.stderr

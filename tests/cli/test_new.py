@@ -51,7 +51,7 @@ def test_robots_of_any_model_and_their_programs_and_stages_are_clean(
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda path: path.stem)
-def test_no_joint_of_a_model_is_passed_over(
+def test_new_robot_mentions_every_joint_of_the_model(
     model: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "new", "robot", "fresh", "--urdf", str(model)) == 0
@@ -65,7 +65,7 @@ def test_no_joint_of_a_model_is_passed_over(
     assert sum(map(int, counts)) == len(others)
 
 
-def test_a_model_without_joints_to_move_says_what_its_joints_are(
+def test_new_robot_without_movable_joints_lists_the_joints(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     model = folder / "cart.urdf"
@@ -96,7 +96,7 @@ def test_the_model_is_found_and_postures_are_within_its_limits(
     assert effector.postures["ready"] == pytest.approx((2.0, 0.0), abs=0.01)
 
 
-def test_limbs_that_are_alike_become_groups(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_similar_limbs_become_a_group(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     a1 = next(path for path in MODELS if path.name == "a1.urdf")
     assert cb(monkeypatch, "new", "robot", "dog", "--urdf", str(a1)) == 0
     dog = Library(folder).read(folder / "robots" / "dog.yaml", RobotDocument).document
@@ -109,7 +109,7 @@ def test_limbs_that_are_alike_become_groups(folder: Path, monkeypatch: pytest.Mo
     assert both.groups["arms"].members == ("left_arm", "right_arm")
 
 
-def test_a_new_program_moves_what_does_not_start_there(
+def test_new_program_moves_an_effector_away_from_its_start(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     iiwa = next(path for path in MODELS if str(path).endswith("kuka_iiwa/model.urdf"))
@@ -167,7 +167,7 @@ def test_links_that_touch_nothing_are_reported(
     assert "touch nothing" not in "".join(capsys.readouterr())
 
 
-def test_a_joint_of_a_hair_s_breadth_keeps_some_of_its_range(
+def test_margin_of_a_narrow_joint_leaves_a_part_of_its_range(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     model = folder / "spring.urdf"
@@ -193,7 +193,7 @@ def test_the_first_line_names_a_schema_that_is_there(
     assert "$schema=../schemas/program.schema.json\n" in later
 
 
-def test_what_is_there_stays_unless_forced(
+def test_new_keeps_an_existing_file_without_force(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = folder / "programs" / "mine.yaml"
@@ -230,7 +230,7 @@ def test_wrong_calls_write_nothing_and_exit_with_2(
 @pytest.mark.parametrize(
     ("context", "outcome"), [("on_table", "Rewarded"), ("empty", "Not rewarded")]
 )
-def test_on_a_made_stage_only_what_is_shown_is_seen(
+def test_searchtrack_on_a_new_stage_ends_as_its_context_implies(
     context: str,
     outcome: str,
     monkeypatch: pytest.MonkeyPatch,

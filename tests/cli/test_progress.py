@@ -15,14 +15,16 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return now
 
 
-def test_what_is_short_says_nothing(clock: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+def test_short_work_prints_no_progress(
+    clock: list[float], capsys: pytest.CaptureFixture[str]
+) -> None:
     with progress.Progress("work") as told:
         clock[0] += 1.9
         told.note(1, 2)
     assert capsys.readouterr().err == ""
 
 
-def test_what_takes_longer_says_what_is_left(
+def test_long_work_prints_the_remaining_time(
     clock: list[float], capsys: pytest.CaptureFixture[str]
 ) -> None:
     with progress.Progress("work") as told:

@@ -31,7 +31,7 @@ def folder(kept: Path, tmp_path: Path) -> Path:
     return folder
 
 
-def test_a_recording_gets_a_page_beside_it(
+def test_replay_writes_the_page_beside_the_recording(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, folder / "episode_0.json") == 0
@@ -41,13 +41,15 @@ def test_a_recording_gets_a_page_beside_it(
     assert not (folder / "episode_1.html").exists()
 
 
-def test_a_folder_gets_a_page_for_each(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_replay_of_a_folder_writes_a_page_per_recording(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert cb(monkeypatch, folder) == 0
     pages = [folder / f"episode_{seed}.html" for seed in (0, 1)]
     assert pages[0].read_bytes() == pages[1].read_bytes()
 
 
-def test_a_page_goes_where_it_is_wanted(
+def test_replay_writes_the_page_to_the_given_path(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert cb(monkeypatch, folder / "episode_1.npz", "--out", tmp_path / "new/far/page.html") == 0
@@ -60,7 +62,7 @@ def test_a_page_goes_where_it_is_wanted(
     assert {each.name for each in tmp_path.iterdir()} == {"kept", "page.html"}
 
 
-def test_a_failed_write_leaves_what_was_there(
+def test_failed_write_keeps_the_existing_page(
     folder: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -94,7 +96,7 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
 
 
 @pytest.mark.parametrize(("arguments", "named"), MISTAKES, ids=[" ".join(m[0]) for m in MISTAKES])
-def test_a_mistake_is_one_clear_message(
+def test_replay_with_wrong_arguments_prints_one_message(
     folder: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -113,7 +115,7 @@ def test_a_mistake_is_one_clear_message(
         assert part in err
 
 
-def test_a_browser_opens_only_for_people(
+def test_replay_opens_a_browser_only_on_a_terminal(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     opened: list[str] = []
@@ -128,7 +130,7 @@ def test_a_browser_opens_only_for_people(
     assert opened == [str(folder / "episode_0.html")]
 
 
-def test_without_numpy_it_says_what_to_install(
+def test_replay_without_numpy_names_the_extra(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in [*sys.modules]:

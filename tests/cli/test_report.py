@@ -24,7 +24,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_a_policy_has_its_page_beside_it(
+def test_report_writes_the_page_beside_the_policy(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "report", "knowledge/walked_0.yaml") == 0
@@ -56,7 +56,7 @@ def test_a_meta_catalog_has_a_page_that_plans(
     assert not Path("bad.html").exists()
 
 
-def test_a_failed_write_leaves_what_was_there(
+def test_failed_write_keeps_the_existing_page(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def fail(*_: object) -> None:
@@ -86,7 +86,7 @@ MISTAKES = [
 @pytest.mark.parametrize(
     ("arguments", "code", "named"), MISTAKES, ids=[" ".join(m[0]) for m in MISTAKES]
 )
-def test_a_mistake_is_one_clear_message(
+def test_report_with_wrong_arguments_prints_one_message(
     folder: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -101,7 +101,9 @@ def test_a_mistake_is_one_clear_message(
     assert not list(folder.rglob("*.html"))
 
 
-def test_a_browser_opens_only_for_people(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_report_opens_a_browser_only_on_a_terminal(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     opened: list[str] = []
     monkeypatch.setattr("typer.launch", opened.append)
     assert cb(monkeypatch, "report", "knowledge") == 0
@@ -112,7 +114,7 @@ def test_a_browser_opens_only_for_people(folder: Path, monkeypatch: pytest.Monke
     assert opened == [str(Path("knowledge/report.html"))]
 
 
-def test_without_numpy_it_says_what_to_install(
+def test_report_without_numpy_names_the_extra(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in [*sys.modules]:

@@ -120,7 +120,7 @@ MISTAKES = [
 @pytest.mark.parametrize(
     ("arguments", "code", "named"), MISTAKES, ids=[" ".join(each[0]) for each in MISTAKES]
 )
-def test_a_mistake_is_one_clear_message(
+def test_run_with_wrong_arguments_prints_one_message(
     here: Path,
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
@@ -145,7 +145,7 @@ _LOADED_LATE = tuple(f"cbdsl.{room}" for room in ("backends", "kinematics", "run
 
 @pytest.mark.parametrize("package", ["numpy", "pybullet", "cv2", "pinocchio"])
 @pytest.mark.parametrize("more", [[], ["--record", "kept"]], ids=["run", "record"])
-def test_without_the_simulator_it_says_what_to_install(
+def test_run_without_the_simulator_names_the_extra(
     here: Path,
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
@@ -187,7 +187,7 @@ def test_the_same_call_prints_the_same_bytes(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_people_are_reported_transitions_and_scripts_files(
+def test_run_prints_transitions_and_writes_recordings(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "searchtrack", "--context", "in_view", "--record", "kept") == 0
@@ -207,7 +207,7 @@ def test_the_shipped_programs_are_found_from_anywhere(
     assert "reachtouch" in capfd.readouterr().err
 
 
-def test_what_stops_an_episode_is_one_clear_message(
+def test_unsolvable_field_ends_the_run_with_one_message(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     (here / "stuck.yaml").write_text(STUCK, encoding="utf-8")
@@ -218,7 +218,7 @@ def test_what_stops_an_episode_is_one_clear_message(
     assert told == ["cb: seed 3, 0.00 s: no convergence in 0 cycles"]
 
 
-def test_images_are_spoken_of_only_where_there_are_cameras(
+def test_renderer_is_printed_only_for_robots_with_cameras(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "sixaxis_reach", "--backend", "kinematic") == 0
@@ -230,7 +230,7 @@ def test_images_are_spoken_of_only_where_there_are_cameras(
 REACH = ("sixaxis_reach", "--backend", "kinematic", "--record", "kept")
 
 
-def test_a_recording_that_is_there_stays_unless_it_is_to_be_replaced(
+def test_existing_recording_is_kept_without_overwrite(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, *REACH) == 0
@@ -246,7 +246,7 @@ def test_a_recording_that_is_there_stays_unless_it_is_to_be_replaced(
     assert "recording" in (here / "kept" / "episode_0.json").read_text()
 
 
-def test_an_episode_that_cannot_be_kept_is_reported_all_the_same(
+def test_episode_with_a_failed_recording_is_still_reported(
     here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     def full(*_: object, **__: object) -> None:
@@ -261,7 +261,7 @@ def test_an_episode_that_cannot_be_kept_is_reported_all_the_same(
 
 
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
-def test_what_is_recorded_until_an_interrupt_is_kept(
+def test_recording_up_to_an_interrupt_is_kept(
     sent: signal.Signals,
     here: Path,
     monkeypatch: pytest.MonkeyPatch,

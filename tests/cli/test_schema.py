@@ -24,7 +24,7 @@ def test_committed_schemas_are_the_generated_ones(kind: str) -> None:
     assert committed == json_text(json_schema(KINDS[kind])), "run: cb schema --write schemas"
 
 
-def test_no_schema_is_left_of_a_kind_that_is_gone() -> None:
+def test_committed_schemas_are_those_of_the_known_kinds() -> None:
     files = {path.name for path in (ROOT / "schemas").glob("*.json")}
     assert files == {schema_file(kind) for kind in KINDS}
 
@@ -45,7 +45,7 @@ def test_schemas_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         assert written == json_text(json_schema(KINDS[kind]))
 
 
-def test_one_schema_or_all_are_printed(
+def test_schema_prints_one_kind_or_all(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "schema", "stage") == 0

@@ -21,7 +21,7 @@ def shown(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -
     return run
 
 
-def test_what_fits_comes_first_and_the_rest_has_a_reason(shown: Shown) -> None:
+def test_suitable_allocations_come_first_and_others_have_reasons(shown: Shown) -> None:
     rows = json.loads(shown("reachtouch", "--json"))
     fits = [row["fits"] for row in rows]
     assert sum(fits) == 3 and fits == sorted(fits, reverse=True) and not all(fits)
@@ -30,5 +30,5 @@ def test_what_fits_comes_first_and_the_rest_has_a_reason(shown: Shown) -> None:
     assert text.index("yes") < text.index("is not mounted on 'left_arm'")
 
 
-def test_a_program_that_fixes_its_resources_says_so(shown: Shown) -> None:
+def test_program_without_open_resources_is_reported(shown: Shown) -> None:
     assert "lets no parameter stand for another resource" in shown("posture")

@@ -36,7 +36,7 @@ ASKED = {
 }
 
 
-def test_every_command_is_asked() -> None:
+def test_every_show_command_is_tested() -> None:
     assert {command.name for command in show.registered_commands} == set(ASKED)
 
 
@@ -70,7 +70,7 @@ def test_the_list_of_documents_has_the_same_option(
 
 
 @pytest.mark.parametrize("command", ["run", "learn", "explore", "calibrate"])
-def test_help_for_the_name_of_a_backend_lists_them(
+def test_backend_option_with_help_lists_the_backends(
     command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert not cb(monkeypatch, command, "x", "--backend", "--help")

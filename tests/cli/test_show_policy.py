@@ -51,7 +51,7 @@ def test_text_has_each_state_with_its_numbers(
     assert all(len(line) <= 80 for line in text.splitlines())
 
 
-def test_data_say_what_was_counted(
+def test_json_of_a_policy_holds_all_counts(
     file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     data = json.loads(printed(monkeypatch, capsys, file, "--json"))
@@ -62,7 +62,7 @@ def test_data_say_what_was_counted(
     assert states["0X"]["after"] == {"X-": 0.5, "X1": 0.5}
 
 
-def test_above_leaves_arcs_out_and_all_draws_every_state(
+def test_above_omits_rare_arcs_and_all_draws_every_state(
     file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def arcs(*options: str) -> set[tuple[str, str]]:
@@ -91,7 +91,7 @@ def test_diagrams_are_printed(
         ElementTree.fromstring(text)
 
 
-def test_a_program_has_the_policy_that_is_written_in_it(
+def test_show_policy_of_a_program_prints_its_written_policy(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     data = json.loads(printed(monkeypatch, capsys, "programs/reachtouch.yaml", "--json"))
@@ -117,7 +117,7 @@ def _program(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
         (["programs/reach.yaml", "--format", "svgg"], 2, "did you mean 'svg'? (known: text, json"),
     ],
 )
-def test_a_mistake_is_one_clear_message(
+def test_show_policy_with_wrong_arguments_prints_one_message(
     arguments: list[str],
     code: int,
     named: str,

@@ -29,7 +29,7 @@ def test_text_fits_a_terminal_of_80_columns(
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_text_says_what_the_data_say(
+def test_text_of_show_program_contains_the_values_of_its_json(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = re.sub(r"\s+", " ", printed(monkeypatch, capsys, "program", name))
@@ -55,7 +55,7 @@ def test_text_says_what_the_data_say(
     assert decided + data["states"]["undecided"] == data["states"]["all"]
 
 
-def test_programs_within_are_shown_too(
+def test_show_program_includes_used_programs(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = printed(monkeypatch, capsys, "program", "reachtouch")
@@ -102,7 +102,7 @@ def test_an_unknown_format_is_reported_with_the_known_ones(
     assert capsys.readouterr().err == told
 
 
-def test_all_potentials_are_shown(
+def test_show_potentials_lists_every_potential(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     table = printed(monkeypatch, capsys, "potentials")

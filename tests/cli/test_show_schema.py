@@ -77,7 +77,7 @@ def test_another_schema_differs_by_its_lines(shown: Shown, file: Path, tmp_path:
     assert shown(file, "--against", file) == "no difference\n"
 
 
-def test_what_stands_in_has_to_fit(
+def test_schema_with_an_unsuitable_substitute_is_refused(
     file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "validate", str(file)) == 0

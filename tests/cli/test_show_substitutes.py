@@ -9,7 +9,7 @@ import pytest
 from tests.cli.test_main import cb
 
 
-def test_what_stands_in_for_what(
+def test_show_substitutes_lists_programs_of_the_same_reward(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", "substitutes", "reachtouch", "--json") == 0
@@ -24,7 +24,7 @@ def test_what_stands_in_for_what(
     assert "tactileprobe" in capsys.readouterr().out
 
 
-def test_nothing_substitutes_an_unrewarded_program(
+def test_unrewarded_program_has_no_substitutes(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", "substitutes", "posture") == 0

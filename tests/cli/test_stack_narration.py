@@ -45,13 +45,13 @@ def told(checked: Checked, dexter: RobotDocument, urdf: Path, kinematics: Kinema
     return "\n".join(lines)
 
 
-def test_there_is_a_table_every_second_at_least(told: str) -> None:
+def test_explain_prints_a_table_at_least_every_second(told: str) -> None:
     times = np.array([float(time) for time in TABLE.findall(told)])
     assert len(times) > 3
     assert np.diff(times).max() < 1.1
 
 
-def test_every_transition_has_one(told: str) -> None:
+def test_explain_prints_a_table_at_every_transition(told: str) -> None:
     """Transitions have a table each, except the first one, which has no predecessor."""
     tables = set(TABLE.findall(told))
     assert set(TRANSITION.findall(told)[1:]) <= tables

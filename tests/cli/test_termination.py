@@ -23,7 +23,7 @@ LEARN = (
 )
 
 
-def test_the_signal_interrupts_and_what_was_done_about_it_before_is_done_again() -> None:
+def test_sigterm_raises_an_interrupt_and_the_handler_is_restored() -> None:
     before = signal.getsignal(signal.SIGTERM)
     with pytest.raises(KeyboardInterrupt), termination_interrupts():
         os.kill(os.getpid(), signal.SIGTERM)

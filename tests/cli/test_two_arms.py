@@ -43,7 +43,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_it_has_no_findings_and_two_arms_that_are_alike(
+def test_new_robot_of_two_arms_has_a_group_and_no_diagnostics(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(folder)
@@ -58,7 +58,7 @@ def test_it_has_no_findings_and_two_arms_that_are_alike(
 
 
 @pytest.mark.parametrize("backend", ["kinematic", "mujoco", "bullet"])
-def test_both_hands_come_to_rest_around_a_place(
+def test_both_hands_come_to_rest_40_cm_apart(
     backend: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(folder)

@@ -101,7 +101,7 @@ def test_github_annotations_are_escaped(tmp_path: Path, printed: Any) -> None:
     assert "stereo.hue_4" in match["message"] and "%0A" in match["message"]
 
 
-def test_github_has_nothing_to_say_about_sound_documents(printed: Any) -> None:
+def test_github_format_of_valid_documents_is_empty(printed: Any) -> None:
     assert printed("--format", "github", str(SEARCHTRACK)) == (0, "")
 
 
@@ -134,11 +134,11 @@ def require_location(location: dict[str, Any]) -> None:
     assert ("id" in location) == ("message" in location)
 
 
-def test_a_format_that_is_none_is_a_wrong_call(printed: Any) -> None:
+def test_unknown_format_is_a_wrong_call(printed: Any) -> None:
     assert printed("--format", "xml", str(CLASH))[0] == 2
 
 
-def test_color_is_for_terminals(monkeypatch: pytest.MonkeyPatch, printed: Any) -> None:
+def test_colour_is_printed_only_on_terminals(monkeypatch: pytest.MonkeyPatch, printed: Any) -> None:
     assert "\x1b[" not in printed(str(CLASH))[1]
     monkeypatch.setattr(
         "cbdsl.diagnostics.text_format.sys.stdout.isatty", lambda: True, raising=False
@@ -256,14 +256,14 @@ def test_a_name_stands_for_its_documents(
     assert code == 0 and text.startswith("own.yaml:6:3: CB701")
 
 
-def test_a_name_that_nothing_has_is_a_wrong_call(
+def test_unknown_name_is_a_wrong_call(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "validate", "serchtrack") == 2
     assert "did you mean 'searchtrack'?" in capsys.readouterr().err
 
 
-def test_a_file_that_is_not_there_may_be_a_neighbour(printed: Any) -> None:
+def test_missing_file_with_the_name_of_a_document_is_explained(printed: Any) -> None:
     code, text = printed(str(SEARCHTRACK.with_name("serchtrack.yaml")))
     assert code == 1 and f"did you mean '{SEARCHTRACK}'?" in text
 
@@ -271,7 +271,9 @@ def test_a_file_that_is_not_there_may_be_a_neighbour(printed: Any) -> None:
 # -- bounds ----------------------------------------------------------------------------------
 
 
-def test_of_a_flood_the_first_findings_are_reported(tmp_path: Path, printed: Any) -> None:
+def test_validate_reports_only_the_first_100_diagnostics_of_a_file(
+    tmp_path: Path, printed: Any
+) -> None:
     path = tmp_path / "flood.yaml"
     path.write_text(HEAD + REST + "policy:\n" + "".join(f"  q{i}: a{i}\n" for i in range(1500)))
     code, text = printed("--json", str(path))

@@ -35,7 +35,7 @@ def test_an_empty_word_is_one_clear_message_and_nothing_is_done(
     assert not list(tmp_path.iterdir())
 
 
-def test_words_with_an_equals_sign_at_their_end_are_no_empty_options(
+def test_word_with_a_trailing_equals_sign_is_no_empty_option(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "validate", "--with", "arm=", "reach") == 2

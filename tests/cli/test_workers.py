@@ -12,7 +12,7 @@ from cbdsl.diagnostics.errors import UsageError
 from tests.cli.test_main import cb
 
 
-def test_a_machine_bears_four_workers_a_processor(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_at_most_four_workers_per_processor_are_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(10)))
     require_workers(40)
     with pytest.raises(UsageError, match="--workers 41: at most 40 here"):
@@ -28,7 +28,7 @@ def test_a_machine_bears_four_workers_a_processor(monkeypatch: pytest.MonkeyPatc
         ["reproduce", "fig_4_5"],
     ],
 )
-def test_too_many_are_refused_before_anything_begins(
+def test_too_many_workers_are_refused_before_the_first_episode(
     command: list[str],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -60,7 +60,7 @@ def test_too_many_are_refused_before_anything_begins(
         ("tcp://[nonsense", False),
     ],
 )
-def test_a_plain_scheduler_elsewhere_is_warned_of(
+def test_plain_scheduler_on_another_machine_gives_a_warning(
     address: str, is_open: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     warn_of_open_scheduler(address)

@@ -36,7 +36,7 @@ def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats
 
 
 @pytest.mark.parametrize("exponent", range(0, 17))
-def test_nearly_dependent_rows_neither_leak_nor_spoil_what_is_below(
+def test_nearly_dependent_rows_do_not_leak_or_disturb_lower_levels(
     exponent: int, rng: np.random.Generator
 ) -> None:
     for _ in range(20):
@@ -54,7 +54,7 @@ def test_nearly_dependent_rows_neither_leak_nor_spoil_what_is_below(
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 7])
-def test_levels_move_as_pseudoinverses_of_what_is_left(
+def test_level_moves_by_the_pseudoinverse_of_its_remaining_rows(
     count: int, rng: np.random.Generator
 ) -> None:
     above, rows = rng.normal(size=(2, 9)), rng.normal(size=(count, 9))
@@ -70,7 +70,7 @@ def test_levels_move_as_pseudoinverses_of_what_is_left(
 
 @pytest.mark.parametrize("count", [2, 3, 5, 7])
 @pytest.mark.parametrize("exponent", [4, 8, 12])
-def test_nearly_dependent_rows_have_the_singular_values_they_should(
+def test_singular_values_of_nearly_dependent_rows_agree_with_numpy(
     count: int, exponent: int, rng: np.random.Generator
 ) -> None:
     """Compute them in a bounded number of sweeps in spite of rounding in nearly parallel rows."""
@@ -117,6 +117,6 @@ def test_rows_of_no_effect_move_nothing(rows: Floats) -> None:
 
 
 @pytest.mark.parametrize("scale", [1e-160, 1e-80, 1e80, 1e140])
-def test_extreme_numbers_end(scale: float, rng: np.random.Generator) -> None:
+def test_composition_of_extreme_numbers_terminates(scale: float, rng: np.random.Generator) -> None:
     step, _ = composed([scale * rng.normal(size=(3, 5))], [scale * rng.normal(size=3)])
     assert np.isfinite(step).all()

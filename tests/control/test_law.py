@@ -82,7 +82,7 @@ def test_lower_levels_do_not_disturb_higher_ones(seed: int, joints: int) -> None
         above = np.vstack((above, level.jacobian))
 
 
-def test_no_level_of_ten_thousand_stacks_moves_those_above() -> None:
+def test_no_level_of_ten_thousand_random_stacks_moves_a_higher_one() -> None:
     """Use dependent rows within a level and among levels, by a tick's velocities."""
     rng, worst, dependent = np.random.default_rng(17), 0.0, 0
     for _ in range(STACKS):
@@ -146,7 +146,7 @@ def test_step_is_shortened_as_a_whole_and_never_for_a_lower_level(
     assert step.reports[0].share == pytest.approx(1.0)
 
 
-def test_reports_explain_what_was_left() -> None:
+def test_report_of_a_level_states_its_missing_displacement() -> None:
     high = Level("high", np.eye(3, 5), np.zeros(3))
     low = Level("low", np.array([[1.0, 0, 0, 0, 0.5], [0, 1.0, 0, 0, 0]]), np.array([0.1, 0.1]))
     report = law_of(5).solve([high, low], np.zeros(5)).reports[1]
@@ -190,7 +190,7 @@ def test_no_conditioning_makes_a_step_longer_than_the_damping_allows(
     assert np.linalg.norm(step) <= bound * (1 + 1e-9)
 
 
-def test_damping_is_exact_away_from_singularities_and_continuous_where_it_sets_in() -> None:
+def test_damping_is_zero_away_from_singularities_and_continuous_at_its_threshold() -> None:
     law, threshold = law_of(2), WIDE.singular_value
 
     def gain(value: float) -> float:
@@ -316,7 +316,7 @@ def test_a_joint_at_full_speed_does_not_stop_the_levels_below() -> None:
 
 
 @given(seed=seeds)
-def test_a_joint_at_full_speed_does_not_shorten_what_the_other_joints_do(seed: int) -> None:
+def test_joint_at_full_speed_does_not_shorten_the_motion_of_others(seed: int) -> None:
     """Bring another joint to full speed by the lower level; rounding in the first has no effect."""
     rng = np.random.default_rng(seed)
     rows = np.zeros((2, 4))
@@ -354,13 +354,13 @@ def test_non_finite_numbers_never_reach_a_joint(bad: float) -> None:
             law.solve([good, good._replace(**{field: value})], np.zeros(3))
 
 
-def test_shapes_must_fit() -> None:
+def test_level_of_another_shape_is_refused() -> None:
     with pytest.raises(SignalError, match="reach wants 2 coordinates of 3 joints"):
         law_of(3).solve([Level("reach", np.eye(3), np.zeros(2))], np.zeros(3))
     with pytest.raises(SignalError, match="reach wants 3 coordinates of 3 joints"):
         law_of(3).solve([Level("reach", np.eye(3, 4), np.zeros(3))], np.zeros(3))
 
 
-def test_limits_leave_room() -> None:
+def test_limits_without_room_are_refused() -> None:
     with pytest.raises(ValueError, match="limits"):
         Law(np.zeros(2), np.full(2, 0.01), LawSettings(joint_step=0.01, limit_margin=0.03))

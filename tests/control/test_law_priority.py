@@ -54,7 +54,7 @@ class Arms:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ROBOTS)
-def test_no_level_of_any_stack_moves_those_above(name: str, rng: np.random.Generator) -> None:
+def test_no_level_of_a_random_stack_moves_a_higher_one(name: str, rng: np.random.Generator) -> None:
     arms = Arms(name)
     joints = len(arms.kinematics.lower)
     law = Law(np.full(joints, -np.inf), np.full(joints, np.inf), LawSettings(joint_step=1e3))

@@ -74,7 +74,7 @@ def free() -> np.ndarray:
 
 
 @pytest.mark.parametrize("share", [0.6, 0.9, 1.0, 1.5, 1.9, 2.5, 4.0])
-def test_it_approaches_more_slowly_and_backs_off_beyond_the_bound(
+def test_guarded_tip_slows_towards_the_bound_and_retreats_beyond_it(
     share: float, free: np.ndarray
 ) -> None:
     it = Pressing(alone(share * BOUND))
@@ -92,7 +92,7 @@ def test_far_below_the_bound_a_guard_does_nothing(share: float, free: np.ndarray
     assert not it.guard["held"] and it.guard["force"] == pytest.approx(share * BOUND)
 
 
-def test_what_backs_off_by_itself_is_left_alone() -> None:
+def test_retreating_tip_is_not_changed_by_its_guard() -> None:
     away = Pressing(alone(1e-9), towards=-1.0).motion()
     it = Pressing(alone(1.5 * BOUND), towards=-1.0, lead=-0.1)
     np.testing.assert_allclose(it.motion(), away, rtol=1e-9)
@@ -107,15 +107,13 @@ def test_the_forces_of_a_hand_add_up(free: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize(("share", "kept"), [(0.9, 1.0), (1.1, 0.8), (3.0, 0.8)])
-def test_references_that_press_from_afar_come_back_beyond_the_bound(
-    share: float, kept: float
-) -> None:
+def test_references_ahead_of_the_tip_return_beyond_the_bound(share: float, kept: float) -> None:
     """Move references back along the force, as the joints feel it; lagging ones stay."""
     assert Pressing(alone(share * BOUND), lead=0.02).kept() == pytest.approx(kept)
     assert Pressing(alone(share * BOUND), lead=-0.02).kept() == pytest.approx(1.0)
 
 
-def test_two_guards_hold_at_once() -> None:
+def test_two_guards_of_one_tip_hold_together() -> None:
     """Bound the motion of one tip along two forces at right angles."""
     forces = np.array([[8.0, 0.0, 0.0], [0.0, 9.0, 0.0]])
     it = Pressing(forces)
@@ -128,7 +126,7 @@ def test_two_guards_hold_at_once() -> None:
     np.testing.assert_allclose(it.bench.load_guards["force"], [8.0, 9.0])
 
 
-def test_joints_give_way_along_what_they_feel() -> None:
+def test_joints_give_way_along_the_measured_torques() -> None:
     """Use as many rows as the guard has joints, in place of a tip and its cells."""
     by_cells, by_joints = (Pressing(alone(0.9 * BOUND), lead=0.1) for _ in range(2))
     guards = by_joints.bench.load_guards

@@ -309,13 +309,15 @@ CLAIMS = [
 ]
 
 
-def test_all_potentials_are_functions_here_but_for_those_solved_for_on_a_grid() -> None:
+def test_every_potential_without_a_grid_has_a_test_function() -> None:
     on_grids = {name for name, potential in POTENTIALS.items() if potential.field}
     assert set(FUNCTIONS) == set(POTENTIALS) - on_grids
 
 
 @pytest.mark.parametrize(("potential", "condition"), CLAIMS)
-def test_claims_hold(potential: str, condition: str, rng: np.random.Generator) -> None:
+def test_claimed_conditions_of_a_potential_hold(
+    potential: str, condition: str, rng: np.random.Generator
+) -> None:
     functions = list(FUNCTIONS[potential](rng))
     assert functions
     for function in functions:
@@ -485,7 +487,7 @@ UNCLAIMED = [
 
 
 @pytest.mark.parametrize(("potential", "condition"), UNCLAIMED)
-def test_what_is_not_claimed_does_not_hold(
+def test_unclaimed_condition_has_a_counterexample(
     potential: str, condition: str, rng: np.random.Generator
 ) -> None:
     COUNTEREXAMPLES[potential, condition](rng)

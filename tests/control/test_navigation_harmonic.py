@@ -103,7 +103,9 @@ EVIDENCE: dict[str, tuple[bool, Callable[[np.random.Generator], None]]] = {
 
 
 @pytest.mark.parametrize("condition", EVIDENCE)
-def test_claims_are_those_that_hold(condition: str, rng: np.random.Generator) -> None:
+def test_claimed_conditions_of_the_harmonic_function_are_those_that_hold(
+    condition: str, rng: np.random.Generator
+) -> None:
     holds, evidence = EVIDENCE[condition]
     claim = getattr(POTENTIALS["harmonic"].navigation, condition)
     assert (claim is Condition.MET) == holds

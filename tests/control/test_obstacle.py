@@ -43,7 +43,7 @@ def test_differs_by_more_than_the_tolerance_in_any_part() -> None:
     assert ball.differs(ball._replace(name="another"), 0.02)
 
 
-def test_a_shaft_is_all_that_is_missing_of_a_box(rng: np.random.Generator) -> None:
+def test_shaft_is_the_only_free_part_of_its_box(rng: np.random.Generator) -> None:
     """Remove the shaft at every goal, also if it is partly or wholly beside the box."""
     box = Obstacle("table", np.array([-1.0, -2.0, -0.5]), np.array([1.0, 2.0, 0.0]))
     for _ in range(30):

@@ -184,7 +184,7 @@ def test_gradient_equals_finite_differences(case: Case, rng: np.random.Generator
         )
 
 
-def test_every_potential_and_both_arms_are_tried() -> None:
+def test_cases_cover_every_potential_and_both_arms() -> None:
     """Try all potentials but those solved on a grid, which have tests of their own."""
     tried = {case.potential for case in CASES}
     assert tried == {name for name, potential in POTENTIALS.items() if not potential.field}

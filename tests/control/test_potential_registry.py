@@ -145,7 +145,7 @@ def test_gradient_equals_finite_differences(
 
 
 @pytest.mark.parametrize(("potential", "kind", "axis"), CASES)
-def test_what_is_compiled_is_what_is_written(
+def test_compiled_potential_equals_the_interpreted_one(
     potential: str, kind: str, axis: str | None, rng: np.random.Generator
 ) -> None:
     """Interpreted, a function that writes out of its arrays' bounds raises an error."""
@@ -161,7 +161,7 @@ def test_what_is_compiled_is_what_is_written(
 
 
 @pytest.mark.parametrize(("potential", "kind", "axis"), CASES)
-def test_its_rule_is_the_one_that_the_checker_knows(
+def test_rule_of_a_potential_agrees_with_its_entry(
     potential: str, kind: str, axis: str | None, rng: np.random.Generator
 ) -> None:
     known = POTENTIALS[potential]

@@ -155,7 +155,7 @@ def test_first_order_alone_swings_where_the_second_rests() -> None:
 
 
 @pytest.mark.parametrize("seed", range(1, 13, 4))
-def test_lower_levels_leave_an_unreachable_level_where_it_rests_alone(seed: int) -> None:
+def test_lower_levels_do_not_move_an_unreachable_level_at_rest(seed: int) -> None:
     case = stretched(seed)._replace(stack="prq")
     together, alone = settle(case), settle(case._replace(stack="p"))
     assert together.error <= alone.error + 2e-3
@@ -211,7 +211,7 @@ def follow(case: Stretched, quantum: float, ticks: int = 1200) -> float:
 
 
 @pytest.mark.parametrize("seed", [3, 29, 33])
-def test_stack_rests_though_encoders_round_and_servos_lag(seed: int) -> None:
+def test_stack_with_rounding_encoders_and_lagging_servos_rests(seed: int) -> None:
     case = stretched(seed)._replace(stack="prq")
     assert follow(case, quantum=1e-4) <= STILL
 

@@ -12,7 +12,7 @@ def level(name: str, number: float, rows: int) -> Level:
     return Level(name, np.full((rows, 3), number), np.full(rows, -number))
 
 
-def test_levels_that_act_are_those_that_are_seen() -> None:
+def test_stack_returns_only_acting_levels() -> None:
     stack = Stack([("high", 2), ("low", 1)], 3)
     assert stack.extrapolated() == ()
     stack.put(1, level("low", 4.0, 1))
@@ -22,7 +22,7 @@ def test_levels_that_act_are_those_that_are_seen() -> None:
     np.testing.assert_array_equal(seen.velocity, [-4.0])
 
 
-def test_what_rested_begins_anew() -> None:
+def test_returning_level_has_no_past() -> None:
     """Levels that come back have no past, even if their neighbours have one."""
     stack = Stack([("high", 2), ("low", 1)], 3)
     for tick in range(5):

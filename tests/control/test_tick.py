@@ -175,7 +175,7 @@ def bench(rng: np.random.Generator) -> Bench:
     return Bench(CASES, rng)
 
 
-def test_together_they_do_what_each_does_by_itself(bench: Bench, rng: np.random.Generator) -> None:
+def test_slots_of_one_tick_act_as_separate_slots(bench: Bench, rng: np.random.Generator) -> None:
     alone = [
         Alone(case, window, columns)
         for case, window, columns in zip(CASES, bench.windows, bench.columns, strict=True)
@@ -212,7 +212,7 @@ def test_references_move_by_the_laws_displacement(bench: Bench, rng: np.random.G
     assert not np.delete(bench.references, JOINTS).any()
 
 
-def test_modes(rng: np.random.Generator) -> None:
+def test_mode_of_a_slot_follows_its_definedness_and_search(rng: np.random.Generator) -> None:
     """Undefined slots are idle, or search if there is something to move for."""
     searching = [case._replace(search=SEARCHING) for case in CASES[:4]]
     bench = Bench([CASES[0], *searching], rng)
@@ -231,7 +231,7 @@ def test_modes(rng: np.random.Generator) -> None:
     assert bench.predicates() == "----0"
 
 
-def test_what_no_joint_of_a_slot_changes_is_undefined(
+def test_feedback_without_a_moving_joint_is_undefined(
     bench: Bench, rng: np.random.Generator
 ) -> None:
     bench.draw(rng)
@@ -243,13 +243,13 @@ def test_what_no_joint_of_a_slot_changes_is_undefined(
     assert bench.plan.slots["mode"].tolist() == [IDLE, *[TRACK] * (len(CASES) - 1)]
 
 
-def test_where_nothing_acts_nothing_moves(bench: Bench) -> None:
+def test_tick_without_acting_slots_moves_nothing(bench: Bench) -> None:
     assert bench.tick() == RESTED
     assert bench.predicates() == "-" * len(CASES)
     assert not bench.references.any()
 
 
-def test_it_acts_while_what_it_requires_does(rng: np.random.Generator) -> None:
+def test_slot_acts_only_while_its_required_slot_acts(rng: np.random.Generator) -> None:
     bench = Bench([CASES[0], CASES[1]._replace(requires=True)], rng)
     bench.draw(rng)
     for condition, defined, engaged in ((-1, True, False), (0, True, True), (0, False, False)):
@@ -303,7 +303,7 @@ def test_motion_rests_only_while_its_required_contact_is_measured(
     assert set(found[60 + longest :]) == {"-"}
 
 
-def test_what_was_lost_starts_from_rest(rng: np.random.Generator) -> None:
+def test_slot_with_a_lost_feedback_restarts_from_rest(rng: np.random.Generator) -> None:
     bench, first = Bench(CASES[1:2], rng), CASES[1].reading(rng)
     wanted = []
     for now in range(6):
@@ -316,7 +316,7 @@ def test_what_was_lost_starts_from_rest(rng: np.random.Generator) -> None:
     assert wanted[3] > 3 * wanted[0]
 
 
-def test_a_search_that_is_interrupted_goes_on_as_fast_as_it_was(rng: np.random.Generator) -> None:
+def test_interrupted_search_continues_at_its_speed(rng: np.random.Generator) -> None:
     bench = Bench([CASES[1]._replace(search=SEARCHING)], rng)
     sought, found = CASES[1].reading(rng)._replace(measured=False), []
     for now in range(6):
@@ -350,7 +350,9 @@ def test_references_after_a_spike_of_an_encoder_move_within_their_steps(
     assert 0.5 * step < max(steps) <= step + 1e-9
 
 
-def test_a_position_is_sent_above_its_reference_and_judged_by_it(rng: np.random.Generator) -> None:
+def test_funnel_raises_the_target_and_the_error_uses_the_reference(
+    rng: np.random.Generator,
+) -> None:
     raised = CASES[0]._replace(funnel=(0.2, 0.01, 3.0))
     bench = Bench([raised, CASES[0]], rng)
     bench.columns[1] = bench.columns[0]
@@ -366,7 +368,7 @@ def test_a_position_is_sent_above_its_reference_and_judged_by_it(rng: np.random.
 
 @pytest.mark.parametrize("place", range(len(CASES)))
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_it_stops_at_what_is_not_finite_and_moves_nothing(
+def test_tick_with_a_non_finite_row_fails_and_moves_nothing(
     bench: Bench, place: int, bad: float, rng: np.random.Generator
 ) -> None:
     bench.draw(rng)
@@ -387,7 +389,7 @@ def test_numbers_too_large_for_the_law_move_nothing(bench: Bench, rng: np.random
 
 
 @pytest.mark.parametrize("size", [1e-6, 1e-2, 10.0])
-def test_a_gradient_moves_the_joints_by_gain_times_itself_however_short_it_is(
+def test_short_gradient_moves_the_joints_by_gain_times_itself(
     size: float, rng: np.random.Generator
 ) -> None:
     """Distinguish a short gradient from a singularity."""
@@ -403,7 +405,7 @@ def test_a_gradient_moves_the_joints_by_gain_times_itself_however_short_it_is(
     np.testing.assert_allclose(bench.step.displacement, expected, rtol=1e-9)
 
 
-def test_a_potential_at_rest_asks_for_nothing(rng: np.random.Generator) -> None:
+def test_potential_at_its_minimum_requests_no_motion(rng: np.random.Generator) -> None:
     bench = Bench(CASES[-1:], rng)
     # A joint that changes w only to second order: at the optimum.
     rows = np.zeros((6, ALL))

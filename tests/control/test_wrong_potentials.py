@@ -61,14 +61,14 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_it_is_named_with_what_is_wrong(name: str) -> None:
+def test_wrong_potential_is_refused_with_name_and_reason(name: str) -> None:
     function, message = WRONG[name]
     with pytest.raises(PotentialError, match=f"^potential '{name}' .*{message}"):
         address_of(function)
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_a_plan_takes_none_of_them(name: str) -> None:
+def test_plan_refuses_every_wrong_potential(name: str) -> None:
     plan = ControllerPlan()
     function: Callable[..., Any] = WRONG[name][0]
     settings = settings_of(1e-3, 0.3, 0.01)

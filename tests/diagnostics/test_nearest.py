@@ -11,7 +11,7 @@ from cbdsl.diagnostics.nearest import suggestion
 @pytest.mark.parametrize(
     ("name", "told"), [("serch", "; did you mean 'search'?"), ("grasp", ""), ("", "")]
 )
-def test_only_what_is_near_is_proposed(name: str, told: str) -> None:
+def test_suggestion_contains_only_similar_names(name: str, told: str) -> None:
     assert suggestion(name, ["track", "search"]) == told
 
 

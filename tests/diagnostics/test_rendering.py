@@ -28,7 +28,7 @@ def test_tabs_keep_their_width() -> None:
     assert text.endswith("| \t\t^")
 
 
-def test_hints_follow() -> None:
+def test_hints_follow_the_message() -> None:
     diagnostic = Diagnostic(
         "CB701",
         "m",
@@ -50,7 +50,7 @@ def test_a_place_beyond_the_text_has_no_snippet() -> None:
     assert "\n" not in render(Diagnostic("CB404", "m", PLACE), "one line")
 
 
-def test_of_a_long_line_only_the_surroundings_of_the_fault_are_shown() -> None:
+def test_snippet_of_a_long_line_shows_only_the_surroundings_of_the_fault() -> None:
     line = "x" * 1000 + "BAD" + "y" * 1000
     _, shown, caret = render(Diagnostic("CB404", "m", Place("a", 1, 1001, 1004)), line).split("\n")
     assert len(shown) < 200

@@ -61,7 +61,7 @@ SPOILED: dict[str, Callable[[Any], object]] = {
 
 
 @pytest.mark.parametrize("spoil", SPOILED.values(), ids=SPOILED)
-def test_the_schema_reports_good_from_bad(
+def test_sarif_schema_rejects_an_invalid_report(
     spoil: Callable[[Any], object], capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = log_of(capsys, BAD / "programs" / "type_clash.yaml")

@@ -27,7 +27,7 @@ def test_a_file_is_read_whole_up_to_its_bound(tmp_path: Path) -> None:
     assert refused(path, 9).errno == errno.EFBIG
 
 
-def test_what_is_no_file_is_named_by_its_kind(
+def test_path_without_a_regular_file_is_reported_by_its_kind(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)  # a socket's path has to be short
@@ -50,7 +50,7 @@ def test_a_pipe_without_a_writer_does_not_block(tmp_path: Path) -> None:
     assert said == "it is a named pipe\n"
 
 
-def test_a_link_that_leads_nowhere_says_where_to(tmp_path: Path) -> None:
+def test_broken_link_is_reported_with_its_target(tmp_path: Path) -> None:
     (tmp_path / "lost").symlink_to("gone.yaml")
     (tmp_path / "loop").symlink_to("loop")
     assert refused(tmp_path / "lost").strerror == "it is a link to gone.yaml, which is not there"

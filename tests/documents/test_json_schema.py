@@ -84,7 +84,7 @@ READABLE_BAD = [path for path in sorted(BAD.rglob("*.yaml")) if readable(path)]
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_schemas_are_schemas(kind: str) -> None:
+def test_schemas_are_valid_json_schemas(kind: str) -> None:
     jsonschema.Draft202012Validator.check_schema(json_schema(KINDS[kind]))
 
 
@@ -174,7 +174,7 @@ NUMBERS = (
 
 
 @pytest.mark.parametrize("value", NUMBERS, ids=repr)
-def test_quantities_are_what_the_models_read(value: object) -> None:
+def test_quantities_are_valid_where_the_models_accept_them(value: object) -> None:
     for key, dimensioned in (
         ("gain", {"gain": value}),
         ("within", {"funnel": {"height": 1, "within": value}}),
@@ -189,7 +189,7 @@ def test_quantities_are_what_the_models_read(value: object) -> None:
 @pytest.mark.parametrize(
     ("section", "key"), [(name, key) for name, keys in common_values().items() for key in keys]
 )
-def test_examples_are_what_the_models_read(section: str, key: str) -> None:
+def test_examples_are_accepted_by_the_models(section: str, key: str) -> None:
     fields = SECTIONS[section].model_fields.items()
     (field,) = [field for name, field in fields if key in (name, field.alias)]
     adapter = TypeAdapter(field.rebuild_annotation())

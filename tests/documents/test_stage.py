@@ -67,7 +67,7 @@ def test_a_spot_has_room_on_the_smallest_thing_that_can_be_drawn(
                 made.model_validate(form)
 
 
-def test_a_stage_with_a_mesh_is_known_by_what_the_mesh_is(tmp_path: Path) -> None:
+def test_digest_of_a_stage_changes_with_its_mesh(tmp_path: Path) -> None:
     text = (
         "cbdsl: 1\nkind: stage\nname: made\nrobot: dexter\nthings:\n"
         "  wedge: {form: {shape: mesh, file: wedge.obj}, mass: 100 g}\n"

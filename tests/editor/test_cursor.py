@@ -36,12 +36,14 @@ policy:
         ("  tou", ("controllers",), "touch", True),
     ],
 )
-def test_where_it_stands(mark: str, steps: tuple[str, ...], word: str, on_key: bool) -> None:
+def test_cursor_returns_the_word_and_its_section(
+    mark: str, steps: tuple[str, ...], word: str, on_key: bool
+) -> None:
     before = TEXT[: TEXT.index(mark) + len(mark)]
     line, column = before.count("\n"), len(before) - before.rfind("\n") - 1
     at = cursor(TEXT.splitlines(), line, column)
     assert (at.steps, at.word, at.on_key) == (steps, word, on_key)
 
 
-def test_beyond_the_text_it_is_nowhere() -> None:
+def test_cursor_beyond_the_text_has_no_word() -> None:
     assert cursor([], 7, 3).word == ""

@@ -17,7 +17,7 @@ SPRUNG = diagnostic("sprung", "spring", 1, 16, 6)
 HAED = diagnostic("haed", "head", 1, 34, 4)
 
 
-def test_all_of_a_line_are_corrected() -> None:
+def test_all_misspellings_of_a_line_are_corrected() -> None:
     assert fixed(TEXT, [SPRUNG, HAED, SPRUNG]) == TEXT.replace("sprung,", "spring,").replace(
         "haed", "head"
     )
@@ -28,7 +28,7 @@ def test_a_name_within_a_longer_text_is_found_in_it() -> None:
     assert fix(wide, TEXT.splitlines()) == Fix(1, 16, 22, "spring")
 
 
-def test_what_is_not_certain_is_left() -> None:
+def test_uncertain_correction_is_left_out() -> None:
     twice = diagnostic("sprung", "spring", 2, 4, 13)
     elsewhere = diagnostic("gone", "gene", 1, 16, 6)
     nothing_near = diagnostic("sprung", "manipulability", 1, 16, 6)

@@ -88,7 +88,7 @@ def test_a_parameter_is_renamed_in_its_program(here: Path) -> None:
         ("programs/desk_reach.yaml", "robot: ", "my_desk"),
     ],
 )
-def test_a_document_is_renamed_in_all_that_name_it(
+def test_document_is_renamed_in_all_documents_that_name_it(
     here: Path, file: str, mark: str, new: str
 ) -> None:
     before = diagnostics(".")
@@ -108,7 +108,7 @@ def test_a_document_is_renamed_in_all_that_name_it(
         ("programs/searchtrack.yaml", "cbdsl: "),
     ],
 )
-def test_what_is_no_name_of_ones_own_stays(here: Path, file: str, mark: str) -> None:
+def test_name_without_a_declaration_is_not_renamed(here: Path, file: str, mark: str) -> None:
     assert rename(here, file, mark, "other") is None
 
 

@@ -41,13 +41,13 @@ def place(text: str, mark: str) -> tuple[int, int]:
     return before.count("\n"), len(before) - before.rfind("\n") - 1
 
 
-def test_it_says_what_it_can(client: Client) -> None:
+def test_server_announces_its_capabilities(client: Client) -> None:
     assert {"completionProvider", "hoverProvider", "definitionProvider", "codeActionProvider"} <= (
         client.capabilities.keys()
     )
 
 
-def test_findings_come_and_go_with_what_is_typed(client: Client, path: Path) -> None:
+def test_diagnostics_follow_the_edits_of_a_document(client: Client, path: Path) -> None:
     assert client.diagnostics(path) == []
     client.change(path, TEXT.replace("potential: spring", "potential: sprung", 1))
     (diagnostic,) = client.diagnostics(path)
@@ -72,7 +72,7 @@ def test_a_misspelled_name_can_be_corrected(client: Client, path: Path) -> None:
     assert edit == {"range": diagnostic["range"], "newText": "spring"}
 
 
-def test_names_are_completed_by_what_they_are_for(client: Client, path: Path) -> None:
+def test_completion_proposes_names_of_the_expected_kind(client: Client, path: Path) -> None:
     def labels(mark: str) -> set[str]:
         return {
             each["label"] for each in client.at("completion", path, *place(TEXT, mark))["items"]
@@ -89,7 +89,7 @@ def test_a_resource_reports_its_type(client: Client, path: Path) -> None:
     assert "configuration" in shown and "rad" in shown
 
 
-def test_names_lead_to_what_they_name(client: Client, path: Path) -> None:
+def test_definition_of_a_name_is_its_declaration(client: Client, path: Path) -> None:
     there = client.at("definition", path, *place(TEXT, "actions: ["))
     assert there["uri"] == path.as_uri()
     line = there["range"]["start"]["line"]
@@ -101,7 +101,7 @@ def test_names_lead_to_what_they_name(client: Client, path: Path) -> None:
 @pytest.mark.parametrize(
     "text", ["", "{", "kind: program\ncontrollers: {a: [", "\ud83d\ude00: x", "\x00"]
 )
-def test_what_is_half_typed_or_nonsense_ends_nothing(client: Client, path: Path, text: str) -> None:
+def test_server_survives_unfinished_and_invalid_text(client: Client, path: Path, text: str) -> None:
     client.change(path, text)
     client.diagnostics(path)
     for method in ("completion", "hover", "definition"):
@@ -110,7 +110,7 @@ def test_what_is_half_typed_or_nonsense_ends_nothing(client: Client, path: Path,
     assert client.diagnostics(path) == []
 
 
-def test_every_prefix_of_a_program_is_survived(client: Client, path: Path) -> None:
+def test_server_survives_every_prefix_of_a_program(client: Client, path: Path) -> None:
     for end in range(0, len(TEXT), 97):
         client.change(path, TEXT[:end])
         lines = TEXT[:end].split("\n")
@@ -129,7 +129,7 @@ def test_a_completion_replaces_all_of_a_name_with_dots(client: Client, path: Pat
     assert (edited["start"]["character"], edited["end"]["character"]) == (column - 12, column + 1)
 
 
-def test_columns_count_what_editors_count(client: Client, path: Path) -> None:
+def test_columns_count_utf_16_code_units(client: Client, path: Path) -> None:
     """Columns count UTF-16 code units, two for a character beyond the basic plane."""
     text = TEXT.replace("effector: head", 'effector: "\U0001f600head"', 1)
     client.change(path, text)
@@ -140,7 +140,7 @@ def test_columns_count_what_editors_count(client: Client, path: Path) -> None:
     assert end["character"] - start["character"] == len('"xxhead"')
 
 
-def test_a_name_is_renamed_with_the_files_that_have_it(client: Client, path: Path) -> None:
+def test_rename_changes_all_files_with_the_name(client: Client, path: Path) -> None:
     line, column = place(TEXT, "\n  search:")
     spot = {"textDocument": {"uri": path.as_uri()}, "position": {"line": line, "character": 3}}
     whole = client.ask("textDocument/prepareRename", spot)

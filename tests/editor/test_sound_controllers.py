@@ -27,7 +27,7 @@ WORDS = {
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
-def test_findings_are_those_of_a_fresh_session(program: Path) -> None:
+def test_diagnostics_after_edits_equal_a_fresh_session(program: Path) -> None:
     """Diagnostics agree after each of many changes, valid or not, and after each reversal."""
     path, text, kept = ROOT / "programs" / program.name, program.read_text("utf-8"), Buffers(ROOT)
     rng = random.Random(program.stem)

@@ -31,7 +31,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_it_activates_and_reports_findings(folder: Path) -> None:
+def test_extension_activates_and_reports_diagnostics(folder: Path) -> None:
     pytest.importorskip("pygls")
     given = {"CB": str(Path(sys.executable).with_name("cb")), "CBDSL": str(ROOT)}
     done = subprocess.run(
@@ -57,7 +57,7 @@ def test_a_missing_test_dependency_is_reported(
     assert done.returncode != 0 and told in done.stdout + done.stderr
 
 
-def test_it_is_packaged_with_nothing_but_what_it_needs(folder: Path) -> None:
+def test_extension_package_contains_only_required_files(folder: Path) -> None:
     done = subprocess.run(["npm", "run", "package"], cwd=folder, capture_output=True, text=True)
     if "E404" in done.stderr or "ENOTFOUND" in done.stderr:
         pytest.skip("npm reaches no registry")

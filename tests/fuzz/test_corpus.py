@@ -23,7 +23,7 @@ FEW = 12
 
 
 @pytest.mark.parametrize("name", MODULES)
-def test_what_is_kept_is_read(name: str) -> None:
+def test_entry_point_reads_its_corpus(name: str) -> None:
     found = entry_point(name)
     seeds = list(islice(found.seeds(), FEW))
     assert seeds, "a fuzzer needs something to begin with"

@@ -41,7 +41,9 @@ def test_curvature_is_the_derivative_of_the_jacobian(
         assert curvature[:, :, joint] == pytest.approx(bent[:rows], abs=1e-7)
 
 
-def test_what_was_read_stays_as_it_was(kinematics: Kinematics, posture: np.ndarray) -> None:
+def test_frames_of_an_earlier_posture_do_not_change(
+    kinematics: Kinematics, posture: np.ndarray
+) -> None:
     """Pinocchio writes new postures over old ones; frames of earlier images must not change."""
     kinematics.update(posture)
     frame, point = kinematics.frame("right_palm"), kinematics.point("right_palm", OFFSET)

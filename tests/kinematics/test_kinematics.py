@@ -40,7 +40,7 @@ def test_jacobians_by_finite_differences(
 
 
 @pytest.mark.parametrize("link", LINKS)
-def test_links_and_their_motion_are_those_of_pinocchio(
+def test_links_and_jacobians_agree_with_pinocchio(
     dexter: RobotDocument, urdf: Path, kinematics: Kinematics, posture: np.ndarray, link: str
 ) -> None:
     model = pinocchio.buildModelFromUrdf(str(urdf))
@@ -60,7 +60,9 @@ def test_links_and_their_motion_are_those_of_pinocchio(
     assert kinematics.jacobian(link) == pytest.approx(jacobian @ expansion, abs=1e-14)
 
 
-def test_a_sliding_joint_slides(dexter: RobotDocument, urdf: Path, tmp_path: Path) -> None:
+def test_sliding_joint_moves_its_link_along_the_axis(
+    dexter: RobotDocument, urdf: Path, tmp_path: Path
+) -> None:
     model = tmp_path / "sliding.urdf"
     text = urdf.read_text("utf-8")
     before = re.search(r'<joint name="right_arm_3" type="revolute">', text)
@@ -133,9 +135,7 @@ def test_links_are_placed_together_as_one_by_one(
         assert not np.array_equal(before.position, frame.position), "it stays as it was"
 
 
-def test_a_posture_stays_what_it_was_when_it_was_set(
-    kinematics: Kinematics, posture: np.ndarray
-) -> None:
+def test_update_copies_its_posture(kinematics: Kinematics, posture: np.ndarray) -> None:
     kinematics.update(posture)
     before = kinematics.frame(LINKS[0]).position
     given = posture.copy()
@@ -146,7 +146,9 @@ def test_a_posture_stays_what_it_was_when_it_was_set(
     assert not np.allclose(kinematics.frame(LINKS[0]).position, before)
 
 
-def test_origins_are_those_of_the_links(kinematics: Kinematics, posture: np.ndarray) -> None:
+def test_origins_agree_with_the_frames_of_links(
+    kinematics: Kinematics, posture: np.ndarray
+) -> None:
     """Joints are at the origins of the links that they turn."""
     for change in (0.0, 0.1):
         kinematics.update(posture + change)
@@ -157,7 +159,7 @@ def test_origins_are_those_of_the_links(kinematics: Kinematics, posture: np.ndar
     assert kinematics.origins((), ()).shape == (0, 3)
 
 
-def test_a_wheel_that_the_robot_file_does_not_name_stays_where_it_is(
+def test_unnamed_joint_stays_at_zero(
     dexter: RobotDocument, urdf: Path, kinematics: Kinematics, posture: np.ndarray, tmp_path: Path
 ) -> None:
     wheel = (
@@ -220,9 +222,7 @@ def test_a_correction_displaces_the_camera_and_nothing_else(
     assert right[0].rotation == pytest.approx(right[1].rotation)
 
 
-def test_another_posture_is_asked_for_and_the_newest_stays(
-    dexter: RobotDocument, urdf: Path
-) -> None:
+def test_query_of_another_posture_keeps_the_current_one(dexter: RobotDocument, urdf: Path) -> None:
     """Keep it after requests in between, also after requests for a new link."""
     rng = np.random.default_rng(5)
     kinematics, alone = Kinematics(dexter, urdf), Kinematics(dexter, urdf)

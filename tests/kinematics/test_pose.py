@@ -19,14 +19,14 @@ quaternions = (
 
 
 @given(quaternions)
-def test_rotations_are_rotations(quaternion: np.ndarray) -> None:
+def test_rotation_matrices_are_orthonormal(quaternion: np.ndarray) -> None:
     rotation = rotations(quaternion)
     assert rotation @ rotation.T == pytest.approx(np.eye(3))
     assert np.linalg.det(rotation) == pytest.approx(1)
 
 
 @given(quaternions, quaternions)
-def test_several_rotations_are_those_of_each(one: np.ndarray, other: np.ndarray) -> None:
+def test_rotations_of_several_vectors_equal_single_ones(one: np.ndarray, other: np.ndarray) -> None:
     assert np.array_equal(rotations(np.stack((one, other))), [rotations(one), rotations(other)])
 
 

@@ -45,7 +45,7 @@ def _kinematics(path: Path, chain: Chain, positions: tuple[float, ...]) -> tuple
 
 
 @pytest.mark.parametrize("name", [*ARMS, *LEGS])
-def test_the_tip_is_where_another_library_has_it(name: str) -> None:
+def test_tip_position_agrees_with_pinocchio(name: str) -> None:
     model = _model(name)
     for chain in chains(model):
         row = ReadyPosture(model, chain.joints, chain.tip)
@@ -70,7 +70,7 @@ def test_a_limb_can_move_its_tip_every_way(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ARMS)
-def test_an_arm_on_its_base_stays_above_it(name: str) -> None:
+def test_posture_of_an_arm_on_its_base_stays_above_the_base(name: str) -> None:
     model = _model(name)
     chain = chains(model)[0]
     row = ReadyPosture(model, chain.joints, chain.tip)

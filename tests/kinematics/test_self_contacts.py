@@ -72,7 +72,7 @@ def test_links_that_carry_each_other_are_no_pair(contacts: SelfContacts) -> None
     assert not any("column" in pair for pair in contacts.touching({}))
 
 
-def test_what_touches_depends_on_the_posture(contacts: SelfContacts) -> None:
+def test_touching_links_depend_on_the_posture(contacts: SelfContacts) -> None:
     apart = contacts.touching({"left_joint": 0.5, "right_joint": -0.5})
     crossed = contacts.touching({"left_joint": -0.5, "right_joint": 0.5})
     assert (
@@ -97,7 +97,7 @@ def test_touching_is_a_matter_of_geometry(contacts: SelfContacts) -> None:
     )
 
 
-def test_what_touches_always_is_what_no_posture_parts(contacts: SelfContacts) -> None:
+def test_links_in_constant_contact_touch_in_every_posture(contacts: SelfContacts) -> None:
     always = contacts.always()
     assert ("cuff", "left") in always and ("left", "right") not in always
 

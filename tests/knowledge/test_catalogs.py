@@ -55,29 +55,35 @@ def catalog(path: Path, library: Library) -> CatalogDocument:
     return library.read(path, CatalogDocument).document
 
 
-def test_all_are_shipped() -> None:
+def test_expected_catalogs_are_shipped() -> None:
     assert {path.stem for path in CATALOGS} == AFFORDED.keys()
 
 
-def test_it_has_no_findings(path: Path, library: Library) -> None:
+def test_shipped_catalog_has_no_diagnostics(path: Path, library: Library) -> None:
     assert not check_document(path, Session(library))
 
 
-def test_its_programs_are_what_they_were(catalog: CatalogDocument, library: Library) -> None:
+def test_programs_of_a_shipped_catalog_have_their_recorded_digests(
+    catalog: CatalogDocument, library: Library
+) -> None:
     assert catalog.provenance is not None
     for name, identity in catalog.provenance.programs.items():
         file = library.locate(ProgramDocument, identity.name)
         assert program_digest(file, library).sha256 == identity.sha256, name
 
 
-def test_it_affords_what_the_source_reports(catalog: CatalogDocument) -> None:
+def test_rewarded_actions_of_a_shipped_catalog_are_those_of_the_source(
+    catalog: CatalogDocument,
+) -> None:
     rewarded = {name for name, each in catalog.affordances.items() if each.rewarded}
     assert rewarded == AFFORDED[catalog.name]
     models = models_of(catalog)
     assert all(models[name].rewarded.weight > 0 for name in rewarded)
 
 
-def test_its_command_explores_it_again(catalog: CatalogDocument, path: Path) -> None:
+def test_command_in_the_provenance_repeats_the_exploration(
+    catalog: CatalogDocument, path: Path
+) -> None:
     assert catalog.provenance is not None and catalog.steps is not None
     words = shlex.split(catalog.provenance.command)
     options = dict(itertools.pairwise(words))
@@ -88,7 +94,7 @@ def test_its_command_explores_it_again(catalog: CatalogDocument, path: Path) -> 
 
 
 @pytest.mark.parametrize("name", [name for name in AFFORDED if name.endswith("_and_pad")])
-def test_what_joined_is_attended_to(name: str, library: Library) -> None:
+def test_joined_program_is_tried_after_it_joins(name: str, library: Library) -> None:
     catalog = library.read(library.locate(CatalogDocument, name), CatalogDocument).document
     assert catalog.provenance is not None and catalog.steps is not None
     (joined,) = catalog.provenance.joined

@@ -28,11 +28,11 @@ def catalog(library: Library) -> MetaCatalogDocument:
     return library.read(PATH, MetaCatalogDocument).document
 
 
-def test_it_has_no_findings(library: Library) -> None:
+def test_shipped_meta_catalog_has_no_diagnostics(library: Library) -> None:
     assert not check_document(PATH, Session(library))
 
 
-def test_programs_and_stage_are_what_they_were(
+def test_programs_and_stage_have_their_recorded_digests(
     catalog: MetaCatalogDocument, library: Library
 ) -> None:
     assert catalog.provenance is not None
@@ -44,7 +44,7 @@ def test_programs_and_stage_are_what_they_were(
     assert digest(stage) == known.sha256
 
 
-def test_its_command_explores_it_again(catalog: MetaCatalogDocument) -> None:
+def test_command_in_the_provenance_repeats_the_exploration(catalog: MetaCatalogDocument) -> None:
     assert catalog.provenance is not None and catalog.steps is not None
     words = shlex.split(catalog.provenance.command)
     options = dict(itertools.pairwise(words))
@@ -54,7 +54,7 @@ def test_its_command_explores_it_again(catalog: MetaCatalogDocument) -> None:
     assert given == {name: thing.feature for name, thing in catalog.things.items()}
 
 
-def test_nothing_that_does_not_fit_a_hand_is_brought_anywhere(catalog: MetaCatalogDocument) -> None:
+def test_object_wider_than_the_hand_is_never_brought(catalog: MetaCatalogDocument) -> None:
     brought = {pair.upper for pair in catalog.pairs.values() if pair.rewarded}
     assert brought == set(catalog.things) - {"blue_box"}
     # No object stays on a ball.
@@ -65,13 +65,13 @@ def test_nothing_that_does_not_fit_a_hand_is_brought_anywhere(catalog: MetaCatal
     assert all(each.tried >= 3 for each in catalog.pairs.values())
 
 
-def test_its_stack_of_three_is_the_source_s(catalog: MetaCatalogDocument) -> None:
+def test_planned_stack_of_three_is_that_of_the_source(catalog: MetaCatalogDocument) -> None:
     plan = plan_stack(support_graph(catalog, ["football", "blue_box", "purple_box"]), 3)
     assert plan.order == ("blue_box", "purple_box", "football")
     assert 0.5 < plan.probability < 1
 
 
-def test_what_stood_has_models_of_what_was_seen(catalog: MetaCatalogDocument) -> None:
+def test_standing_pair_has_a_model_with_all_its_successes(catalog: MetaCatalogDocument) -> None:
     for name, model in pair_models(catalog).items():
         assert model.successes == catalog.pairs[name].rewarded
         assert (model.rewarded.weight > 0) == (model.successes > 0)

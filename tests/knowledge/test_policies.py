@@ -82,7 +82,7 @@ def play(
 
 
 @pytest.mark.parametrize("path", [*POLICIES, *MODELS], ids=lambda path: path.stem)
-def test_what_was_learned_holds_for_the_programs_as_they_are(path: Path) -> None:
+def test_shipped_policy_has_no_diagnostics(path: Path) -> None:
     assert check_document(path, session=Session(Library(ROOT))) == []
 
 
@@ -92,7 +92,7 @@ def test_every_model_belongs_to_a_policy(learned: Callable[[str], PolicyDocument
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_policy_names_the_command_that_learns_it_again(
+def test_command_in_the_provenance_repeats_the_policy(
     learned: Callable[[str], PolicyDocument], name: str
 ) -> None:
     document = learned(name)
@@ -106,7 +106,7 @@ def test_a_policy_names_the_command_that_learns_it_again(
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_policy_names_those_that_ran_inside_of_it(
+def test_provenance_of_a_policy_names_the_policies_of_used_programs(
     library: Library, learned: Callable[[str], PolicyDocument], name: str
 ) -> None:
     document = learned(name)
@@ -115,7 +115,7 @@ def test_a_policy_names_those_that_ran_inside_of_it(
     assert document.provenance.policies == program_digest(program, library).policies
 
 
-def test_a_skill_that_uses_another_uses_it_as_it_was_learned(
+def test_learned_skill_uses_learned_policies_of_its_parts(
     library: Library, learned: Callable[[str], PolicyDocument]
 ) -> None:
     """Run no hand-written table inside of a skill whose parts have been learned."""
@@ -143,7 +143,7 @@ def test_a_policy_runs(kinematic: KinematicBackend, play: Play, name: str) -> No
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(PHYSICAL))
-def test_a_policy_of_what_has_weight_runs_with_physics(
+def test_policy_of_a_carrying_program_runs_on_mujoco(
     dexter: RobotDocument, urdf: Path, play: Play, name: str
 ) -> None:
     pytest.importorskip("mujoco")
@@ -177,7 +177,7 @@ def test_probing_fingers_are_rewarded_on_both_backends(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["visualinspect", "bimanualtouch"])
-def test_hands_that_hold_are_rewarded_on_both_backends(
+def test_holding_programs_are_rewarded_on_bullet_and_kinematic(
     bullet: BulletBackend, kinematic: KinematicBackend, play: Play, name: str
 ) -> None:
     """Allow different states: fingers and objects give way differently."""

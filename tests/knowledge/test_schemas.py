@@ -31,12 +31,12 @@ policy: {XX: pick, 0X: pick, -X: nod, X0: nod}
 
 
 @pytest.mark.parametrize("path", SCHEMAS, ids=lambda path: path.stem)
-def test_it_has_no_findings(path: Path) -> None:
+def test_shipped_schema_has_no_diagnostics(path: Path) -> None:
     assert check_document(path, Session(Library(ROOT))) == []
 
 
 @pytest.mark.parametrize("path", SCHEMAS, ids=lambda path: path.stem)
-def test_it_was_learned_with_the_policies_that_are_shipped(path: Path) -> None:
+def test_provenance_of_a_schema_names_the_shipped_policies(path: Path) -> None:
     """Require them: a composition's leading part decides if both hands can stand in."""
     library = Library(ROOT)
     provenance = library.read(path, SchemaDocument).document.provenance
@@ -45,7 +45,7 @@ def test_it_was_learned_with_the_policies_that_are_shipped(path: Path) -> None:
         assert digest == policy_digest(name, path, library), name
 
 
-def test_reachtouch_touches_what_it_can_and_begins_nothing_else(
+def test_reachtouch_with_its_schema_acts_only_on_reachable_objects(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ("run", "reachtouch", "--schema", "reachtouch", *RUN)
@@ -63,7 +63,7 @@ def test_reachtouch_touches_what_it_can_and_begins_nothing_else(
     assert len(used) >= 2, "not always the same resources"
 
 
-def test_a_using_program_reads_it_as_undefined(
+def test_schema_that_predicts_no_reward_reads_undefined_to_its_user(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "using.yaml"
@@ -79,7 +79,7 @@ def test_a_using_program_reads_it_as_undefined(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("backend", ["kinematic", "bullet", "mujoco"])
-def test_both_hands_press_on_what_is_held_fast(
+def test_both_hands_press_on_a_fixed_object_without_slipping(
     backend: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Palms that are allowed to turn aside press past it, and fast ones bounce off it."""

@@ -32,18 +32,18 @@ def bare(expression: Expression) -> list[tuple[str, list[str]]]:
 
 
 @given(EXPRESSIONS)
-def test_what_is_printed_parses_to_the_same(expression: Expression) -> None:
+def test_printed_composition_parses_to_itself(expression: Expression) -> None:
     assert bare(parse(str(expression))) == bare(expression)
 
 
 @given(EXPRESSIONS, st.sampled_from(["<|", " <| ", "◁", "  ◁\n"]))
-def test_every_spelling_prints_alike(expression: Expression, operator: str) -> None:
+def test_every_spelling_prints_the_same_composition(expression: Expression, operator: str) -> None:
     text = operator.join(str(term) for term in expression.terms)
     assert str(parse(text)) == str(expression)
 
 
 @given(EXPRESSIONS)
-def test_spans_are_where_the_names_stand(expression: Expression) -> None:
+def test_spans_cover_the_names_in_the_text(expression: Expression) -> None:
     text = str(expression)
     for term in parse(text).terms:
         assert text[term.span.start - 1 : term.span.end - 1] == term.name
@@ -108,7 +108,7 @@ def test_any_other_text_is_a_located_error(text: str) -> None:
         ("a ◁ \n", 4, "expected a name at the end"),
     ],
 )
-def test_errors_say_where_and_what(text: str, column: int, message: str) -> None:
+def test_parse_error_states_message_and_place(text: str, column: int, message: str) -> None:
     with pytest.raises(CompositionError) as caught:
         parse(text)
     assert (str(caught.value), caught.value.span.start) == (message, column)

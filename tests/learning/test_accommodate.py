@@ -50,7 +50,7 @@ def test_replayed_experience_is_the_same_knowledge(made: Made) -> None:
     assert knowledge(told) == knowledge(lived)
 
 
-def test_it_learns_to_search_where_nothing_is_seen_and_to_track_where_something_is(
+def test_learner_searches_unseen_objects_and_tracks_seen_ones(
     made: Made,
 ) -> None:
     learner, rng = Accommodate(ACTIONS, AccommodateConstants()), np.random.default_rng(5)
@@ -75,7 +75,7 @@ def test_it_learns_to_search_where_nothing_is_seen_and_to_track_where_something_
 
 
 @pytest.mark.parametrize(("finished", "explores"), [(0, True), (1, True), (2, False), (3, False)])
-def test_it_explores_in_as_many_episodes_as_it_is_reported_to(
+def test_learner_explores_only_in_exploring_episodes(
     finished: int, explores: bool, made: Made
 ) -> None:
     rewarded = (made("XX", "track", "X1"),)
@@ -110,7 +110,7 @@ def test_a_program_that_the_end_of_an_episode_cut_short_is_worth_nothing(made: M
     assert learner.values.value("1X", "track") == 1.0
 
 
-def test_what_was_never_rewarded_has_no_density(made: Made) -> None:
+def test_effector_without_reward_has_no_density(made: Made) -> None:
     learner = Accommodate(ACTIONS, AccommodateConstants())
     replay(learner, Experience("here", 1, (made("XX", "track", "X-"),), {}, 9, 0.15))
     assert learner.densities() == {}

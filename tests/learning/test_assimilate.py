@@ -83,7 +83,7 @@ def test_the_side_decides_the_arm_and_the_distance_whether_there_is_reward(
     assert {split.feature for split in splits(reward)} == {"place.x"}
 
 
-def test_what_was_seen_too_little_of_is_not_learned_from(schema: CheckedProgram) -> None:
+def test_context_with_undefined_features_is_not_learned_from(schema: CheckedProgram) -> None:
     learner = Assimilate(["any"], AssimilateConstants())
     learner.adopt(schema)
     step = Transition("p", 0, 1.0, "X0-", "a", "X11", 5, 1, (), "left_arm", {"place.x": 1.0})
@@ -101,7 +101,7 @@ def chosen_first(learner: Assimilate, schema: CheckedProgram, times: int) -> lis
     return chosen
 
 
-def test_what_is_likely_to_be_best_is_tried_more_often_the_more_is_known(
+def test_worse_allocation_is_tried_less_with_more_samples(
     schema: CheckedProgram,
 ) -> None:
     early, late = (chosen_first(taught(schema, n), schema, 300) for n in (6, 200))
@@ -132,7 +132,7 @@ def test_leaves_hold_as_many_samples_as_asked_for() -> None:
                 assert not isinstance(side, Leaf) or side.answer >= least
 
 
-def test_one_that_differs_needs_no_question() -> None:
+def test_single_differing_sample_gives_no_split() -> None:
     samples = [{"x": float(i)} for i in range(20)]
     assert grow(samples, certain(7 * "a" + "b" + 12 * "a"), len, 1) == Leaf(20)
 
@@ -146,14 +146,14 @@ def test_a_wide_gap_is_preferred_to_a_narrow_one() -> None:
 
 @pytest.mark.parametrize("labels", ["aaaaabbbbb", "bbbbbaaaaa"])
 @pytest.mark.parametrize("trust", [0.5, 0.7])
-def test_what_was_never_seen_goes_to_the_side_that_is_trusted(labels: str, trust: float) -> None:
+def test_threshold_leaves_the_gap_to_the_rewarded_side(labels: str, trust: float) -> None:
     samples = [{"x": float(i + 10 * (i > 4))} for i in range(10)]
     (split,) = splits(grow(samples, certain(labels), tuple, 1, trust=trust))
     share = (split.threshold - 4.0) / 11.0
     assert share == pytest.approx(trust if labels.startswith("a") else 1 - trust, abs=1e-4)
 
 
-def test_what_was_never_tried_is_rather_tried_than_given_up(schema: CheckedProgram) -> None:
+def test_untried_allocation_is_preferred_to_giving_up(schema: CheckedProgram) -> None:
     learner = Assimilate(["any"], AssimilateConstants())
     learner.adopt(schema)
     for x in (0.5, 0.55, 0.6, 0.65, 0.7, 1.2, 1.25, 1.3, 1.35, 1.4):
@@ -177,7 +177,7 @@ def test_what_was_never_tried_is_rather_tried_than_given_up(schema: CheckedProgr
 
 
 @pytest.mark.parametrize("blames_first", [False, True])
-def test_an_episode_without_what_is_chosen_does_not_report_that_nothing_works(
+def test_failure_caused_by_an_earlier_attempt_is_not_counted(
     schema: CheckedProgram, blames_first: bool
 ) -> None:
     """Move objects with the left arm, tried first, so that the right one, tried next, fails too."""
@@ -239,7 +239,7 @@ def rightly_chosen(rng: np.random.Generator) -> int:
     return right
 
 
-def test_what_was_not_tried_is_no_failure() -> None:
+def test_untried_allocation_does_not_count_as_failed() -> None:
     """Either arm reaches 0.3 m into the other's side, where only one was tried."""
     right = sum(rightly_chosen(np.random.default_rng(seed)) for seed in range(5))
     assert right >= 0.95 * 5 * 141
@@ -257,7 +257,7 @@ def test_leaves_with_the_same_first_allocation_are_one() -> None:
     assert rankings(tallies, names) == Leaf(("left", "right", "both"))
 
 
-def test_a_tally_ranks_by_chance_and_leaves_out_what_never_worked() -> None:
+def test_tally_ranks_by_probability_and_omits_failures() -> None:
     tally = Tally((3.0, 2.0, 0.0), (3.0, 0.0, 1.0))
     assert tally.ranking(("a", "b", "c")) == ("b", "a")
     rng = np.random.default_rng(1)
@@ -279,7 +279,7 @@ def test_the_first_attempt_is_to_blame_where_nothing_was_rewarded(schema: Checke
 
 
 @pytest.mark.parametrize("blames", [True, False])
-def test_it_is_a_constant_whether_it_is(schema: CheckedProgram, blames: bool) -> None:
+def test_blames_first_decides_which_attempt_is_blamed(schema: CheckedProgram, blames: bool) -> None:
     learner = Assimilate(["any"], AssimilateConstants(blames_first=blames))
     learner.adopt(schema)
     here, there = features(schema, 0.5, 0.4), features(schema, 0.5, -0.4)
@@ -291,7 +291,7 @@ def test_it_is_a_constant_whether_it_is(schema: CheckedProgram, blames: bool) ->
     assert (firsts.count("left_arm") < 50) is blames
 
 
-def test_a_schema_that_is_written_asks_what_was_grown(schema: CheckedProgram) -> None:
+def test_written_schema_has_the_questions_of_the_grown_trees(schema: CheckedProgram) -> None:
     """Write each question with the unit of its feature, and name features by parameters."""
     learner = taught(schema, 60)
     written = learner.document("mine", schema)
@@ -312,7 +312,7 @@ def test_a_schema_that_is_written_asks_what_was_grown(schema: CheckedProgram) ->
     assert written.look.keys() == schema.looks.keys()
 
 
-def test_contexts_are_kept_as_finely_as_they_are_seen(schema: CheckedProgram) -> None:
+def test_contexts_are_rounded_to_the_resolution_of_their_features(schema: CheckedProgram) -> None:
     learner = Assimilate(["any"], AssimilateConstants())
     learner.adopt(schema)
     assert schema.schema is not None
@@ -327,14 +327,14 @@ def test_contexts_are_kept_as_finely_as_they_are_seen(schema: CheckedProgram) ->
     assert context.outcomes == {"left_arm": True}
 
 
-def test_without_a_schema_it_does_the_first_action() -> None:
+def test_learner_without_a_schema_chooses_the_first_action() -> None:
     learner = Assimilate(["some", "other"], AssimilateConstants())
     assert learner.policy(np.random.default_rng(0)).choose("X", changed=True).action == "some"
     assert learner.greedy() == {} and learner.densities() == {}
     assert not learner.contexts
 
 
-def test_where_nothing_is_known_every_order_is_tried(schema: CheckedProgram) -> None:
+def test_unknown_context_draws_every_order_of_allocations(schema: CheckedProgram) -> None:
     learner = Assimilate(["any"], AssimilateConstants())
     learner.adopt(schema)
     rank, here = learner.ranking(np.random.default_rng(0)), features(schema, 0.5, 0.4)
@@ -343,7 +343,7 @@ def test_where_nothing_is_known_every_order_is_tried(schema: CheckedProgram) -> 
     assert len(orders) == 6 and all(set(each) == set(schema.schema.allocations) for each in orders)
 
 
-def test_what_a_tally_has_drawn_follows_the_beta_law() -> None:
+def test_drawn_ranking_of_a_tally_follows_the_beta_distribution() -> None:
     """Draw the second of chances with densities 1 and 2 x as the larger one in 2 of 3 cases."""
     tally, rng = Tally((0.0, 1.0), (0.0, 0.0)), np.random.default_rng(4)
     second = sum(tally.drawn(("a", "b"), rng)[0] == "b" for _ in range(4000))
@@ -360,14 +360,14 @@ def test_a_few_successes_are_weighed_against_none_by_laplace_s_rule() -> None:
     assert tally.ranking(names) == ("five_of_six", "five_of_seven", "one_of_one", "two_of_three")
 
 
-def test_a_leaf_beside_a_question_is_not_joined_with_it() -> None:
+def test_leaf_is_not_merged_with_a_sibling_split() -> None:
     leaf = Leaf(Tally((2.0, 0.0), (0.0, 2.0)))
     other = Leaf(Tally((0.0, 2.0), (2.0, 0.0)))
     tree = Split("x", 1.0, leaf, Split("y", 2.0, leaf, other))
     assert [each.feature for each in splits(rankings(tree, ("a", "b")))] == ["x", "y"]
 
 
-def test_of_nothing_that_was_tried_there_is_no_count() -> None:
+def test_tally_tree_of_no_samples_is_an_empty_leaf() -> None:
     assert grow_tallies([], ("a", "b"), 1) == Leaf(Tally((0.0, 0.0), (0.0, 0.0)))
 
 
@@ -382,19 +382,19 @@ def test_the_evidence_decides_whether_a_question_is_asked(last: float, asked: bo
     assert [split.threshold for split in splits(tree)] == ([(1 + last) / 2] if asked else [])
 
 
-def test_of_equal_questions_the_first_feature_is_asked() -> None:
+def test_equally_good_splits_use_the_first_feature() -> None:
     samples = [{"x": float(i > 3), "y": float(i > 3)} for i in range(8)]
     (split,) = splits(grow(samples, certain("aaaabbbb"), tuple, 1))
     assert split.feature == "x"
 
 
-def test_a_feature_that_never_changes_does_not_hide_those_after_it() -> None:
+def test_constant_feature_does_not_hide_later_features() -> None:
     samples = [{"same": 1.0, "y": float(i > 3)} for i in range(8)]
     (split,) = splits(grow(samples, certain("aaaabbbb"), tuple, 1))
     assert (split.feature, split.threshold) == ("y", 0.5)
 
 
-def test_a_question_is_asked_between_numbers_that_differ() -> None:
+def test_threshold_separates_different_values() -> None:
     """Ask no question between equal numbers, however well it would separate their labels."""
     samples = [{"x": x, "same": 1.0} for x in (0.0, 0.0, 0.0, 0.0, 1.0, 1.0)]
     with np.errstate(all="raise"):
@@ -415,7 +415,7 @@ def test_neighbours_that_measuring_does_not_distinguish_have_no_gap() -> None:
     ) == (Leaf(8))
 
 
-def test_what_is_tried_in_an_episode_stands_in_the_context_that_it_began_in(
+def test_attempts_of_an_episode_belong_to_its_first_context(
     schema: CheckedProgram,
 ) -> None:
     learner = Assimilate(["any"], AssimilateConstants())
@@ -447,7 +447,7 @@ def test_a_ranking_of_several_is_written_whole(schema: CheckedProgram) -> None:
     assert learner.document("mine", schema).choose == ("left_arm", "right_arm")
 
 
-def test_while_it_learns_it_gives_nothing_up(schema: CheckedProgram) -> None:
+def test_learner_tries_allocations_without_predicted_reward(schema: CheckedProgram) -> None:
     """Try an allocation while learning, even if reward seems out of reach."""
     learner = Assimilate(["any"], AssimilateConstants())
     learner.adopt(schema)

@@ -6,7 +6,7 @@ from cbdsl.learning.decisions import Decisions
 from tests.learning.conftest import Made
 
 
-def test_a_program_is_one_decision_from_where_it_began(made: Made) -> None:
+def test_program_is_one_decision_from_its_first_state(made: Made) -> None:
     decisions = Decisions({0: "find"})
     assert decisions.over(made("XX", "find", "0X")) is None
     assert decisions.over(made("0X", "find", "0X")) is None
@@ -14,7 +14,7 @@ def test_a_program_is_one_decision_from_where_it_began(made: Made) -> None:
     assert over is not None and (over.state, over.action, over.next_state) == ("XX", "find", "1X")
 
 
-def test_all_else_is_a_decision_of_its_own(made: Made) -> None:
+def test_controller_transition_is_its_own_decision(made: Made) -> None:
     decisions, step = Decisions({0: "find"}), made("1X", "track", "X1")
     assert decisions.over(step) == step
 

@@ -45,5 +45,5 @@ def test_defaults_are_allowed_values(constants: type[Section]) -> None:
 
 
 @pytest.mark.parametrize("name", MEASURED)
-def test_what_was_measured_was_measured_with_the_defaults(name: str) -> None:
+def test_defaults_equal_the_constants_of_the_measurements(name: str) -> None:
     assert ALL[name]().model_dump() == MEASURED[name]

@@ -46,7 +46,7 @@ def test_a_curve_has_an_entry_for_each_episode() -> None:
     assert curve.ticks == (7, 11, 4)
 
 
-def test_models_are_named_after_the_policy_that_names_them(summary: TrialSummary) -> None:
+def test_models_are_named_after_their_policy(summary: TrialSummary) -> None:
     density = Gaussian(form="gaussian", mean=(0.1,), deviation=(0.2,), uniform=0.5)
     (model,) = model_documents(summary, {"head": density})
     policy = policy_document(summary, {"**": "track"}, values={"XX": {"track": 0.5}})

@@ -34,7 +34,7 @@ def test_a_gaussian_has_the_mean_and_deviation_of_the_samples() -> None:
     assert density.deviation == pytest.approx(samples.std(axis=0), abs=1e-6)
 
 
-def test_one_sample_is_no_point() -> None:
+def test_density_of_one_sample_has_a_deviation() -> None:
     density = learned_density([[0.4, -0.2]], "gaussian", 0.1, 1.0)
     assert isinstance(density, Gaussian)
     assert density.deviation == (0.1, 0.1)
@@ -47,7 +47,7 @@ def test_a_kernel_stands_at_each_sample() -> None:
     assert density.bandwidth == (0.05, 0.05)
 
 
-def test_two_places_of_reward_are_two_peaks() -> None:
+def test_density_of_two_places_has_two_peaks() -> None:
     front, window = around((0, 0.3), 30, 0.05), around((1.3, 0.2), 20, 0.02)
     density = learned_density(np.vstack([front, window]).tolist(), "kernel", 0.1, 1.0)
     sampler = DensitySampler(

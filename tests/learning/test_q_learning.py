@@ -59,7 +59,7 @@ SIZES = {"seed": st.integers(0, 2**32), "states": st.integers(1, 5), "actions": 
 
 @settings(deadline=None, max_examples=30)
 @given(**SIZES)
-def test_it_finds_the_values_of_a_certain_process(seed: int, states: int, actions: int) -> None:
+def test_values_of_a_deterministic_process_are_exact(seed: int, states: int, actions: int) -> None:
     rng = np.random.default_rng(seed)
     made = process(rng, states, actions, certain=True)
     assert learn(made, 0.5, 200, rng) == pytest.approx(made.solve(), abs=1e-6)
@@ -67,13 +67,13 @@ def test_it_finds_the_values_of_a_certain_process(seed: int, states: int, action
 
 @settings(deadline=None, max_examples=6)
 @given(**SIZES)
-def test_it_comes_near_the_values_of_an_uncertain_one(seed: int, states: int, actions: int) -> None:
+def test_values_of_a_random_process_are_approximated(seed: int, states: int, actions: int) -> None:
     rng = np.random.default_rng(seed)
     made = process(rng, states, actions, certain=False)
     assert learn(made, 0.02, 1500, rng) == pytest.approx(made.solve(), abs=0.2)
 
 
-def test_one_update_is_line_16() -> None:
+def test_update_follows_line_16_of_algorithm_1() -> None:
     learner = QLearning(["a", "b"], gamma=0.8, alpha=0.1)
     learner.update("1", "b", 1.0, "end", ended=True)
     assert learner.value("1", "b") == pytest.approx(0.1)
@@ -82,14 +82,14 @@ def test_one_update_is_line_16() -> None:
     assert learner.value("0", "b") == 0.0
 
 
-def test_nothing_follows_an_end() -> None:
+def test_ended_transition_has_no_continuation() -> None:
     learner = QLearning(["a"], gamma=0.8, alpha=1.0)
     learner.update("1", "a", 1.0, "end", ended=True)
     learner.update("0", "a", 0.0, "1", ended=True)
     assert learner.value("0", "a") == 0.0
 
 
-def test_what_is_unknown_is_worth_nothing_and_all_its_actions_are_best() -> None:
+def test_unknown_state_has_value_zero_and_all_actions_best() -> None:
     learner = QLearning(["a", "b", "c"], gamma=0.8, alpha=0.1)
     assert learner.best("never seen") == ("a", "b", "c")
     learner.update("0", "b", 1.0, "1", ended=True)

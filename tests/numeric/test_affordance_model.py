@@ -27,7 +27,7 @@ def gaussian(samples: np.ndarray) -> SampleStatistics:
 
 @settings(max_examples=60, deadline=None)
 @given(SAMPLES)
-def test_online_updates_agree_with_those_of_all_samples_at_once(samples: np.ndarray) -> None:
+def test_online_updates_equal_the_batch_mean_and_covariance(samples: np.ndarray) -> None:
     own = gaussian(samples)
     expected = np.atleast_2d(np.cov(samples.T, bias=True))
     assert own.weight == len(samples)
@@ -35,7 +35,7 @@ def test_online_updates_agree_with_those_of_all_samples_at_once(samples: np.ndar
     np.testing.assert_allclose(own.covariance, expected, atol=1e-8)
 
 
-def test_large_means_cancel_nothing() -> None:
+def test_large_means_lose_no_precision() -> None:
     samples = np.random.default_rng(7).normal(1e8, 1e-2, (500, 2))
     np.testing.assert_allclose(
         gaussian(samples).covariance, np.cov((samples - 1e8).T, bias=True), atol=1e-7
@@ -68,7 +68,7 @@ def test_the_prior_is_a_gaussian_of_zero_mean_and_unit_variance() -> None:
     assert model.variance("determinant") == pytest.approx(1.0)
 
 
-def test_variance_habituates_to_what_stays_alike_and_is_surprised_by_what_does_not() -> None:
+def test_variance_change_falls_for_equal_samples_and_rises_for_new_ones() -> None:
     rng, model = np.random.default_rng(3), AffordanceModel.fresh(np.full(3, 0.1))
     variances = [model.variance()]
 

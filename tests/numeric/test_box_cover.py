@@ -62,7 +62,7 @@ def test_a_cavity_stays_free() -> None:
         assert np.any(np.abs(centre - 0.08) - edges / 2 >= 0.06 - 1e-9), "in a wall"
 
 
-def test_more_boxes_fill_more_of_a_ball_and_none_leaves_it() -> None:
+def test_more_boxes_fill_more_of_a_ball_and_stay_inside() -> None:
     shares = []
     for most in (1, 4, 16):
         found = cover(ball(0.05), most)
@@ -75,7 +75,7 @@ def test_more_boxes_fill_more_of_a_ball_and_none_leaves_it() -> None:
     assert shares[2] > 0.75
 
 
-def test_what_is_thinner_than_a_cell_is_not_filled() -> None:
+def test_part_thinner_than_a_cell_is_not_filled() -> None:
     thin = cuboid((0, 0, 0), (0.2, 0.2, 1e-4))
     found = cover(np.concatenate([thin, cuboid((0, 0, 0.1), (0.2, 0.2, 0.2))]), 16)
     (box,) = found.boxes

@@ -26,7 +26,7 @@ def test_balls_are_as_far_apart_as_their_centres_less_their_radii() -> None:
 
 @pytest.mark.parametrize("height", [0.07, 0.0701, 0.1])
 @pytest.mark.parametrize("kind", ["ball", "box", "cylinder"])
-def test_what_stands_over_a_table_is_as_far_as_it_is_high(kind: str, height: float) -> None:
+def test_distance_to_a_table_below_is_the_height(kind: str, height: float) -> None:
     table = Convex("box", (1.0, 1.0, 0.02), np.zeros(3), UNTURNED)
     thing = Convex(kind, (0.05, 0.05, 0.05), np.array([0.3, 0.1, height]), UNTURNED)  # type: ignore[arg-type]
     assert gap(table, thing) == pytest.approx(height - 0.07, abs=1e-6)

@@ -8,7 +8,7 @@ import pytest
 from cbdsl.numeric.convex_hull import hull_corners, hull_faces
 
 
-def test_what_is_inside_is_no_corner() -> None:
+def test_inner_points_are_no_corners() -> None:
     rng = np.random.default_rng(0)
     signs = np.array(np.meshgrid([1, -1], [1, -1], [1, -1])).reshape(3, -1).T.astype(float)
     corners = hull_corners(np.vstack((signs, rng.uniform(-0.9, 0.9, (50, 3)))))

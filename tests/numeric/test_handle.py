@@ -69,7 +69,7 @@ def test_hold_of_other_arguments_passes_them_along() -> None:
     assert _add(hold(outer()), np.full(1, 2.0)) == 3.0
 
 
-def test_bind_values_keeps_them_alive_as_long_as_the_call() -> None:
+def test_bound_values_live_as_long_as_the_call() -> None:
     values = outer()
     gone = weakref.ref(values.vector)
     call = bind(_advance, values)

@@ -13,7 +13,7 @@ from tests.plugins.generic import run_generic
 from tests.plugins.installed import write_package
 
 
-def test_programs_run_on_it(
+def test_program_runs_on_a_plugin_backend(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -21,7 +21,9 @@ def test_programs_run_on_it(
     assert "Done after" in capsys.readouterr().out
 
 
-def test_it_is_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_plugin_backend_is_listed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert cb(monkeypatch, "show", "backends", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
     summary = "Joints without errors; see ``cbdsl.backends.backend.Backend``."
@@ -30,11 +32,11 @@ def test_it_is_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFix
 
 
 @pytest.mark.parametrize("tests", ["backends/test_contract.py", "backends/test_limits.py"])
-def test_it_enters_the_generic_tests(tests: str, site: Path) -> None:
+def test_plugin_backend_passes_the_generic_tests(tests: str, site: Path) -> None:
     run_generic(tests, "ideal", site)
 
 
-def test_a_broken_one_is_named_with_its_package_and_takes_nothing_down(
+def test_broken_plugin_backend_is_named_and_others_work(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write_package(folder, "odd", {BACKENDS.group: {"odd": "builtins:dict"}})

@@ -52,7 +52,9 @@ def recorded(folder: Path) -> dict[str, np.ndarray]:
         return dict(arrays)
 
 
-def test_a_program_with_them_runs(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_program_with_plugin_potential_sensor_and_modifier_runs(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert cb(monkeypatch, "validate", "own.yaml") == 0
     words = ("run", "own.yaml", "--backend", "kinematic", "--record", "kept")
     assert cb(monkeypatch, *words) in (0, 1)
@@ -119,7 +121,7 @@ def test_a_modifier_of_the_slot_that_fails_is_named(
          "0, feedback: right_arm,\n     effector: right_arm", "references of type position"),
     ],
 )  # fmt: skip
-def test_wrong_words_are_findings(
+def test_wrong_options_of_plugins_are_diagnostics(
     here: Path,
     given: str,
     wanted: str,
@@ -142,7 +144,7 @@ def test_wrong_words_are_findings(
         ("modifiers", "funnel"),
     ],
 )
-def test_they_are_listed(
+def test_plugin_potential_sensor_and_modifier_are_listed(
     what: str, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", what, "--json") == 0
@@ -162,7 +164,9 @@ def test_the_reference_has_the_potential() -> None:
         ("runtime/test_modifiers.py", "calm"),
     ],
 )
-def test_they_enter_the_generic_tests(tests: str, name: str, site: Path) -> None:
+def test_plugin_potential_and_sensor_pass_the_generic_tests(
+    tests: str, name: str, site: Path
+) -> None:
     run_generic(tests, name, site)
 
 
@@ -218,7 +222,7 @@ FAULTY = {
 
 
 @pytest.mark.parametrize("fault", FAULTY)
-def test_faulty_potentials_take_nothing_else_down(
+def test_faulty_plugin_potential_does_not_affect_others(
     fault: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text, told = FAULTY[fault]

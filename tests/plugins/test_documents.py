@@ -25,7 +25,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_it_is_found_by_its_name_and_has_no_findings(
+def test_plugin_document_is_found_by_name_without_diagnostics(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "validate", "evening") == 0
@@ -61,7 +61,7 @@ def test_faults_are_reported_like_those_of_other_documents(
     assert "1 error" in out or "1 warning" in out, out
 
 
-def test_its_findings_are_rules_of_sarif(
+def test_diagnostics_of_a_plugin_document_are_rules_of_sarif(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     twice = GOOD.replace("reach]", "posture]")
@@ -71,7 +71,7 @@ def test_its_findings_are_rules_of_sarif(
     assert [rule["id"] for rule in run["tool"]["driver"]["rules"]] == ["DEMO101"]
 
 
-def test_it_has_a_json_schema(
+def test_plugin_document_has_a_json_schema(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "schema", "playlist") == 0
@@ -81,14 +81,16 @@ def test_it_has_a_json_schema(
     assert len(list((here / "schemas").glob("*.json"))) == len(KINDS.builtins) + 1
 
 
-def test_it_is_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_plugin_document_kind_is_listed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert cb(monkeypatch, "show", "kinds", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
     kind = {"kind of document": "playlist", "package": "demo 1.0", "folder": "playlists"}
     assert shown[-1] == kind
 
 
-def test_its_findings_are_explained(
+def test_diagnostics_of_a_plugin_document_are_explained(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "explain", "DEMO101") == 0
@@ -97,7 +99,7 @@ def test_its_findings_are_explained(
     assert "## DEMO101: program twice in a row" in capsys.readouterr().out
 
 
-def test_the_reference_lists_its_keys_and_findings() -> None:
+def test_reference_lists_keys_and_diagnostics_of_a_plugin_document() -> None:
     text = page()
     assert "### Kind playlist" in text
     assert "| `pause` | Time between one program and the next." in text
@@ -107,7 +109,7 @@ def test_the_reference_lists_its_keys_and_findings() -> None:
 @pytest.mark.parametrize(
     "tests", ["documents/test_json_schema.py", "diagnostics/test_catalogue.py"]
 )
-def test_it_enters_the_generic_tests(tests: str, site: Path) -> None:
+def test_plugin_document_passes_the_generic_tests(tests: str, site: Path) -> None:
     run_generic(tests, "playlist or DEMO", site)
 
 
@@ -140,7 +142,7 @@ def check(*_):
         ("Kind()", "TypeError"),
     ],
 )
-def test_a_broken_record_is_named_with_its_package_and_takes_nothing_down(
+def test_broken_plugin_document_is_named_and_others_work(
     record: str,
     reason: str,
     here: Path,

@@ -25,7 +25,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_it_learns_and_goes_on_after_an_interruption(
+def test_plugin_learner_resumes_with_the_same_result(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert cb(monkeypatch, *MONTE_CARLO, "--episodes", "4", "--out", "whole/p.yaml") == 0
@@ -64,7 +64,7 @@ def test_wrong_constants_are_reported(
     assert said in capsys.readouterr().err
 
 
-def test_another_learner_does_not_go_on_with_it(
+def test_resume_with_another_learner_is_refused(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, *MONTE_CARLO, "--episodes", "1", "--out", "p.yaml") == 0
@@ -72,7 +72,7 @@ def test_another_learner_does_not_go_on_with_it(
     assert "algorithm was monte_carlo, is accommodate" in capsys.readouterr().err
 
 
-def test_it_is_listed_with_its_constants(
+def test_plugin_learner_is_listed_with_its_constants(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", "learners", "--json") == 0
@@ -83,7 +83,7 @@ def test_it_is_listed_with_its_constants(
     assert "### Learner monte_carlo" in page()
 
 
-def test_it_enters_the_generic_tests(site: Path) -> None:
+def test_plugin_learner_passes_the_generic_tests(site: Path) -> None:
     run_generic("learning/test_learner.py", "monte_carlo", site)
 
 
@@ -98,7 +98,7 @@ def test_it_enters_the_generic_tests(site: Path) -> None:
         ),
     ],
 )
-def test_a_broken_one_is_named_with_its_package_and_takes_nothing_down(
+def test_broken_plugin_learner_is_named_and_others_work(
     text: str,
     reason: str,
     here: Path,

@@ -25,7 +25,7 @@ def test_progress_goes_on_with_the_features_of_its_beginning() -> None:
     assert list(attempts(episode, WORTH)) == [Attempt("left", {"x": 1.0}, True)]
 
 
-def test_a_step_back_is_a_failure_and_what_follows_is_another_attempt() -> None:
+def test_step_to_a_worse_state_ends_the_attempt() -> None:
     episode = [
         step("XX", "0-", "left", place=1.0),
         step("0-", "1-", "left", place=2.0),
@@ -52,12 +52,12 @@ def test_an_episode_that_ends_amid_an_attempt_was_not_rewarded() -> None:
     assert list(attempts([step("XX", "0-", "left")], WORTH)) == [Attempt("left", {"x": 0.0}, False)]
 
 
-def test_what_changes_nothing_fails_and_unknown_states_are_worth_nothing() -> None:
+def test_unchanged_state_fails_and_unknown_states_have_no_value() -> None:
     for before, after, fails in (("00", "00", True), ("00", "1-", True), ("--", "00", False)):
         assert AttemptProgress(WORTH).fails(before, after) == fails
 
 
-def test_what_is_lost_from_sight_may_be_found_again() -> None:
+def test_one_loss_of_sight_is_no_failure() -> None:
     progress = AttemptProgress(WORTH)
     steps = [("XX", "00"), ("00", "--"), ("--", "00"), ("00", "--")]
     assert [progress.fails(*each) for each in steps] == [False, False, False, True]
@@ -69,7 +69,7 @@ def test_ground_may_be_lost_once() -> None:
     assert [progress.fails(*each) for each in steps] == [False, False, False, True]
 
 
-def test_what_the_attempt_before_has_left_is_no_loss() -> None:
+def test_state_left_by_the_last_attempt_is_no_loss() -> None:
     progress = AttemptProgress(WORTH)
     steps = [("00", "0-"), ("0-", "00"), ("00", "0-"), ("0-", "00")]
     assert not any(progress.fails(*each) for each in steps)

@@ -54,7 +54,7 @@ def test_every_use_of_a_program_is_a_tree_of_its_own(checked: Checked) -> None:
     assert sorted(str(each) for each in used) == sorted(str(each) for each in trees[1:])
 
 
-def test_all_leaves_are_declared_with_their_ports(checked: Checked) -> None:
+def test_tree_declares_all_leaves_with_their_ports(checked: Checked) -> None:
     root = ElementTree.fromstring(behavior_tree(checked("visualinspect")))
     model = root.find("TreeNodesModel")
     assert model is not None and {each.get("ID") for each in model} == set(LEAVES)
@@ -84,7 +84,7 @@ def test_parameters_and_outcomes_are_in_the_tree(checked: Checked) -> None:
     assert limits == {(str(program.transitions), ""), ("", "3.5")}
 
 
-def test_what_follows_from_more_than_the_state_is_refused(checked: Checked) -> None:
+def test_program_with_a_schema_has_no_tree(checked: Checked) -> None:
     program = checked("reachtouch")
     with pytest.raises(UsageError, match="allocated by a schema"):
         behavior_tree(program._replace(schema=object()))

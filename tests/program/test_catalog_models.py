@@ -93,7 +93,7 @@ def test_an_affordance_is_a_feature_with_its_probability(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(("x", "arm"), [(0.55, "right"), (1.2, "left")])
-def test_a_schema_chooses_by_what_is_likely_to_be_rewarded(
+def test_schema_chooses_by_the_probability_of_reward(
     folder: Path, dexter: RobotDocument, urdf: Path, kinematics: Kinematics, x: float, arm: str
 ) -> None:
     program = checked(folder)._replace(episode_time=4.0)
@@ -125,7 +125,7 @@ def test_a_schema_chooses_by_what_is_likely_to_be_rewarded(
     ("constants", "deviation", "prior"),
     [({}, deviation_of("m"), 1.0), ({"units": "si", "prior": 4.0}, 1.0, 4.0)],
 )
-def test_a_model_has_the_prior_that_it_was_explored_with(
+def test_model_has_the_prior_of_its_exploration(
     constants: dict[str, object], deviation: float, prior: float
 ) -> None:
     identity = {"name": "any", "sha256": "0" * 64}

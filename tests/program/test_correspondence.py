@@ -23,7 +23,7 @@ def test_two_hands_stand_in_for_one(checked: Checked) -> None:
     assert instead.primitives["touch"].lead.feedback.name == "hands.net_forces"
 
 
-def test_who_stands_in_has_its_own_order_of_priorities(checked: Checked) -> None:
+def test_substitute_keeps_its_own_priorities(checked: Checked) -> None:
     one, both = checked("reachtouch"), checked("reachtouch_bimanual")
     names = correspondence(one, both)
     assert names is not None
@@ -69,5 +69,5 @@ def _renamed(program: CheckedProgram, other: Mapping[str, str]) -> CheckedProgra
 
 
 @pytest.mark.parametrize("name", ["tactileprobe", "bimanualtouch", "searchtrack"])
-def test_other_actions_have_no_counterpart(checked: Checked, name: str) -> None:
+def test_program_with_other_actions_has_no_correspondence(checked: Checked, name: str) -> None:
     assert correspondence(checked("reachtouch"), checked(name)) is None

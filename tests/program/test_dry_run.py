@@ -25,7 +25,7 @@ def program_of(name: str) -> CheckedProgram:
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_freedom_is_what_random_tasks_of_full_rank_leave(name: str) -> None:
+def test_stated_freedom_equals_the_null_space_of_random_rows(name: str) -> None:
     """Compare the stated freedom with the null space of random rows above, in a level's joints."""
     program = program_of(name)
     rng = np.random.default_rng(0)
@@ -74,14 +74,14 @@ def test_a_free_axis_frees_a_row() -> None:
     }
 
 
-def test_a_program_is_rewarding_where_an_action_of_it_is() -> None:
+def test_program_is_rewarding_if_an_action_is() -> None:
     program = program_of("reachtouch")
     earning = {action.name: rewarding(action) for action in program.actions}
     assert earning["searchtrack"] == ("searchtrack",) and earning["reach"] == ()
 
 
 @given(st.lists(st.text("X-01*", min_size=3, max_size=3), max_size=8, unique=True))
-def test_coverage_is_what_the_policy_does_in_every_state(patterns: list[str]) -> None:
+def test_coverage_counts_the_states_of_each_action(patterns: list[str]) -> None:
     program = program_of_policy({pattern: pattern for pattern in patterns})
     policy = WrittenPolicy(program.policy)
     chosen = [

@@ -11,7 +11,7 @@ from cbdsl.program.member_exchange import (
 from tests.conftest import Checked
 
 
-def test_what_a_member_was_composed_with_stays(checked: Checked) -> None:
+def test_exchange_of_a_member_keeps_its_compositions(checked: Checked) -> None:
     probing = exchange(checked("reachtouch"), "touch", checked("tactileprobe"))
     actions = {each.name: each for each in probing.actions}
     alone, below, above = (actions[name] for name in ("touch", "touch ◁ reach", "reach ◁ touch"))
@@ -25,13 +25,13 @@ def test_what_a_member_was_composed_with_stays(checked: Checked) -> None:
     assert probing.members == ("searchtrack", "reach", "touch")
 
 
-def test_what_a_program_ends_with(checked: Checked) -> None:
+def test_signals_at_the_end_are_those_of_the_last_action(checked: Checked) -> None:
     handover, lifted = checked("handover"), checked("pick_and_lift")
     assert {each.signal for each in signals_at_its_end(handover)} == {"left_hand.finger_forces"}
     assert earned_signals(lifted) and not signals_at_its_end(lifted)
     assert signals_at_its_end(checked("reachtouch")) == earned_signals(checked("reachtouch"))
 
 
-def test_a_controller_goes_by_no_place_of_its_own(checked: Checked) -> None:
+def test_member_places_of_a_controller_are_empty(checked: Checked) -> None:
     assert member_places(checked("reachtouch"), "touch") == frozenset()
     assert member_places(checked("pick_and_place"), "reachtouch") == {"stereo.red"}

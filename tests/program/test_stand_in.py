@@ -26,7 +26,7 @@ def test_a_probe_stands_in_for_a_touch_and_two_hands_for_one(checked: Checked) -
     assert not found(checked("reachtouch"), checked("reachtouch"))
 
 
-def test_names_do_not_matter(checked: Checked) -> None:
+def test_substitutes_are_compared_without_names(checked: Checked) -> None:
     reach, probe, look = checked("reachtouch"), checked("tactileprobe"), checked("searchtrack")
     primitives = {"b": probe.primitives["touch"]._replace(name="b")}
     palpate = probe._replace(name="palpate", members=("a", "b"), primitives=primitives)
@@ -37,7 +37,7 @@ def test_names_do_not_matter(checked: Checked) -> None:
     assert "touch" not in dict(found(reach, decoy))
 
 
-def test_what_is_not_rewarded_stands_in_for_nothing(checked: Checked) -> None:
+def test_unrewarded_program_is_no_substitute(checked: Checked) -> None:
     reach, probe = checked("reachtouch"), checked("tactileprobe")
     unpaid = probe._replace(primitives={"search": probe.primitives["search"]})
     assert not found(reach, unpaid)

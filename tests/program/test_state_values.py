@@ -16,7 +16,7 @@ COUNTS = {
 }
 
 
-def test_what_nothing_ever_left_was_rewarded_and_the_way_there_is_discounted() -> None:
+def test_final_state_has_value_1_and_earlier_states_are_discounted() -> None:
     values = state_values({"**": "look"}, COUNTS)
     assert values["11"] == 1.0
     assert values["0-"] == pytest.approx(0.8)

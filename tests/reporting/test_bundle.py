@@ -24,7 +24,7 @@ ARRAYS = st.sampled_from(sorted(KINDS.values())).flatmap(
 
 
 @given(st.lists(ARRAYS, max_size=4), st.text())
-def test_everything_comes_back(arrays: list[np.ndarray], text: str) -> None:
+def test_bundle_restores_text_and_arrays(arrays: list[np.ndarray], text: str) -> None:
     bundle = Bundle()
     header = {"text": text, "arrays": [bundle.add(array) for array in arrays]}
     plain = zlib.decompress(base64.b64decode(bundle.text(header)))
@@ -39,6 +39,6 @@ def test_everything_comes_back(arrays: list[np.ndarray], text: str) -> None:
         assert found.tobytes() == np.ascontiguousarray(array).tobytes()
 
 
-def test_what_a_page_cannot_read_is_refused() -> None:
+def test_array_of_an_unsupported_type_is_refused() -> None:
     with pytest.raises(KeyError):
         Bundle().add(np.zeros(2, dtype=complex))

@@ -58,7 +58,7 @@ def transform(position: tuple[float, ...], quaternion: tuple[float, ...]) -> np.
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=[robot.name for robot in ROBOTS])
-def test_links_are_where_the_kinematics_have_them(robot: RobotDocument) -> None:
+def test_drawn_links_agree_with_the_kinematics(robot: RobotDocument) -> None:
     urdf = ROOT / "robots" / robot.model
     kinematics = Kinematics(robot, urdf)
     links = read_links(told(robot, urdf), kinematics.joints.names)
@@ -73,7 +73,7 @@ def test_links_are_where_the_kinematics_have_them(robot: RobotDocument) -> None:
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=[robot.name for robot in ROBOTS])
-def test_everything_visible_has_a_shape_and_a_color(robot: RobotDocument) -> None:
+def test_visible_links_have_a_shape_and_a_colour(robot: RobotDocument) -> None:
     urdf = ROOT / "robots" / robot.model
     links = read_links(told(robot, urdf), Kinematics(robot, urdf).joints.names)
     shapes = [shape for link in links for shape in link.shapes]
@@ -85,7 +85,7 @@ def test_everything_visible_has_a_shape_and_a_color(robot: RobotDocument) -> Non
     assert len({shape.color for shape in shapes}) == len(colors)
 
 
-def test_meshes_are_found_beside_the_model_and_left_out_where_they_have_gone(
+def test_meshes_are_found_beside_the_model_and_omitted_if_missing(
     tmp_path: Path,
 ) -> None:
     urdf = Path(pybullet_data.getDataPath()) / "kuka_iiwa" / "model.urdf"
@@ -136,7 +136,7 @@ def test_read_links_of_a_coupled_joint_has_ratio_and_offset() -> None:
     assert read_links(before, ["ab"])[-1].offset == 0.0
 
 
-def test_read_links_of_a_joint_that_nothing_drives_shows_it_at_rest() -> None:
+def test_read_links_of_an_undriven_joint_shows_it_at_rest() -> None:
     text = """<robot name="pair"><link name="a"/><link name="b"/>
     <joint name="ab" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
       <limit lower="0.5" upper="1" effort="1" velocity="1"/></joint></robot>"""

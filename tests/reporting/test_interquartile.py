@@ -18,7 +18,7 @@ TABLES = arrays(
 
 
 @given(TABLES)
-def test_it_is_the_mean_of_the_middle_half(values: np.ndarray) -> None:
+def test_interquartile_mean_equals_the_mean_of_the_middle_half(values: np.ndarray) -> None:
     # Four copies of everything: a quarter of the rows is a whole number.
     rows = np.sort(np.repeat(values, 4, axis=0), axis=0)
     middle = rows[len(values) : 3 * len(values)].mean(axis=0)
@@ -36,7 +36,7 @@ def test_order_does_not_matter_and_a_shift_shifts(
     assert interquartile_mean(values + 3) == pytest.approx(found + 3, abs=1e-9)
 
 
-def test_one_odd_trial_of_four_counts_nothing() -> None:
+def test_interquartile_mean_of_four_ignores_one_outlier() -> None:
     values = np.array([[1.0], [2.0], [3.0], [1e9]])
     assert interquartile_mean(values) == pytest.approx([2.5])
 
@@ -64,7 +64,7 @@ def test_intervals_hold_the_true_mean_about_as_often_as_they_say() -> None:
 
 
 @given(TABLES, st.integers(1, 7))
-def test_running_means_are_those_of_the_last(values: np.ndarray, window: int) -> None:
+def test_running_mean_averages_the_last_values(values: np.ndarray, window: int) -> None:
     found = running_mean(values, window)
     for place in range(values.shape[1]):
         own = values[:, max(0, place + 1 - window) : place + 1].mean(axis=1)

@@ -59,7 +59,7 @@ def mean_over(values: np.ndarray) -> np.ndarray:
 
 @given(DENSITIES)
 @settings(max_examples=30)
-def test_they_are_one_on_average(density: Gaussian | Kernel) -> None:
+def test_relative_density_is_one_on_average(density: Gaussian | Kernel) -> None:
     found = landscape(density)
     whole = found.over(found.angles(0), found.angles(1))
     # The rule is right within 0.3 % for the narrowest density that is cut off at a limit.
@@ -69,7 +69,7 @@ def test_they_are_one_on_average(density: Gaussian | Kernel) -> None:
 
 @given(DENSITIES)
 @settings(max_examples=30)
-def test_along_one_joint_is_over_both_on_average(density: Gaussian | Kernel) -> None:
+def test_density_along_one_joint_is_the_mean_over_the_other(density: Gaussian | Kernel) -> None:
     found = landscape(density)
     whole = found.over(found.angles(0), found.angles(1))
     assert mean_over(whole) == pytest.approx(found.along(1, found.angles(1)), 3e-3, 5e-3)
@@ -78,7 +78,7 @@ def test_along_one_joint_is_over_both_on_average(density: Gaussian | Kernel) -> 
 
 @given(DENSITIES)
 @settings(max_examples=10, deadline=None)
-def test_draws_have_this_density(density: Gaussian | Kernel) -> None:
+def test_draws_of_a_model_follow_its_landscape(density: Gaussian | Kernel) -> None:
     found = landscape(density)
     sampler = DensitySampler(
         density_source("e", density), found.lower, found.upper, np.random.default_rng(0)
@@ -93,7 +93,7 @@ def test_draws_have_this_density(density: Gaussian | Kernel) -> None:
 
 @given(DENSITIES)
 @settings(max_examples=20)
-def test_nothing_is_likelier_than_the_peak(density: Gaussian | Kernel) -> None:
+def test_peak_is_the_largest_density(density: Gaussian | Kernel) -> None:
     found = landscape(density)
     (first, second), most = found.peak()
     assert found.over(np.array([first]), np.array([second]))[0, 0] == pytest.approx(most)

@@ -17,7 +17,7 @@ from cbdsl.yaml_text.writer import write
 from tests.reporting.trials import write_trial
 
 
-def test_a_trial_is_what_its_files_say(tmp_path: Path) -> None:
+def test_read_trial_has_the_contents_of_its_files(tmp_path: Path) -> None:
     file = write_trial(tmp_path, "walked", episodes=30)
     learned = read_learned(file)
     curve = learned.policy.curve
@@ -34,7 +34,7 @@ def test_a_trial_is_what_its_files_say(tmp_path: Path) -> None:
     assert learned.notes == ()
 
 
-def test_without_a_journal_the_curve_tells(tmp_path: Path) -> None:
+def test_trial_without_a_journal_uses_the_curve(tmp_path: Path) -> None:
     file = write_trial(tmp_path, "walked")
     with_journal = read_learned(file)
     file.with_suffix(".episodes.jsonl").unlink()

@@ -41,7 +41,7 @@ def header(text: str) -> dict[str, Any]:
     return told
 
 
-def test_nothing_is_loaded_and_nothing_may_be(text: str) -> None:
+def test_learned_page_loads_nothing(text: str) -> None:
     parser = Loads()
     parser.feed(text)
     assert all(each.startswith("data:") for each in parser.found)

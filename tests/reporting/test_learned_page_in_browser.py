@@ -102,7 +102,9 @@ def test_how_far_curves_are_smoothed_can_be_chosen(shown: Page) -> None:
     assert "Each episode" in shown.value("document.querySelector('#numbers caption').textContent")
 
 
-def test_one_trial_is_looked_at_and_can_be_linked_to(shown: Page, learned: list[Learned]) -> None:
+def test_selected_trial_is_shown_alone_and_has_an_address(
+    shown: Page, learned: list[Learned]
+) -> None:
     visible = "[...document.querySelectorAll('.trial')].filter((e) => e.offsetParent)"
     names = f"{visible}.map((e) => e.querySelector('h2').textContent).join()"
     assert shown.value(names) == learned[0].policy.name
@@ -114,7 +116,7 @@ def test_one_trial_is_looked_at_and_can_be_linked_to(shown: Page, learned: list[
     assert shown.value("location.hash") == "#trial-3"
 
 
-def test_episodes_are_listed_when_they_are_looked_at(shown: Page, learned: list[Learned]) -> None:
+def test_episodes_are_listed_once_their_section_opens(shown: Page, learned: list[Learned]) -> None:
     rows = "document.querySelector('#trial-0 .episodes tbody')?.rows"
     assert not shown.value(f"{rows}?.length")
     shown.value("document.querySelector('#trial-0 .episodes').open = true")
@@ -154,7 +156,7 @@ def ratio(one: str, other: str) -> float:
 
 
 @pytest.mark.parametrize("width", [360, 768, 1400])
-def test_it_is_as_wide_as_the_window(shown: Page, width: int) -> None:
+def test_page_is_as_wide_as_the_window(shown: Page, width: int) -> None:
     shown.size(width, 900)
     shown.wait(f"innerWidth === {width}")
     shown.wait("document.documentElement.scrollWidth <= innerWidth")

@@ -63,7 +63,7 @@ def read(file: Path) -> Messages:
     return by_topic
 
 
-def test_all_that_happens_is_there(file: Path, recorded: Recorded) -> None:
+def test_file_has_a_message_per_tick_on_each_topic(file: Path, recorded: Recorded) -> None:
     messages = read(file)
     ticks = len(recorded.arrays["time"])
     each_tick = ("/tf", "/joint_states", "/potentials", "/predicates", "/signals")
@@ -91,7 +91,7 @@ def test_images_are_those_that_were_recorded(file: Path, recorded: Recorded) -> 
         assert (cv2.cvtColor(cv2.imdecode(data, 1), cv2.COLOR_BGR2RGB) == image).all()
 
 
-def test_frames_are_where_another_library_has_them(file: Path, recorded: Recorded) -> None:
+def test_frames_agree_with_pinocchio(file: Path, recorded: Recorded) -> None:
     """Transforms of each link at the end agree with Pinocchio's."""
     _, content = read(file)["/tf"][-1]
     above = {each["child_frame_id"]: each for each in content["transforms"]}

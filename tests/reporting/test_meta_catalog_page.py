@@ -38,7 +38,7 @@ def plans_of(page: str) -> list[dict[str, Any]]:
     return plans
 
 
-def test_it_lists_the_stacks_of_each_height_the_surest_first(page: str) -> None:
+def test_stacks_of_each_height_are_listed_by_probability(page: str) -> None:
     plans = plans_of(page)
     assert {len(plan["order"]) for plan in plans} == {2, 3}, "no four things stood on each other"
     of_three = [plan for plan in plans if len(plan["order"]) == 3]
@@ -49,14 +49,14 @@ def test_it_lists_the_stacks_of_each_height_the_surest_first(page: str) -> None:
     )
 
 
-def test_each_box_of_a_stack_is_in_the_graph(page: str) -> None:
+def test_every_object_of_a_stack_is_in_the_graph(page: str) -> None:
     drawn = set(re.findall(r'data-key="([^"]*)"', page))
     for plan in plans_of(page):
         known = [key for key in plan["boxes"] if len(plan["order"]) == 3 or "stack " not in key]
         assert set(known) <= drawn, plan
 
 
-def test_it_reports_every_pair_and_its_origin(page: str, shipped: MetaCatalogDocument) -> None:
+def test_page_reports_every_pair_and_its_origin(page: str, shipped: MetaCatalogDocument) -> None:
     for pair in shipped.pairs.values():
         assert f"{pair.upper} on {pair.lower}" in page
         assert f"{pair.rewarded} of {pair.tried}" in page

@@ -38,7 +38,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
         yield opened
 
 
-def test_what_is_not_there_is_in_no_stack(shown: Page) -> None:
+def test_deselected_object_is_in_no_stack(shown: Page) -> None:
     first, second = shown.value(LISTED)
     assert first.startswith("blue_box < purple_box < basketball")
     shown.value("document.querySelector('[value=basketball]').click()")
@@ -51,7 +51,7 @@ def test_what_is_not_there_is_in_no_stack(shown: Page) -> None:
     assert shown.value(LISTED) == [first, second]
 
 
-def test_a_chosen_stack_is_marked_in_the_graph_until_it_is_chosen_again(shown: Page) -> None:
+def test_chosen_stack_is_marked_until_the_next_click(shown: Page) -> None:
     shown.value("document.querySelector('#plans button').click()")
     assert shown.value(CHOSEN) == [
         "basketball", "blue_box", "pair basketball_on_purple_box", "pair purple_box_on_blue_box",
@@ -61,6 +61,6 @@ def test_a_chosen_stack_is_marked_in_the_graph_until_it_is_chosen_again(shown: P
     assert shown.value(CHOSEN) == []
 
 
-def test_nothing_goes_wrong_and_nothing_is_asked_for(shown: Page) -> None:
+def test_page_has_no_errors_and_no_requests(shown: Page) -> None:
     assert shown.errors == [] and shown.text("problem") == ""
     assert [url for url in shown.requests if not url.startswith(("file:", "data:"))] == []

@@ -36,7 +36,7 @@ def text(recorded: Recorded) -> str:
     return page(recorded)
 
 
-def test_nothing_is_loaded_and_nothing_may_be(text: str) -> None:
+def test_page_of_a_recording_loads_nothing(text: str) -> None:
     parser = Loads()
     parser.feed(text)
     assert parser.found == ["data:,"]
@@ -51,7 +51,7 @@ def test_the_same_recording_gives_the_same_page(recorded: Recorded, text: str) -
     assert page(other) == text
 
 
-def test_it_is_small_enough_to_be_sent(text: str) -> None:
+def test_page_of_a_recording_is_below_5_mb(text: str) -> None:
     assert len(text.encode()) < 5e6
 
 
@@ -61,7 +61,7 @@ def test_a_title_cannot_be_markup(recorded: Recorded) -> None:
     assert "<title>&lt;/title&gt;&lt;b&gt;{{data}}, seed 0</title>" in text
 
 
-def test_scripts_end_where_they_should(text: str) -> None:
+def test_page_has_exactly_two_script_ends(text: str) -> None:
     assert len(re.findall(r"</script", text, re.IGNORECASE)) == 2
 
 

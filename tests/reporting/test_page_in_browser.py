@@ -75,12 +75,12 @@ def pixels(shown: Page, element: str) -> np.ndarray:
     return image[top:bottom, left:right].astype(int)
 
 
-def test_it_opens_at_the_time_behind_its_address(shown: Page) -> None:
+def test_page_opens_at_the_time_in_its_address(shown: Page) -> None:
     assert shown.text("clock").startswith("1.00 / ")
     assert shown.text("program") == "reachtouch"
 
 
-def test_it_says_why_the_episode_stopped(shown: Page, recorded: Recorded) -> None:
+def test_page_states_the_ending_of_the_episode(shown: Page, recorded: Recorded) -> None:
     assert shown.text("ending") == recorded.summary["result"]["ending"]
     assert shown.text("verdict") == "rewarded"
 
@@ -95,7 +95,7 @@ def test_the_robot_and_the_ball_are_to_be_seen_and_move(shown: Page) -> None:
     assert (np.abs(pixels(shown, "#view") - before).max(axis=-1) > 30).mean() > 0.005
 
 
-def test_links_are_where_the_kinematics_have_them(
+def test_drawn_links_agree_with_the_kinematics(
     shown: Page, recorded: Recorded, dexter: RobotDocument, urdf: Path
 ) -> None:
     kinematics = Kinematics(dexter, urdf)
@@ -109,7 +109,7 @@ def test_links_are_where_the_kinematics_have_them(
             assert found == pytest.approx(kinematics.frame(link).position, abs=1e-5)
 
 
-def test_it_plays_and_pauses(shown: Page) -> None:
+def test_space_plays_and_pauses(shown: Page) -> None:
     shown.press(" ")
     shown.wait(f"{NOW} > 1.1")
     assert "Pause" in shown.text("play")
@@ -120,7 +120,7 @@ def test_it_plays_and_pauses(shown: Page) -> None:
     assert shown.value(NOW) == stopped
 
 
-def test_it_stops_at_the_end_and_begins_anew(shown: Page, recorded: Recorded) -> None:
+def test_playback_stops_at_the_end_and_restarts(shown: Page, recorded: Recorded) -> None:
     last = float(recorded.arrays["time"][-1])
     shown.value("document.getElementById('speed').value = '10'")
     shown.click("#play")
@@ -161,7 +161,7 @@ def test_a_click_on_a_time_line_goes_there(shown: Page, recorded: Recorded) -> N
         assert (cursor - left) / width == pytest.approx(0.25, abs=0.01)
 
 
-def test_a_closer_look_is_one_for_all_and_ends(shown: Page) -> None:
+def test_zoom_applies_to_all_charts_and_can_be_reset(shown: Page) -> None:
     whole = [pixels(shown, chart) for chart in (".chart canvas", ".chart + .chart canvas")]
     widths = "[...document.querySelectorAll('.row b')].map((e) => e.style.width).join()"
     before = shown.value(widths)
@@ -188,7 +188,7 @@ def test_a_time_at_the_right_edge_of_a_chart_has_room(shown: Page) -> None:
     assert rim >= longest / 2
 
 
-def test_rows_say_every_letter_of_the_state(shown: Page, recorded: Recorded) -> None:
+def test_rows_name_every_letter_of_the_state(shown: Page, recorded: Recorded) -> None:
     names = shown.value("[...document.querySelectorAll('.row > span')].map((e) => e.textContent)")
     members = recorded.summary["members"]
     assert names == [name for program, own in members.items() for name in (program, *own)]
@@ -221,14 +221,14 @@ def test_potentials_have_two_scales(shown: Page) -> None:
     assert (pixels(shown, ".chart canvas") != before).any()
 
 
-def test_it_is_dark_where_that_is_preferred(shown: Page) -> None:
+def test_page_is_dark_with_a_dark_preference(shown: Page) -> None:
     light = pixels(shown, "header").mean()
     shown.dark()
     shown.wait("getComputedStyle(document.body).backgroundColor === 'rgb(21, 24, 28)'")
     assert pixels(shown, "header").mean() < light - 100
 
 
-def test_without_webgl_the_rest_is_there(file: Path) -> None:
+def test_page_without_webgl_shows_all_other_parts(file: Path) -> None:
     with browser() as opened:
         opened.before = (
             "const own = HTMLCanvasElement.prototype.getContext;"
@@ -242,7 +242,7 @@ def test_without_webgl_the_rest_is_there(file: Path) -> None:
         assert opened.value("document.querySelectorAll('#levels tbody tr').length") > 0
 
 
-def test_a_robot_without_cameras_and_hands(tmp_path: Path) -> None:
+def test_page_of_a_robot_without_cameras_and_hands_has_no_errors(tmp_path: Path) -> None:
     library = Library(ROOT)
     robot = library.read(library.locate(RobotDocument, "sixaxis"), RobotDocument).document
     urdf = ROOT / "robots" / robot.model

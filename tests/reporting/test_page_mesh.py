@@ -48,7 +48,7 @@ def test_a_mesh_is_read_with_its_scale(tmp_path: Path) -> None:
     assert sorted(map(tuple, mesh.corners.round(9))) == [(0, 0, 0), (0, 3, 0), (2, 0, 0)]
 
 
-def test_what_is_no_mesh_is_left_out(tmp_path: Path) -> None:
+def test_file_without_a_mesh_is_omitted(tmp_path: Path) -> None:
     file = tmp_path / "not.stl"
     file.write_bytes(b"nothing of the kind")
     assert read_mesh(file, (1.0, 1.0, 1.0)) is None
@@ -57,7 +57,7 @@ def test_what_is_no_mesh_is_left_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "name", ["meshes/a b.stl", "meshes/a%20b.stl", "package://arm/meshes/a b.stl", "file://{}"]
 )
-def test_files_are_found_by_every_way_of_naming_them(name: str, tmp_path: Path) -> None:
+def test_mesh_files_are_found_by_every_kind_of_path(name: str, tmp_path: Path) -> None:
     file = tmp_path / "arm" / "meshes" / "a b.stl"
     file.parent.mkdir(parents=True)
     file.touch()

@@ -54,7 +54,7 @@ def late(value: float, column: int = 1, usual: float = 1.0) -> np.ndarray:
     return array
 
 
-def test_nothing_is_reported_without_an_obstacle() -> None:
+def test_reasons_without_an_obstacle_are_empty() -> None:
     assert reasons(made()) == []
 
 
@@ -87,11 +87,11 @@ def test_a_restricted_level_is_reported_with_the_cause(changes: dict[str, Any], 
     assert told.startswith("below was moved away from what it wanted, ") and named in told
 
 
-def test_who_has_arrived_wants_nothing_worth_telling() -> None:
+def test_arrived_level_gives_no_reason() -> None:
     assert reasons(made(level_share=late(0.1), potentials=late(1e-6))) == []
 
 
-def test_a_moment_is_no_reason() -> None:
+def test_short_restriction_gives_no_reason() -> None:
     share = np.ones((TICKS, 2))
     share[-5:] = 0.0
     assert reasons(made(level_share=share)) == []
@@ -107,11 +107,11 @@ def test_joints_at_limits_are_named() -> None:
     assert told == "At their limits: elbow."
 
 
-def test_nothing_acted_at_all() -> None:
+def test_reasons_without_an_active_level_are_empty() -> None:
     assert reasons(made(level_priority=-np.ones((TICKS, 2), dtype=int))) == []
 
 
 @pytest.mark.slow
-def test_an_episode_without_an_object_lacked_it(record: Record) -> None:
+def test_episode_without_an_object_names_the_missing_signal(record: Record) -> None:
     told = reasons(read_recording(record("searchtrack", begin=lambda rng: World())))
     assert "track had no cyclopean.sat_10 in the whole episode." in told

@@ -200,14 +200,14 @@ def test_either_file_or_the_folder_finds_it(kept: Path) -> None:
         assert find_recordings(path) == [kept]
 
 
-def test_all_of_a_folder_are_found_by_seed(tmp_path: Path) -> None:
+def test_recordings_of_a_folder_are_sorted_by_seed(tmp_path: Path) -> None:
     for name in ("episode_10.json", "episode_9.json", "episode_11.npz", "notes.json"):
         (tmp_path / name).touch()
     found = [file.name for file in find_recordings(tmp_path)]
     assert found == ["episode_9.json", "episode_10.json", "episode_11.json"]
 
 
-def test_a_folder_without_any_says_why(tmp_path: Path) -> None:
+def test_folder_without_recordings_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="when an episode ends"):
         find_recordings(tmp_path)
     with pytest.raises(UsageError, match="no such file"):

@@ -64,12 +64,12 @@ def test_every_joint_that_is_actuated_is_in_a_chain() -> None:
         ("franka_panda/panda.urdf", "panda", "panda_grasptarget"),
     ],
 )
-def test_an_arm_ends_where_it_acts(name: str, arm: str, tip: str) -> None:
+def test_tip_of_an_arm_is_the_frame_of_its_tool(name: str, arm: str, tip: str) -> None:
     first = chains(read(name))[0]
     assert (first.name, len(first.joints), first.tip) == (arm, 7, tip)
 
 
-def test_legs_are_named_by_what_their_joints_share() -> None:
+def test_legs_are_named_by_the_common_part_of_their_joints() -> None:
     legs = chains(read("a1.urdf"))
     assert {leg.name: len(leg.joints) for leg in legs} == dict.fromkeys(("FR", "FL", "RR", "RL"), 3)
 

@@ -64,7 +64,7 @@ def test_finger_forces_are_a_product(robot: RobotDocument) -> None:
     assert (str(forces), forces.size) == ("force x 3", 9)
 
 
-def test_a_group_has_what_all_of_its_members_have(robot: RobotDocument) -> None:
+def test_group_has_the_resources_of_all_its_members(robot: RobotDocument) -> None:
     found = resources(robot)
     assert str(found["arms"].type) == "configuration[14]"
     assert str(found["arms.position"].type) == "position x 2"

@@ -41,7 +41,9 @@ def _written(folder: Path, fixed: dict[str, str], shape: str = "") -> Path:
         ({"left_screw": "wrist", "right_screw": "wrist"}, "wrist"),
     ],
 )
-def test_names_say_what_acts(fixed: dict[str, str], tip: str, tmp_path: Path) -> None:
+def test_tip_is_the_frame_with_a_usual_name(
+    fixed: dict[str, str], tip: str, tmp_path: Path
+) -> None:
     (chain,) = chains(read_urdf(_written(tmp_path, fixed)))
     assert chain.tip == tip
 

@@ -160,7 +160,7 @@ def test_rest_of_a_joint_is_nearest_to_zero(
     assert model.rests == {"a": rest, "d": min(max(-3 * rest, -1), 1)}
 
 
-def test_the_shipped_model() -> None:
+def test_shipped_model_has_the_chains_of_camera_and_palm() -> None:
     model = read_urdf(shipped() / "robots" / "dexter.urdf")
     assert list(model.above("left_camera")) == ["tilt", "pan"]
     assert len(list(model.above("right_palm"))) == 7
@@ -234,20 +234,20 @@ def test_the_shipped_model() -> None:
         ),
     ],
 )
-def test_what_is_no_model_says_why(text: str, problem: str, tmp_path: Path) -> None:
+def test_invalid_model_is_refused_with_the_reason(text: str, problem: str, tmp_path: Path) -> None:
     path = tmp_path / "model.urdf"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(UrdfError, match=rf"model\.urdf: .*{re.escape(problem)}"):
         read_urdf(path)
 
 
-def test_a_missing_model_says_so(tmp_path: Path) -> None:
+def test_missing_model_is_reported(tmp_path: Path) -> None:
     with pytest.raises(UrdfError, match="No such file"):
         read_urdf(tmp_path / "none.urdf")
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
-def test_what_is_read_is_what_kinematics_can_be_made_of(path: Path) -> None:
+def test_every_accepted_model_can_be_built_by_pinocchio(path: Path) -> None:
     """Accept no model in the checker that kinematics refuses."""
     pinocchio = pytest.importorskip("pinocchio")
     try:

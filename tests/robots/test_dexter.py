@@ -33,7 +33,7 @@ def _names(model: ET.Element, kind: str) -> set[str]:
     return {element.attrib["name"] for element in model.findall(kind)}
 
 
-def test_the_model_is_what_its_script_writes() -> None:
+def test_model_equals_the_output_of_its_script() -> None:
     script = runpy.run_path(str(ROOT / "robots" / "make_dexter.py"))
     assert URDF.read_text(encoding="utf-8") == script["dexter"]()
 
@@ -61,7 +61,7 @@ def test_every_link_that_the_robot_file_names_exists(
     assert named <= _names(model, "link")
 
 
-def test_mimic_tags_say_what_the_couplings_say(model: ET.Element, dexter: RobotDocument) -> None:
+def test_mimic_tags_equal_the_couplings(model: ET.Element, dexter: RobotDocument) -> None:
     mimics = {
         joint.attrib["name"]: (tag.attrib["joint"], float(tag.attrib["multiplier"]))
         for joint in model.findall("joint")

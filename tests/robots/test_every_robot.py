@@ -70,7 +70,7 @@ def played(robot: RobotDocument, program: str, folder: Path) -> tuple[EpisodeRes
     return result, backend.observe().positions
 
 
-def test_there_are_robots_without_cameras_hands_and_head() -> None:
+def test_robots_without_cameras_hands_and_head_are_tested() -> None:
     plain = [robot for robot in ROBOTS.values() if not (robot.cameras or robot.load_cells)]
     assert len(plain) >= 2
     assert len({len(robot.effectors["arm"].joints) for robot in plain}) >= 2
@@ -92,7 +92,7 @@ def test_an_arm_takes_a_posture(
 
 
 @pytest.mark.parametrize(("robot", "arm", "posture"), ARMS)
-def test_an_arm_reaches_where_it_can_be(
+def test_arm_reaches_a_reachable_position(
     robot: RobotDocument, arm: str, posture: str, tmp_path: Path
 ) -> None:
     kinematics = Kinematics(robot, urdf(robot))
@@ -139,7 +139,7 @@ def test_the_tips_jacobian_by_finite_differences(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", OTHERS)
-def test_other_robots_run_their_programs_on_the_simulator(name: str) -> None:
+def test_programs_of_other_robots_run_on_the_simulator(name: str) -> None:
     program: CheckedProgram = check_program(name, {}, LIBRARY)
     robot = ROBOTS[program.robot]
     stage_file = LIBRARY.locate(StageDocument, program.stage or "")

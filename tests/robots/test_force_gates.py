@@ -35,5 +35,5 @@ def test_no_gate_is_wider_than_a_fifth(file: Path) -> None:
         assert share <= (pressing if controller == PRESS else WIDEST), controller
 
 
-def test_there_are_gates() -> None:
+def test_force_gates_exist_in_programs() -> None:
     assert sum(len(shares(yaml.safe_load(file.read_text()))) for file in FILES) > 5

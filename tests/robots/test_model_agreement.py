@@ -127,7 +127,7 @@ TOLERANCES = {"bullet": 1e-3}
 
 @pytest.mark.parametrize("reader", READERS)
 @pytest.mark.parametrize(("kind", "mimic"), [*product(UNNAMED, MIMICS)])
-def test_links_are_where_pinocchio_has_them(
+def test_links_of_all_readers_agree_with_pinocchio(
     reader: str, kind: str, mimic: str, tmp_path: Path
 ) -> None:
     unnamed, tolerance = UNNAMED[kind], TOLERANCES.get(reader, 1e-9)

@@ -62,7 +62,7 @@ def test_a_joint_without_end_has_no_limits(tmp_path: Path, panda: RobotDocument)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["bullet", "mujoco"])
-def test_it_puts_a_cube_where_it_belongs(
+def test_panda_pick_puts_a_cube_at_its_place(
     panda: RobotDocument, library: Library, engine: str
 ) -> None:
     program = check_program("panda_pick", {}, library)

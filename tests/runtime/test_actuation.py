@@ -55,9 +55,7 @@ def test_references_keep_the_margin_to_the_limits(
     assert (found <= kinematics.upper - margin + SLACK)[:, moved].all()
 
 
-def test_joints_of_no_controller_stay_where_they_are(
-    touched: Played, kinematics: Kinematics
-) -> None:
+def test_joints_without_a_controller_do_not_move(touched: Played, kinematics: Kinematics) -> None:
     for effector in ("left_arm", "left_hand"):
         found = references(touched)[:, kinematics.joints.of(effector)]
         assert (found == found[0]).all()
@@ -78,7 +76,7 @@ def test_the_reference_of_a_blocked_joint_does_not_run_away(
     assert leads[-1, blocked] == pytest.approx(dexter.control.lead)
 
 
-def test_the_same_controllers_beside_others_are_another_composition(
+def test_same_controllers_with_others_are_another_composition(
     checked: Checked, dexter: RobotDocument, urdf: Path
 ) -> None:
     """Require a seeking controller to read only controllers that act in its composition."""
@@ -100,7 +98,7 @@ def test_the_same_controllers_beside_others_are_another_composition(
 
 
 @pytest.mark.parametrize(("angle", "end"), [(1.7, "upper"), (-1.7, "lower")])
-def test_beyond_a_limit_it_goes_as_far_as_it_may_and_says_so(
+def test_target_beyond_a_limit_stops_at_the_limit_and_is_reported(
     written: Callable[..., CheckedProgram],
     play: Play,
     dexter: RobotDocument,
@@ -142,7 +140,7 @@ def test_a_joint_past_its_margin_comes_back_at_the_joint_speed(
 
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("ticks", [pytest.param(300), pytest.param(3000, marks=pytest.mark.slow)])
-def test_a_hand_stays_where_it_is_while_its_arm_turns_below_it(
+def test_hand_keeps_its_place_while_the_arm_turns_at_a_lower_level(
     written: Callable[..., CheckedProgram], dexter: RobotDocument, urdf: Path, ticks: int, seed: int
 ) -> None:
     """With Dexter's own gains, an arm turns as far towards any posture as the hand lets it."""

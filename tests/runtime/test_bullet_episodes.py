@@ -117,7 +117,7 @@ def require_on_table(judged: Judged) -> None:
 @pytest.mark.parametrize(
     ("on", "values"), [("table_right", {}), ("table_left", LEFT)], ids=["right", "left"]
 )
-def test_what_stands_on_the_table_is_touched(
+def test_object_on_the_table_is_touched(
     perform: Perform, on: str, values: dict[str, str], seed: int
 ) -> None:
     judged = perform("reachtouch", on, seed, **values)
@@ -128,28 +128,28 @@ def test_what_stands_on_the_table_is_touched(
 
 @pytest.mark.parametrize("seed", [70001, 70002])
 @pytest.mark.parametrize("on", ["moving_right", "noisy_right"])
-def test_what_moves_or_is_badly_seen_is_touched_too(perform: Perform, on: str, seed: int) -> None:
+def test_moving_or_poorly_seen_object_is_touched(perform: Perform, on: str, seed: int) -> None:
     judged = perform("reachtouch", on, seed)
     require_touch(judged, "right_hand")
     require_on_table(judged)
 
 
 @pytest.mark.parametrize("context", ["ball", "box"])
-def test_what_is_held_out_is_felt(perform: Perform, context: str) -> None:
+def test_held_out_object_is_touched_by_probing(perform: Perform, context: str) -> None:
     judged = perform("tactileprobe", "held_right", 70001, context)
     require_touch(judged, "right_hand")
     assert judged.result.predicates[-1][1] == "1"
 
 
 @pytest.mark.parametrize(("on", "final"), [("absent", "-XX"), ("out_of_reach", "X1-")])
-def test_what_cannot_be_touched_earns_nothing(perform: Perform, on: str, final: str) -> None:
+def test_untouchable_object_earns_no_reward(perform: Perform, on: str, final: str) -> None:
     judged = perform("reachtouch", on, 70001)
     assert not judged.result.rewarded
     assert judged.result.predicates[-1] == final
     assert sum(each.reward for each in judged.transitions if each.depth == 0) == 0
 
 
-def test_what_is_thrown_away_earns_nothing(perform: Perform) -> None:
+def test_thrown_object_earns_no_reward(perform: Perform) -> None:
     judged = perform("reachtouch", "thrown", 70001)
     assert not judged.result.rewarded
     assert "1" not in {each.next_state[2] for each in judged.transitions if each.depth == 0}
@@ -163,16 +163,16 @@ def tiny(dexter: RobotDocument, urdf: Path) -> Iterator[BulletBackend]:
     backend.close()
 
 
-def test_the_slower_renderer_does_as_well(perform: Perform, tiny: BulletBackend) -> None:
+def test_episode_with_the_slower_renderer_is_rewarded(
+    perform: Perform, tiny: BulletBackend
+) -> None:
     judged = perform("reachtouch", "table_right", 70004, "in_view", tiny)
     assert "tiny" in judged.result.renderer.lower()
     require_touch(judged, "right_hand")
 
 
 @pytest.mark.parametrize("seed", [811, 812])
-def test_a_box_is_held_in_both_hands_and_brought_to_where_it_is_seen_best(
-    perform: Perform, seed: int
-) -> None:
+def test_box_in_both_hands_is_moved_to_the_best_localizability(perform: Perform, seed: int) -> None:
     """LOCALIZABILITY subject to TOUCH (Eq 3.44): phi_l falls, the box stays between the hands."""
     judged = perform("bimanualinspect", "box_between_hands", seed)
     assert judged.result.predicates[-1] == "X1-"
@@ -194,7 +194,7 @@ def palm_of(judged: Judged, hand: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("seed", [70001, 70002, 70003])
-def test_a_hidden_spot_is_found_on_what_the_hand_holds(perform: Perform, seed: int) -> None:
+def test_hidden_spot_on_a_held_object_is_found(perform: Perform, seed: int) -> None:
     judged = perform("visualinspect", "spotted_right", seed, "hidden")
     predicates = judged.result.predicates
     assert judged.result.rewarded, judged.result.ending
@@ -204,7 +204,7 @@ def test_a_hidden_spot_is_found_on_what_the_hand_holds(perform: Perform, seed: i
     assert judged.backend.truth.pose(thing_of(judged)).position[2] > -0.3
 
 
-def test_a_spot_that_faces_the_robot_is_tracked_at_once(perform: Perform) -> None:
+def test_visible_spot_is_tracked_immediately(perform: Perform) -> None:
     judged = perform("visualinspect", "spotted_right", 70001, "facing")
     assert judged.result.predicates == ("XXX", "XX0", "XX1")
     assert judged.result.rewarded
@@ -212,7 +212,7 @@ def test_a_spot_that_faces_the_robot_is_tracked_at_once(perform: Perform) -> Non
 
 
 @pytest.mark.parametrize("seed", [70001, 70002, 70003])
-def test_what_one_hand_holds_is_touched_by_the_other(perform: Perform, seed: int) -> None:
+def test_object_held_by_one_hand_is_touched_by_the_other(perform: Perform, seed: int) -> None:
     """Hold the object in the air between both palms, with fingers of both hands on it."""
     judged = perform("bimanualtouch", "table_right", seed)
     predicates = judged.result.predicates

@@ -233,7 +233,7 @@ def test_the_row_of_a_controller_is_the_chain_that_is_printed(
         )
 
 
-def test_another_chain_runs_otherwise(checked: Checked, oracle: Oracle) -> None:
+def test_another_chain_gives_another_row(checked: Checked, oracle: Oracle) -> None:
     """Turn a head to a visible object by the chain through the cameras, not through hands."""
     track = checked("searchtrack").primitives["track"].lead
     own = oracle.signals.joints.pick(track.joints)

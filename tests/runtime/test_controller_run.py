@@ -93,7 +93,7 @@ def approach_of(program: CheckedProgram) -> Controller:
 
 
 @pytest.mark.parametrize("radius", [0.03, 0.07, 0.1, 0.2])
-def test_the_standoff_grows_with_what_is_seen_between_its_bounds(
+def test_standoff_grows_with_the_seen_radius_between_its_bounds(
     reachtouch: CheckedProgram,
     signals: Signals,
     backend: SyntheticBackend,
@@ -221,7 +221,7 @@ def test_a_literal_pose_is_a_position_and_a_rotation_vector(
 
 
 @pytest.mark.parametrize("share", [0.0, 0.4, 0.79, 0.81, 0.9, 1.6])
-def test_it_has_settled_within_a_share_of_its_reference(
+def test_controller_settles_within_a_share_of_its_reference(
     dexter: RobotDocument,
     reachtouch: CheckedProgram,
     signals: Signals,
@@ -250,7 +250,7 @@ def test_it_has_settled_within_a_share_of_its_reference(
 
 
 @pytest.mark.parametrize("tolerance", [0.01, 10.0])
-def test_it_has_settled_within_its_tolerance(
+def test_controller_settles_within_its_tolerance(
     reachtouch: CheckedProgram,
     signals: Signals,
     start: Start,
@@ -285,7 +285,7 @@ def test_controller_run_at_constant_potential_is_quiescent_only_within_its_toler
     assert started.run.predicate == predicate
 
 
-def test_without_a_reference_it_is_undefined_and_wants_nothing(
+def test_controller_without_a_reference_is_undefined_and_requests_nothing(
     reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
 ) -> None:
     look_at(None, signals, backend)
@@ -325,7 +325,7 @@ def test_joints_other_than_the_effectors_count_as_still(
     assert set(actuation.step.levels[1].jacobian.any(axis=0).nonzero()[0]).isdisjoint(columns)
 
 
-def test_deactivated_it_is_as_good_as_new(
+def test_deactivated_controller_keeps_no_state(
     reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
 ) -> None:
     orient = reachtouch.primitives["reach"].controllers[1]
@@ -344,7 +344,7 @@ def test_deactivated_it_is_as_good_as_new(
         assert (used.run.predicate, used.run.error) == (new.run.predicate, new.run.error)
 
 
-def test_what_was_lost_is_approached_from_rest_again(
+def test_reappeared_object_is_approached_from_rest(
     reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
 ) -> None:
     """Ignore its speed before the loss, which does not describe the robot's present speed."""

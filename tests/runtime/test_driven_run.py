@@ -92,7 +92,7 @@ def drive(
     return made
 
 
-def test_a_state_without_an_action_ends_it(drive: Drive) -> None:
+def test_state_without_an_action_ends_the_run(drive: Drive) -> None:
     driven = drive(TWO + "policy: {XX: left, 0X: right}\nlimits: {transition_time: 1 s}\n")
     driven.advance(left="0")
     assert (driven.run.state, driven.transitions[0].ticks) == ("0X", 1)
@@ -102,7 +102,7 @@ def test_a_state_without_an_action_ends_it(drive: Drive) -> None:
     assert driven.run.predicate == "-" and "has no action for state X0" in driven.run.ending
 
 
-def test_what_changes_nothing_ends_after_its_time(drive: Drive) -> None:
+def test_action_without_a_transition_ends_after_its_time(drive: Drive) -> None:
     driven = drive(TWO + "policy: {XX: left, 0X: left}\nlimits: {transition_time: 1 s}\n")
     driven.advance(left="0")
     assert driven.ticks_to_the_end() == 9, "8 are no longer than 1 s"
@@ -148,7 +148,7 @@ def test_no_more_transitions_are_made_than_allowed(drive: Drive) -> None:
     assert len(driven.transitions) == 3, "what has ended goes on no more"
 
 
-def test_who_is_in_the_next_action_too_goes_on_and_who_is_not_stops(drive: Drive) -> None:
+def test_controllers_of_the_next_action_continue_and_others_stop(drive: Drive) -> None:
     driven = drive(TWO + "policy: {XX: left ◁ right, 00: left, 0X: right}\n")
     assert driven.acting == ["right", "left"]
     driven.advance(left="0", right="0")

@@ -100,7 +100,7 @@ def test_a_sentence_has_verdict_time_state_and_reasons() -> None:
     assert told(action=None) == "Not rewarded after 3.2 s in state X1: the time was up."
 
 
-def test_limits_are_reported_of_what_failed_and_guards_always() -> None:
+def test_limits_are_reported_after_failures_and_guards_always() -> None:
     for facts, said in (({}, True), ({"rewarded": True}, False), ({"outcome": "success"}, False)):
         text = describe(ended(lead(0.01), **facts), 1.0, ("elbow",), ("the guard held",))
         assert ("at their limits were elbow" in text) is said
@@ -129,7 +129,7 @@ def test_a_lost_and_sought_resource_is_reported_with_its_requirer() -> None:
     assert "touch had no ball.position, and left requires it" in describe(run, 1.0, ())
 
 
-def test_a_program_that_was_used_reports_itself() -> None:
+def test_ending_of_a_used_program_is_reported() -> None:
     child = ended(lead(0.01), ending="it had no more to do")
     parent = ended(action=Made(program="child", name="find"), children={"find": child})
     assert "reach came to rest 1.0 cm from ball.position; it had no more to do" in describe(
@@ -140,7 +140,7 @@ def test_a_program_that_was_used_reports_itself() -> None:
     assert stayed_far(ended(action=None)) == ()
 
 
-def test_far_is_what_a_tolerance_says_or_people() -> None:
+def test_far_uses_the_tolerance_or_a_default_by_type() -> None:
     assert not is_far(lead(0.0199)) and is_far(lead(0.0201))
     assert not is_far(lead(99.0, task=Made(name="force")))
     assert not is_far(lead(99.0, quiescence=Made(tolerance=1.0)))

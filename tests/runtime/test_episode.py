@@ -59,7 +59,7 @@ def test_the_same_seed_gives_the_same_episode_to_the_bit(
 
 
 @pytest.mark.parametrize("name", ["searchtrack", "tactileprobe", "reachtouch"])
-def test_nothing_of_an_episode_reaches_into_the_next(
+def test_second_episode_is_independent_of_the_first(
     dexter: RobotDocument, urdf: Path, checked: Checked, name: str
 ) -> None:
     """Reset also remembered, felt and sampled values, and the last actions of controllers."""
@@ -85,7 +85,7 @@ def test_nothing_of_an_episode_reaches_into_the_next(
     assert told(used) == told(used) == told(made())
 
 
-def test_the_result_counts_what_the_backend_did(checked: Checked, play: Play) -> None:
+def test_result_counts_the_ticks_of_the_backend(checked: Checked, play: Play) -> None:
     played = play(checked("searchtrack"))
     result = played.result
     assert result.ticks == len(played.backend.applied) == len(played.observations) - 1
@@ -94,7 +94,7 @@ def test_the_result_counts_what_the_backend_did(checked: Checked, play: Play) ->
     assert result.renderer == played.backend.renderer
 
 
-def test_listeners_hear_every_tick_and_transition_of_every_depth(
+def test_listeners_receive_every_tick_and_transition_of_every_depth(
     checked: Checked, play: Play
 ) -> None:
     states: list[str] = []
@@ -105,7 +105,7 @@ def test_listeners_hear_every_tick_and_transition_of_every_depth(
     assert {each.program for each in played.at(1)} == {"searchtrack"}
 
 
-def test_success_is_reported_by_what_came_to_rest(checked: Checked, play: Play) -> None:
+def test_ending_of_a_success_names_the_levels_at_rest(checked: Checked, play: Play) -> None:
     ending = play(checked("reachtouch")).result.ending
     assert ending.startswith("Rewarded after")
     assert "in state X11" in ending
@@ -126,7 +126,7 @@ def test_success_is_reported_by_what_came_to_rest(checked: Checked, play: Play) 
     ],
     ids=["closed on nothing", "out of reach"],
 )
-def test_failure_is_reported_by_what_was_missing(
+def test_ending_of_a_failure_names_the_missing_condition(
     checked: Checked,
     play: Play,
     begin: Callable[[np.random.Generator], World],
@@ -156,7 +156,7 @@ def test_absence_is_reported_by_the_signal_that_never_came(
     assert "track changed nothing in 1 s (state -)" in result.ending
 
 
-def test_what_nothing_can_reward_is_done(checked: Checked, play: Play) -> None:
+def test_program_without_a_possible_reward_ends_as_done(checked: Checked, play: Play) -> None:
     result = play(checked("posture")).result
     assert not result.rewarded
     assert result.ending.startswith("Done after")
@@ -178,7 +178,7 @@ def test_a_broken_sensor_stops_the_robot(checked: Checked, play: Play, value: fl
     assert seen[-1] == pytest.approx(0.2)
 
 
-def test_what_nothing_reads_is_not_looked_for(checked: Checked) -> None:
+def test_unread_signals_are_not_observed(checked: Checked) -> None:
     resources = resources_of(checked("reachtouch"))
     assert all(isinstance(resource, Resource) for resource in resources)
     names = {resource.name for resource in resources}

@@ -52,7 +52,9 @@ def explained(written: Callable[..., CheckedProgram], play: Play) -> Callable[..
     return explain
 
 
-def test_what_is_predicted_comes_true(explained: Callable[..., list[TickExplanation]]) -> None:
+def test_predicted_change_of_phi_equals_the_measured_one(
+    explained: Callable[..., list[TickExplanation]],
+) -> None:
     """Joints follow at once here, so that only the step's second order is left."""
     for body, name in ((RIVALS, "ready"), (TIP, "reach")):
         levels = [level for tick in explained(body) for level in tick.levels if level.name == name]
@@ -63,7 +65,7 @@ def test_what_is_predicted_comes_true(explained: Callable[..., list[TickExplanat
         assert np.abs(predicted - measured).max() < 0.1 * np.abs(predicted).max()
 
 
-def test_a_blocked_joint_does_not_do_what_is_predicted(
+def test_measured_change_of_a_blocked_joint_differs_from_the_prediction(
     explained: Callable[..., list[TickExplanation]], dexter: RobotDocument
 ) -> None:
     names = dexter.effectors["right_arm"].joints
@@ -102,7 +104,7 @@ def test_the_level_above_that_takes_all_freedom_is_named(
         assert below.held_by == ("ready" if below.share < 0.5 else "")
 
 
-def test_the_level_that_pushes_another_further_than_it_wants_is_named(
+def test_level_that_carries_another_too_far_is_named(
     explained: Callable[..., list[TickExplanation]],
 ) -> None:
     """Two springs to one posture, the lower with a tenth of the gain: it is carried ten times."""

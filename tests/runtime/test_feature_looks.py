@@ -53,7 +53,7 @@ def looks(
 
 
 @pytest.mark.parametrize("finds", [True, False])
-def test_what_is_undefined_is_looked_for_once_in_its_order(*, finds: bool) -> None:
+def test_undefined_features_are_looked_for_once_in_order(*, finds: bool) -> None:
     own, programs = looks({"place": False, "volume": True, "speed": False}, finds)
     assert own.begin()
     order = []
@@ -67,7 +67,7 @@ def test_what_is_undefined_is_looked_for_once_in_its_order(*, finds: bool) -> No
     assert {each.predicate for each in programs.values()} == {"X"}
 
 
-def test_what_a_look_has_defined_on_its_way_is_not_looked_for() -> None:
+def test_feature_defined_during_a_look_is_not_looked_for() -> None:
     defined = {"place": False, "volume": False}
     own, programs = looks(defined)
     assert own.begin()
@@ -76,7 +76,7 @@ def test_what_a_look_has_defined_on_its_way_is_not_looked_for() -> None:
     assert programs["volume"].ticks == 0
 
 
-def test_nothing_is_looked_for_where_all_is_defined_or_after_forgetting() -> None:
+def test_no_look_begins_if_all_features_are_defined_or_after_a_reset() -> None:
     own, _ = looks({"place": True})
     assert not own.begin() and own.current is None
     own, programs = looks({"place": False, "speed": False})

@@ -22,7 +22,7 @@ def test_an_unseen_object_is_touched() -> None:
 
 
 @pytest.mark.slow
-def test_who_looks_for_it_does_not_find_it_in_the_dark() -> None:
+def test_visual_search_in_the_dark_is_unrewarded() -> None:
     with simulation_fixture("reachtouch", None, "lights_out", "mujoco", "ideal") as lab:
         runner = lab.runner()
         lit, dark = (runner.run(lab.stage, 5610006, name).rewarded for name in ("light", "dark"))

@@ -19,7 +19,7 @@ from tests.conftest import Checked
 
 
 @pytest.mark.parametrize("seed", range(70001, 70005))
-def test_both_are_touched_one_after_the_other(
+def test_find_the_other_touches_two_objects_in_turn(
     dexter: RobotDocument,
     urdf: Path,
     kinematics: Kinematics,

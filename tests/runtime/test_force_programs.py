@@ -43,7 +43,7 @@ def test_the_force_stays_while_the_hand_slides() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_put_down_stands_where_it_was_held() -> None:
+def test_put_down_leaves_an_object_below_its_held_place() -> None:
     with simulation_fixture("take_and_put_down") as fixture:
         truth, held = fixture.backend.truth, []
 
@@ -63,7 +63,7 @@ def test_what_is_put_down_stands_where_it_was_held() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", ["ball", "box"])
-def test_both_hands_take_what_is_too_large_for_one(thing: str) -> None:
+def test_take_with_both_lifts_an_object_too_large_for_one_hand(thing: str) -> None:
     rewards = []
     with simulation_fixture("take_with_both") as fixture:
         truth, heights = fixture.backend.truth, []
@@ -121,7 +121,7 @@ def test_an_empty_hand_has_nothing_to_put_down(arm: str) -> None:
 
 
 @pytest.mark.slow
-def test_what_falls_out_of_the_giving_hand_is_fetched_again() -> None:
+def test_handover_takes_a_fallen_object_again() -> None:
     """Put the cube back onto the table while the hands come together."""
     pytest.importorskip("mujoco")
     request = read_request("handover", None, None, {})

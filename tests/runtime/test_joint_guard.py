@@ -55,7 +55,7 @@ def observed(time: float, positions: np.ndarray, efforts: np.ndarray | None) -> 
     return Observation(time, positions, np.zeros_like(positions), {}, {}, efforts=efforts)
 
 
-def test_strain_is_what_drives_exert_beyond_the_weight(kinematics: Kinematics) -> None:
+def test_strain_is_the_drive_torque_minus_the_weight(kinematics: Kinematics) -> None:
     strain = Strain(JointTorques(filter=0.05), kinematics)
     q = np.zeros(len(kinematics.joints))
     kinematics.update(q)

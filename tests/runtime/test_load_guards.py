@@ -67,7 +67,7 @@ class Floor:
 
 
 @pytest.mark.parametrize("bound", [5.0, 12.0])
-def test_motion_gives_way_to_a_bound_that_it_exceeds_without_it(
+def test_guarded_motion_keeps_a_bound_that_it_exceeds_unguarded(
     dexter: RobotDocument, kinematics: Kinematics, tmp_path: Path, bound: float
 ) -> None:
     free = Floor(dexter, kinematics, tmp_path, "-12 cm", Guards())
@@ -107,7 +107,7 @@ def test_the_narrowest_bounds_hold() -> None:
     assert Guards(15.0, None).within(Guards(8.0, 30.0)) == Guards(8.0, 30.0)
 
 
-def test_what_an_arm_felt_fades_from_its_bound(
+def test_measured_torque_fades_from_at_most_the_bound(
     dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
     """Adopt a stronger blow at once; one beyond the bound fades as if it had been at the bound."""

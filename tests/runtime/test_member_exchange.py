@@ -93,7 +93,7 @@ def test_a_program_is_rewarded_for_the_member(episode: list[Transition]) -> None
     assert not [each for each in probing if each.time < arrived.time - 0.1]
 
 
-def test_it_looks_before_it_allocates(episode: list[Transition]) -> None:
+def test_schema_looks_for_features_before_it_allocates(episode: list[Transition]) -> None:
     first = next(each for each in episode if each.depth == 0)
     assert {"place.x", "place.y", "place.z"} <= first.features.keys()
     looked = [each for each in episode if each.time < first.time]

@@ -23,7 +23,7 @@ CASES = [
 
 
 @pytest.mark.parametrize("name", MODIFIERS.builtins)
-def test_one_of_cbdsls_own_is_a_key_of_controllers_and_a_file(name: str) -> None:
+def test_built_in_modifier_is_a_key_of_controllers_and_has_a_file(name: str) -> None:
     kind = MODIFIERS.get(name)
     assert name in ControllerSection.model_fields
     assert name in {field.name for field in fields(Controller)}
@@ -32,13 +32,13 @@ def test_one_of_cbdsls_own_is_a_key_of_controllers_and_a_file(name: str) -> None
 
 
 @pytest.mark.parametrize("name", [n for n in MODIFIERS.usable_names() if MODIFIERS.get(n).slot])
-def test_one_that_changes_slots_has_the_function(name: str) -> None:
+def test_slot_modifier_has_its_function(name: str) -> None:
     module, function = MODIFIERS.get(name).slot.split(":")
     assert callable(getattr(import_module(module), function))
 
 
 @pytest.mark.parametrize(("name", "kind"), CASES)
-def test_it_changes_references_of_the_types_that_it_accepts(name: str, kind: str) -> None:
+def test_reference_modifier_changes_references_of_its_types(name: str, kind: str) -> None:
     options = dict.fromkeys(MODIFIERS.get(name).options, 0.5)
     change = change_of(Modifier(name, tuple(options.items())))
     rng = np.random.default_rng(0)

@@ -41,7 +41,7 @@ def off_the_ball(lab: SimulationFixture, seed: int) -> float:
     ("engine", "cameras"),
     [("mujoco", "ideal"), pytest.param("bullet", None, marks=pytest.mark.slow)],
 )
-def test_the_window_is_expected_and_a_ball_elsewhere_is_not(
+def test_notice_ignores_the_window_and_tracks_a_ball_elsewhere(
     engine: str, cameras: str | None
 ) -> None:
     with simulation_fixture("notice", None, None, engine, cameras) as lab:

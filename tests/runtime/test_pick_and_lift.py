@@ -12,9 +12,7 @@ from tests.runtime.synthetic import Ball, World
 FINGERS = [f"right_finger_{number}" for number in (1, 2, 3)]
 
 
-def test_a_hand_that_closed_on_nothing_opens_before_it_tries_again(
-    checked: Checked, play: Play
-) -> None:
+def test_empty_hand_opens_before_the_next_attempt(checked: Checked, play: Play) -> None:
     flexions: list[tuple[str, float]] = []
 
     def note(tick: Tick) -> None:

@@ -58,7 +58,7 @@ def test_a_thing_is_lifted_carried_and_placed(
     assert np.linalg.norm(truth.velocity(thing)) < 0.01
 
 
-def test_nothing_is_transported_or_placed_by_an_empty_hand(
+def test_transport_and_place_are_undefined_for_an_empty_hand(
     backend: object, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
 ) -> None:
     """Leave both undefined unless an object is held, regardless of the images."""
@@ -78,7 +78,7 @@ def test_nothing_is_transported_or_placed_by_an_empty_hand(
     assert states == {"XXX", "X--"} and not result.rewarded
 
 
-def test_what_is_seen_in_the_way_is_gone_around(
+def test_carried_object_avoids_a_seen_obstacle(
     backend: object, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
 ) -> None:
     """Higher above the column than where that is no obstacle, and on the pad either way."""

@@ -96,7 +96,7 @@ def test_a_held_reference_is_gone_to_and_given_back(play: Play, checked: Checked
     assert np.linalg.norm(hand.tips[1099] - hand.tips[599]) > 0.1
 
 
-def test_a_larger_gain_is_faster(play: Play, checked: Checked) -> None:
+def test_larger_gain_moves_the_hand_faster(play: Play, checked: Checked) -> None:
     def after(gain: float) -> float:
         changes = {
             1: lambda c: c.compose(["posture"]),
@@ -151,7 +151,7 @@ def test_changes_last_over_episodes(play: Play, checked: Checked) -> None:
         (lambda c: c.compose(["searchtrack.track"]), "unknown controller"),
     ],
 )
-def test_what_cannot_be_is_refused_and_changes_nothing(
+def test_impossible_change_is_refused_without_effect(
     play: Play, checked: Checked, change: Callable[[Composer], object], words: str
 ) -> None:
     hand = Hand({2: change}, last=3)
@@ -161,6 +161,6 @@ def test_what_cannot_be_is_refused_and_changes_nothing(
     assert (composer.gains, composer.targets, composer.stack) == ({}, {}, None)
 
 
-def test_before_an_episode_there_is_nothing_to_change() -> None:
+def test_change_before_an_episode_is_refused() -> None:
     with pytest.raises(ComposerError, match="no episode"):
         Composer().compose(["approach"])

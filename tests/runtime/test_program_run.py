@@ -266,7 +266,7 @@ def test_the_background_acts_below_every_action(checked: Checked, play: Play) ->
     assert left_behind[-1] < 0.1 * left_behind[1]
 
 
-def test_what_acts_already_is_not_in_the_background_too(written: Written, play: Play) -> None:
+def test_acting_controller_is_not_in_the_background(written: Written, play: Play) -> None:
     """Count each tick once; twice would halve the time until rest."""
     program = written(
         f"controllers: {{search: {SEARCH}, track: {LOOK}}}\nbackground: search\n"
@@ -307,7 +307,7 @@ def test_a_composite_reads_as_its_lead(checked: Checked, play: Play) -> None:
     assert runs["posture"].error > 0.1
 
 
-def test_a_composite_is_at_rest_when_what_it_optimises_is_too(written: Written, play: Play) -> None:
+def test_composite_rests_only_with_its_optimised_part(written: Written, play: Play) -> None:
     """Complete with the manipulability, as CONDITIONEDHOLD does (Section 4.3.3)."""
     program = written(
         "controllers:\n"
@@ -333,7 +333,7 @@ def test_a_composite_is_at_rest_when_what_it_optimises_is_too(written: Written, 
 @pytest.mark.parametrize(
     ("actions", "state", "reward"), [("search, track, search ◁ track", "**", 1), ("look", "*", 0)]
 )
-def test_what_was_composed_into_one_controller_is_habituated(
+def test_parts_of_a_named_composite_are_not_rewarded(
     written: Written, play: Play, actions: str, state: str, reward: int
 ) -> None:
     program = written(
@@ -372,7 +372,7 @@ def test_rest_is_judged_from_when_nothing_is_sought(checked: Checked, play: Play
     assert last.ticks * episode.backend.control_period > 0.4
 
 
-def test_what_nothing_waits_for_rests_while_a_hand_seeks(written: Written, play: Play) -> None:
+def test_controller_without_a_dependent_search_rests(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{track: {LOOK}, close: {CLOSE}}}\n"
         "actions: [track, close, track ◁ close]\npolicy: {'**': track ◁ close}\n"
@@ -388,7 +388,7 @@ def test_what_nothing_waits_for_rests_while_a_hand_seeks(written: Written, play:
     assert all(seeking)
 
 
-def test_a_hand_does_not_close_before_it_is_there(checked: Checked, play: Play) -> None:
+def test_hand_closes_only_within_the_stated_distance(checked: Checked, play: Play) -> None:
     """``seek`` waits until ``once`` has come within ``within``."""
     errors: list[float] = []
     closing: list[bool] = []
@@ -405,7 +405,7 @@ def test_a_hand_does_not_close_before_it_is_there(checked: Checked, play: Play) 
     assert all(math.isnan(error) or error >= 0.02 for error in errors[: first - 1])
 
 
-def test_a_hand_that_closes_on_nothing_stops(checked: Checked, play: Play) -> None:
+def test_hand_that_closes_without_contact_stops(checked: Checked, play: Play) -> None:
     """Return to the background's reference."""
     final: list[Tick] = []
     flexed: list[float] = []
@@ -424,7 +424,7 @@ def test_a_hand_that_closes_on_nothing_stops(checked: Checked, play: Play) -> No
     assert flexed[-1] < 1.4
 
 
-def test_contact_ends_what_was_sought_in_vain(written: Written, play: Play) -> None:
+def test_contact_ends_a_search_of_fingers(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{close: {CLOSE}}}\nactions: [close]\npolicy: {{'*': close}}\n"
     )
@@ -445,7 +445,9 @@ def test_contact_ends_what_was_sought_in_vain(written: Written, play: Play) -> N
     assert "closed on nothing" not in episode.result.ending
 
 
-def test_what_requires_a_hold_is_undefined_without_one(written: Written, play: Play) -> None:
+def test_controller_that_requires_a_hold_is_undefined_without_it(
+    written: Written, play: Play
+) -> None:
     """From the first contact on, through moments in which a finger seeks it, to its loss."""
     turn = TURN.replace("{", "{requires: hold, ", 1)
     program = written(
@@ -474,7 +476,7 @@ def test_what_requires_a_hold_is_undefined_without_one(written: Written, play: P
 
 
 @pytest.mark.parametrize(("action", "acts"), [("both", True), ("shift", False)])
-def test_what_requires_a_posture_acts_where_that_does(
+def test_controller_that_requires_a_posture_acts_with_it(
     written: Written, play: Play, action: str, acts: bool
 ) -> None:
     """Treat a posture as always defined, although nothing is read for it."""
@@ -494,7 +496,7 @@ def test_what_requires_a_posture_acts_where_that_does(
     assert ("0" in predicates) == acts
 
 
-def test_what_the_background_runs_can_be_required(written: Written, play: Play) -> None:
+def test_controller_of_the_background_can_be_required(written: Written, play: Play) -> None:
     """Let a hand that holds during every arm motion satisfy all controllers that require it."""
     turn = TURN.replace("{", "{requires: hold, ", 1)
     program = written(
@@ -516,9 +518,7 @@ def test_what_the_background_runs_can_be_required(written: Written, play: Play) 
     assert "0" in {letter for time, letter in predicates if time > 1.0}
 
 
-def test_what_is_lost_reads_undefined_and_what_comes_back_on_its_way(
-    checked: Checked, play: Play
-) -> None:
+def test_lost_signal_reads_undefined_and_then_in_transient(checked: Checked, play: Play) -> None:
     def direct(world: World, time: float) -> None:
         world.ball = None if 0.1 < time < 0.5 else Ball(TABLE_BALL)
 
@@ -603,7 +603,7 @@ def test_parts_of_a_composition_are_rewarded_where_the_program_says_so(
     assert result.rewarded == bool(rewards)
 
 
-def test_what_is_required_may_have_the_lower_priority(written: Written, play: Play) -> None:
+def test_required_controller_may_have_a_lower_priority(written: Written, play: Play) -> None:
     """Both become defined in the same tick."""
     turn = TURN.replace("}", ", requires: close}")
     seen: dict[str, set[str]] = {}

@@ -36,7 +36,9 @@ def recorded(
     return played, recording
 
 
-def test_what_was_kept_is_what_happened(recorded: tuple[Played, Recording], tmp_path: Path) -> None:
+def test_recording_holds_the_observations_of_the_episode(
+    recorded: tuple[Played, Recording], tmp_path: Path
+) -> None:
     played, recording = recorded
     file = recording.write(tmp_path / "deep" / "down", played.result)
     assert file.name == "episode_4.json"
@@ -91,7 +93,7 @@ def test_signals_are_kept_and_undefined_ones_are_nan(
         assert np.isnan(forces[0]).all() and np.isfinite(forces[-1]).all()
 
 
-def test_levels_are_kept_as_they_were_explained(
+def test_recorded_levels_equal_the_explanation(
     checked: Checked, play: Play, dexter: RobotDocument, urdf: Path, tmp_path: Path
 ) -> None:
     program = checked("reachtouch")
@@ -159,7 +161,7 @@ class _Fair:
         return (0.0, 0.0, 0.0, 1.0)
 
 
-def test_what_is_in_the_world_is_kept_while_it_is_there(
+def test_scene_holds_objects_while_they_exist(
     checked: Checked, play: Play, dexter: RobotDocument, urdf: Path, tmp_path: Path
 ) -> None:
     program, fair = checked("searchtrack"), _Fair()
@@ -179,7 +181,7 @@ def test_what_is_in_the_world_is_kept_while_it_is_there(
     assert np.isnan(scene[3:]).all() and len(scene) == played.result.ticks + 1
 
 
-def test_a_failed_write_leaves_what_was_there(
+def test_failed_write_keeps_the_existing_recording(
     recorded: tuple[Played, Recording], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     played, recording = recorded
@@ -195,7 +197,9 @@ def test_a_failed_write_leaves_what_was_there(
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
-def test_others_may_read_it(recorded: tuple[Played, Recording], tmp_path: Path) -> None:
+def test_recording_is_readable_by_other_users(
+    recorded: tuple[Played, Recording], tmp_path: Path
+) -> None:
     played, recording = recorded
     plain = tmp_path / "plain"
     plain.touch()
@@ -204,7 +208,7 @@ def test_others_may_read_it(recorded: tuple[Played, Recording], tmp_path: Path) 
 
 
 @pytest.mark.parametrize("interrupted", ["_note_levels", "_note_scene"])
-def test_of_a_tick_that_was_interrupted_nothing_is_kept(
+def test_interrupted_tick_is_not_recorded(
     interrupted: str,
     checked: Checked,
     play: Play,
@@ -266,7 +270,7 @@ def test_places_are_positions_in_the_world(checked: Checked) -> None:
     assert places == {"right_arm.position", "stereo.sat_10"}
 
 
-def test_a_summary_says_of_what_its_numbers_are(
+def test_summary_names_the_columns_of_its_arrays(
     recorded: tuple[Played, Recording], dexter: RobotDocument, urdf: Path, tmp_path: Path
 ) -> None:
     played, recording = recorded

@@ -20,7 +20,7 @@ def test_a_folder_that_cannot_be_written_is_reported_beforehand(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("there", ["episode_7.json", "episode_7.npz"])
-def test_what_is_there_is_replaced_only_when_asked_for(there: str, tmp_path: Path) -> None:
+def test_existing_recording_is_replaced_only_on_request(there: str, tmp_path: Path) -> None:
     (tmp_path / there).write_text("kept")
     RecordingFolder(tmp_path).require_ready(range(7))
     with pytest.raises(UsageError, match=f"{there}.*--overwrite"):
@@ -33,7 +33,7 @@ def test_what_is_there_is_replaced_only_when_asked_for(there: str, tmp_path: Pat
     assert [file.name for file in tmp_path.iterdir()] == [there]
 
 
-def test_an_episode_is_recorded_by_one_at_a_time(tmp_path: Path) -> None:
+def test_recording_folder_is_locked_for_one_process(tmp_path: Path) -> None:
     one, other = RecordingFolder(tmp_path, overwrite=True), RecordingFolder(tmp_path)
     with one.claim(3):
         with pytest.raises(UsageError, match=r"another process.*seed 3"), other.claim(3):

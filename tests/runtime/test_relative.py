@@ -93,7 +93,7 @@ def arm(dexter: RobotDocument, kinematics: Kinematics, tmp_path: Path):  # type:
 POSITION = "potential: spring, feedback: right_arm.position, effector: right_arm.position"
 
 
-def test_here_is_where_it_was_activated_each_time_anew(arm) -> None:  # type: ignore[no-untyped-def]
+def test_here_is_the_feedback_at_each_activation(arm) -> None:  # type: ignore[no-untyped-def]
     it = arm(POSITION + ', reference: "here + [2 cm, 0 cm, 5 cm]"')
     start = it.tip
     for turn in (1, 2):
@@ -106,7 +106,7 @@ def test_here_is_where_it_was_activated_each_time_anew(arm) -> None:  # type: ig
         it.run.activate()
 
 
-def test_one_axis_moves_and_the_others_are_free(arm) -> None:  # type: ignore[no-untyped-def]
+def test_relative_reference_along_one_axis_leaves_others_free(arm) -> None:  # type: ignore[no-untyped-def]
     it = arm(POSITION + ", reference: here - 5 cm, axes: [z]")
     start = it.tip
     it.move(3.0)
@@ -159,7 +159,7 @@ def test_a_load_is_undefined_until_it_changes(arm) -> None:  # type: ignore[no-u
     assert it.move(0.1) == "-"  # it has let go
 
 
-def test_a_changed_load_is_forgotten_with_the_activation(arm) -> None:  # type: ignore[no-untyped-def]
+def test_onset_of_a_load_is_cleared_at_activation(arm) -> None:  # type: ignore[no-untyped-def]
     it = arm(HELD)
     it.force = np.array([0.0, 0.0, 0.8])
     it.move(1.0)
@@ -199,7 +199,7 @@ def test_a_reference_is_held_and_given_back(arm) -> None:  # type: ignore[no-unt
     np.testing.assert_allclose(it.tip, own, atol=2e-4)
 
 
-def test_an_onset_looks_at_the_motion_of_the_tip_itself(arm) -> None:  # type: ignore[no-untyped-def]
+def test_onset_uses_the_speed_of_the_tip(arm) -> None:  # type: ignore[no-untyped-def]
     it = arm(HELD)
     it.force = np.array([0.0, 0.0, 0.8])
     it.move(0.1)

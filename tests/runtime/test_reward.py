@@ -77,7 +77,7 @@ def test_rest_far_from_the_reference_is_not_rewarded(step: Step) -> None:
     assert rewards(step("01", FAR)) == ()
 
 
-def test_what_was_at_rest_before_is_not_rewarded_again(step: Step) -> None:
+def test_controller_at_rest_before_is_not_rewarded_again(step: Step) -> None:
     """Though the state changes, by another letter, and the error is within the tolerance now."""
     step("00", FAR)
     step("01", FAR)
@@ -91,7 +91,7 @@ def test_an_undefined_error_is_not_rewarded(step: Step) -> None:
     assert rewards(step("01", np.nan)) == ()
 
 
-def test_what_moves_only_the_robot_itself_is_not_rewarded(step: Step) -> None:
+def test_controller_without_a_signal_of_the_environment_is_not_rewarded(step: Step) -> None:
     step("00", NEAR)
     assert rewards(step("10", NEAR)) == ()
 

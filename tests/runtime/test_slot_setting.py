@@ -44,14 +44,14 @@ def slot(*modifiers: Modifier, own: tuple[Any, ...] = (), potential: str = "spri
     return modified(FORM, SlotSetting(controller, Made(), 0.125))  # type: ignore[arg-type]
 
 
-def test_only_those_that_change_slots_do_and_in_their_order() -> None:
+def test_slot_modifiers_apply_in_their_order() -> None:
     assert slot(Modifier("rows", ())) is FORM
     changed = slot(Modifier("rows", ()), Modifier("slots", (("row", 7),)))
     assert changed == FORM._replace(reference=7)
     assert slot(*(Modifier("slots", (("row", row),)) for row in (7, 8))).reference == 8
 
 
-def test_what_a_potential_reads_itself_changes_no_slot() -> None:
+def test_option_read_by_its_potential_changes_no_slot() -> None:
     kind = KINDS["slots"]._replace(read_by=frozenset({"look_at"}))
     assert slot(own=((kind, {"row": 9}),), potential="look_at") is FORM
     assert slot(own=((kind, {"row": 9}),)).reference == 9
@@ -65,6 +65,6 @@ def test_what_a_potential_reads_itself_changes_no_slot() -> None:
         ((("shape", 1),), "its bounds or settings have another shape"),
     ],
 )
-def test_what_is_no_slot_is_refused(options: Any, reason: str) -> None:
+def test_invalid_slot_of_a_modifier_is_refused(options: Any, reason: str) -> None:
     with pytest.raises(RuntimeError, match=f"slots: ValueError: {reason}"):
         slot(Modifier("slots", options))

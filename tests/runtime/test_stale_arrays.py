@@ -21,7 +21,9 @@ CHANGES = 8  # of rows, after each tick
 
 
 @pytest.mark.parametrize("name", ["reachtouch", "bimanualgrab"])
-def test_what_runs_never_uses_stale_arrays(name: str, checked: Checked, play: Play) -> None:
+def test_running_controllers_never_use_stale_arrays(
+    name: str, checked: Checked, play: Play
+) -> None:
     """Controllers that act go on as if nothing had been bound beside them."""
     program = checked(name)
     rng, bound, versions = np.random.default_rng(5), list[int](), set[int]()

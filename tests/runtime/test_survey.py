@@ -63,7 +63,7 @@ def test_survey_of_an_object_names_the_reason_of_a_refusal_and_moves_no_arm(
     assert np.ptp(postures, axis=0).max() < 0.02
 
 
-def test_survey_with_a_larger_margin_refuses_what_the_hand_could_span(
+def test_survey_with_a_larger_margin_refuses_an_object_within_the_hand(
     backend: object, objects: StageDocument, dexter: RobotDocument, kinematics: Kinematics,
     checked: Checked,
 ) -> None:  # fmt: skip

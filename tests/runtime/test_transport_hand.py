@@ -105,7 +105,7 @@ def test_the_hand_goes_round_the_wall_and_arrives(
     assert wall_crossed(path, wall.grown(field.clearance))
 
 
-def test_it_arrives_in_a_synthetic_world(checked: Checked, play: Play) -> None:
+def test_transport_hand_arrives_in_a_synthetic_world(checked: Checked, play: Play) -> None:
     program = checked("transport_hand")
     field, wall = field_of(program)
     path = Path(program)
@@ -117,7 +117,7 @@ def test_it_arrives_in_a_synthetic_world(checked: Checked, play: Play) -> None:
     assert min(wall.distance(point) for point in path.points) > field.clearance - field.spacing
 
 
-def test_what_is_inside_the_wall_is_said_to_have_no_way(checked: Checked, play: Play) -> None:
+def test_object_inside_the_wall_is_reported_without_a_path(checked: Checked, play: Play) -> None:
     program = checked("transport_hand")
     ball = World(Ball(np.array([0.40, -0.36, -0.18])))
     played = play(program, lambda rng: ball)
@@ -142,7 +142,7 @@ policy: {X: move, "0": move}
 """
 
 
-def test_what_is_seen_is_gone_round(written: Callable[..., CheckedProgram], play: Play) -> None:
+def test_seen_obstacle_is_avoided(written: Callable[..., CheckedProgram], play: Play) -> None:
     program = written(AROUND)
     ball = Ball(np.array([0.5, -0.2, -0.25]))
     points: list[Floats] = []

@@ -41,7 +41,7 @@ def bimanual_first(features: Features) -> Ranking:
 
 
 @pytest.mark.parametrize("seed", range(8410000, 8410003))
-def test_both_arms_are_at_home_before_one_tries_alone(
+def test_both_arms_withdraw_before_the_next_allocation(
     dexter: RobotDocument,
     urdf: Path,
     kinematics: Kinematics,

@@ -72,7 +72,7 @@ def test_contacts_at_the_start_posture_are_reported(
     assert "# in every posture that was tried\n" in text and "# where it starts\n" in text
 
 
-def test_without_the_reader_of_meshes_it_says_what_was_not_looked_for(
+def test_missing_mesh_reader_is_reported_with_the_unchecked_contacts(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "coal", None)

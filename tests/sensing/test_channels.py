@@ -91,7 +91,7 @@ def test_regions_come_by_size_and_no_more_than_the_most() -> None:
     assert len(areas) == MOST_REGIONS
 
 
-def test_motion_is_what_changed_since_the_image_before() -> None:
+def test_motion_is_the_change_since_the_last_image() -> None:
     channel = ChannelFilter(Channels(), ["motion"], 12)
     still = picture((90, 90, 90), slice(40, 60), slice(30, 50))
     assert channel.regions(still) == {}
@@ -138,7 +138,7 @@ def test_specks_between_bars_are_a_part_of_the_side() -> None:
     assert region.moments.columns == pytest.approx(columns.var() + 1 / 12)
 
 
-def test_what_is_beside_or_large_is_no_fragment() -> None:
+def test_outer_or_large_region_is_no_fragment() -> None:
     mask = barcode()
     mask[5, 5] = 255  # out of it
     mask[50:62, 60:80] = 255  # a twentieth of it
@@ -157,7 +157,7 @@ def test_a_notch_encloses_nothing() -> None:
     turn=st.floats(0, 180),
     centre=st.tuples(st.integers(30, 60), st.integers(30, 60)),
 )
-def test_an_extent_covers_what_is_well_inside_pixel_by_pixel(
+def test_extent_covers_all_inner_pixels(
     axes: tuple[int, int], turn: float, centre: tuple[int, int]
 ) -> None:
     """Include, for a region cut off by the border, all pixels of a grid with room around them."""

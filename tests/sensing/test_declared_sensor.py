@@ -43,7 +43,7 @@ def read(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Reading | None]:
 
 
 @pytest.mark.parametrize("jacobian", [None, np.ones((2, JOINTS))])
-def test_what_fits_is_read(
+def test_suitable_reading_is_returned_unchanged(
     read: Callable[..., Reading | None], jacobian: np.ndarray | None
 ) -> None:
     reading = Reading(np.array([1.0, 2.0]), jacobian, 3)
@@ -60,7 +60,7 @@ def test_what_fits_is_read(
         (Reading(np.zeros(2), np.zeros((3, JOINTS)), 0), r"Jacobian has shape \(3, 4\)"),
     ],
 )
-def test_what_does_not_fit_is_the_packages_fault(
+def test_unsuitable_reading_names_the_package(
     read: Callable[..., Reading | None], reading: Reading, fault: str
 ) -> None:
     with pytest.raises(PluginError, match=f"wrist: ValueError: its {fault}"):
@@ -73,7 +73,7 @@ def test_a_number_that_is_not_finite_is_the_sensors(read: Callable[..., Reading 
             read(lambda bad=bad: Reading(np.array([0.0, bad]), None, 0))
 
 
-def test_what_raises_is_named_with_its_package(
+def test_exception_of_a_reader_names_the_package(
     read: Callable[..., Reading | None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken() -> Reading:

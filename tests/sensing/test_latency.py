@@ -84,7 +84,7 @@ def test_a_heading_is_that_of_now(dexter: RobotDocument, kinematics: Kinematics)
         assert headings[0.1][angle] == pytest.approx(headings[0.0][angle], abs=0.02)
 
 
-def test_what_was_carried_since_the_image_was_carried_from_where_it_shows() -> None:
+def test_displacement_since_the_image_is_added_to_the_seen_place() -> None:
     memory = PositionMemory(Regions())
     sizes, place, along = (1e-2, 1e-2), np.array([0.5, 0.0, 0.3]), np.array([0.01, 0.0, 0.0])
     memory.see(0.0, place, sizes)
@@ -98,7 +98,7 @@ def test_what_was_carried_since_the_image_was_carried_from_where_it_shows() -> N
     assert memory.position == pytest.approx(place + 8 * along)
 
 
-def test_what_moves_by_itself_is_where_it_has_got_to() -> None:
+def test_moving_object_is_extrapolated_to_the_present() -> None:
     memory = PositionMemory(Regions())
     sizes, speed, latency = (1e-2, 1e-2), np.array([0.2, 0.0, 0.0]), 2
     for tick in range(40):

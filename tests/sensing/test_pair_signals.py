@@ -50,7 +50,7 @@ def pair_watcher(
     made.backend.close()
 
 
-def test_what_stands_on_another_thing_is_above_it_and_smaller(
+def test_object_on_another_one_has_an_upward_offset_and_a_smaller_scale(
     pair_watcher: PairWatcher, stage: StageNamed
 ) -> None:
     """Stack a cube of 8 cm or a ball of 10 cm on a box of 14 cm."""
@@ -68,6 +68,6 @@ def test_what_stands_on_another_thing_is_above_it_and_smaller(
         assert seen.value[2] == pytest.approx(-back.value[2])
 
 
-def test_what_is_not_there_has_neither(pair_watcher: PairWatcher, stage: StageNamed) -> None:
+def test_absent_objects_have_no_pair_signals(pair_watcher: PairWatcher, stage: StageNamed) -> None:
     read = pair_watcher.look(stage("table_right"), 0)
     assert list(read.values()) == [None, None, None]

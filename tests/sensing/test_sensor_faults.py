@@ -37,7 +37,7 @@ def test_the_sensor_is_named(dexter: RobotDocument, kinematics: Kinematics, valu
         check(dexter, kinematics, load=(5, value))
 
 
-def test_what_is_too_large_together_is_refused_and_what_is_not_is_taken(
+def test_jointly_overflowing_readings_are_refused(
     dexter: RobotDocument, kinematics: Kinematics
 ) -> None:
     check(dexter, kinematics, positions=(0, 1e150), velocities=(0, -1e150), load=(0, 1e150))

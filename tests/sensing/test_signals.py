@@ -103,7 +103,7 @@ def test_curvature_by_finite_differences(
         assert here.jacobian[:, column] == pytest.approx(slope, abs=1e-4)
 
 
-def test_a_load_follows_the_displacement_of_what_feels_it(
+def test_load_changes_with_the_displacement_of_its_link(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray
 ) -> None:
     """Force -> displacement (Eq 3.37): the contact is a spring between link and world."""
@@ -125,7 +125,7 @@ def test_a_load_follows_the_displacement_of_what_feels_it(
     assert both.value[:3] == pytest.approx(net.value)
 
 
-def test_hands_know_the_arms_that_carry_them(signals: Signals) -> None:
+def test_carriers_map_hands_to_their_arms(signals: Signals) -> None:
     assert signals.touch.carriers == {"left_hand": "left_arm", "right_hand": "right_arm"}
 
 
@@ -176,7 +176,7 @@ def test_without_contact_force_signals_are_undefined(
     assert net.value == pytest.approx([0, 0, -6])
 
 
-def test_what_load_cells_read_at_first_is_zero(
+def test_first_reading_of_load_cells_is_their_zero(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray
 ) -> None:
     signals.update(observe(dexter, posture, force=0.5))
@@ -266,7 +266,7 @@ def test_links_have_rows_of_their_own_and_of_their_middle(
     np.testing.assert_allclose(signals.table.values(pair), np.mean(places[1:], axis=0), atol=1e-12)
 
 
-def test_each_observation_is_a_tick_of_its_own(
+def test_rows_are_refreshed_for_each_observation(
     dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
 ) -> None:
     """Rows refreshed for one tick are refreshed again in the next."""

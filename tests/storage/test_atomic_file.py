@@ -11,7 +11,7 @@ from cbdsl.storage.atomic_file import make_room, remove_leftovers, replace_file,
 from tests.full_disk import no_file_beyond
 
 
-def test_a_write_that_fails_names_its_file_and_leaves_what_was_there(tmp_path: Path) -> None:
+def test_failed_write_names_its_file_and_keeps_the_old_one(tmp_path: Path) -> None:
     path = tmp_path / "file"
     replace_file(path, lambda file: file.write(b"before"))
     with pytest.raises(OSError) as caught, no_file_beyond(100):
@@ -20,7 +20,7 @@ def test_a_write_that_fails_names_its_file_and_leaves_what_was_there(tmp_path: P
     assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"before"]
 
 
-def test_nothing_takes_the_place_of_a_device(tmp_path: Path) -> None:
+def test_device_is_never_replaced(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     with pytest.raises(OSError, match="a device, not a file"):
@@ -30,7 +30,7 @@ def test_nothing_takes_the_place_of_a_device(tmp_path: Path) -> None:
     assert pipe.is_fifo() and list(tmp_path.iterdir()) == [pipe]
 
 
-def test_what_killed_writers_left_can_be_removed(
+def test_leftovers_of_killed_writers_are_removed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, other = tmp_path / "[a].yaml", tmp_path / "[a].yaml.yaml"

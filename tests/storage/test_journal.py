@@ -36,7 +36,7 @@ def test_a_journal_goes_on_after_its_last_whole_line(tmp_path: Path) -> None:
     assert path.stat().st_mode & 0o777 == 0o644
 
 
-def test_another_undertaking_keeps_its_journal(tmp_path: Path) -> None:
+def test_journal_of_another_trial_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "some.jsonl"
     Journal(path, IDENTITY, PLAIN).close()
     before = path.read_bytes()
@@ -63,7 +63,9 @@ def test_another_undertaking_keeps_its_journal(tmp_path: Path) -> None:
         ({"a": {"x": 1, "y": 2, "z": 3}}, {"a": {"x": 1, "y": 3}}, "y was 2, is 3; z was 3, is"),
     ],
 )
-def test_what_differs_is_said(known: dict[str, Any], wanted: dict[str, Any], said: str) -> None:
+def test_journal_of_another_trial_names_the_difference(
+    known: dict[str, Any], wanted: dict[str, Any], said: str
+) -> None:
     with pytest.raises(JournalError, match=rf"some\.jsonl belongs to another trial: {said}"):
         require_same(Path("some.jsonl"), known, wanted)
     require_same(Path("some.jsonl"), known, known)
@@ -79,7 +81,7 @@ def test_lines_are_read_up_to_the_last_end_of_one() -> None:
     ("data", "problem"),
     [(b"[1]\n", "not a JSON object"), (b"{\n", r"not JSON \("), (b"\n", "not JSON")],
 )
-def test_a_line_that_is_none_is_reported_with_what_to_do(data: bytes, problem: str) -> None:
+def test_damaged_line_is_reported_with_the_remedy(data: bytes, problem: str) -> None:
     path = Path("my trial.jsonl")
     with pytest.raises(
         DamagedJournalError, match=f"not a journal of a trial: of line 1, it is {problem}"

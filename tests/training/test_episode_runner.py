@@ -45,7 +45,7 @@ def test_an_episode_reports_where_the_effector_was_rewarded(
     assert found.rewarded["head"] == pytest.approx(tuple(head))
 
 
-def test_what_a_used_program_does_is_its_own(
+def test_transitions_of_a_used_program_are_not_those_of_its_user(
     runner: BackendEpisodeRunner, checked: Checked
 ) -> None:
     seen: list[Transition] = []
@@ -76,7 +76,7 @@ def test_an_episode_without_reward_ends_by_its_transitions(
         ("reachtouch", "reach", "right_arm"),
     ],
 )
-def test_what_a_controller_moves(
+def test_moved_returns_the_effector_of_a_controller(
     checked: Checked, kinematics: Kinematics, program: str, member: str, effector: str
 ) -> None:
     controller = checked(program).primitives[member].lead
@@ -85,7 +85,7 @@ def test_what_a_controller_moves(
     assert np.isin(joints, kinematics.joints.of(effector)).all()
 
 
-def test_episodes_of_one_program_are_those_of_fresh_runners(
+def test_episodes_of_a_reused_runner_equal_those_of_fresh_ones(
     dexter: RobotDocument, kinematics: Kinematics, urdf: Path, checked: Checked
 ) -> None:
     """State kept for the next episode, under either policy, changes nothing."""

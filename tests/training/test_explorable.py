@@ -49,7 +49,7 @@ def action(checked: Checked, dexter: RobotDocument) -> Callable[..., Explorable]
         ("touch_table", ["surface.green"]),
     ],
 )
-def test_features_are_of_what_is_rewarded(
+def test_features_belong_to_the_rewarded_signal(
     program: str, signals: list[str], action: Callable[[str], Explorable]
 ) -> None:
     own = action(program)
@@ -64,7 +64,7 @@ def test_features_of_a_mark_are_those_of_its_hue(action: Callable[..., Explorabl
     assert own.presence.name == "left.blue"
 
 
-def test_what_is_rewarded_for_neither_cannot_be_explored(
+def test_program_without_a_heading_or_force_reward_is_not_explorable(
     checked: Checked, dexter: RobotDocument
 ) -> None:
     assert explorable("posture", checked("posture"), DIGEST, resources(dexter)) is None
@@ -82,7 +82,7 @@ def run(
     runner.run(stage, 5, context, observer=EpisodeListeners(on_tick=reader.note_tick))
 
 
-def test_they_are_read_before_the_thing_is_touched(
+def test_features_are_read_before_the_touch(
     backend: KinematicBackend,
     dexter: RobotDocument,
     kinematics: Kinematics,
@@ -99,7 +99,7 @@ def test_they_are_read_before_the_thing_is_touched(
     assert reader.seconds["it"] > 0.5
 
 
-def test_of_a_surface_it_is_the_point_that_is_drawn(
+def test_feature_of_a_surface_is_the_drawn_point(
     backend: KinematicBackend,
     dexter: RobotDocument,
     kinematics: Kinematics,

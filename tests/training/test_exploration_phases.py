@@ -29,7 +29,7 @@ def path(tmp_path: Path) -> Path:
     return file
 
 
-def test_phases_say_after_how_many_actions_who_joined(path: Path) -> None:
+def test_phases_count_actions_before_each_joined_program(path: Path) -> None:
     both = identity(look="1", reach="2")
     with open_journal(path, both, joins=True) as journal:
         journal.append(ActionOutcome("reach"))
@@ -46,13 +46,15 @@ def test_phases_say_after_how_many_actions_who_joined(path: Path) -> None:
     [identity(reach="2"), identity(look="other", reach="2"), identity("b", look="1", reach="2")],
     ids=["left", "changed", "with another policy"],
 )
-def test_what_was_there_stays_as_it_was(path: Path, other: dict[str, Any]) -> None:
+def test_earlier_actions_of_a_joined_exploration_cannot_change(
+    path: Path, other: dict[str, Any]
+) -> None:
     before = path.read_text()
     with pytest.raises(JournalError, match="what was there has to stay"):
         open_journal(path, other, joins=True)
     assert path.read_text() == before
 
 
-def test_nothing_else_can_differ(path: Path) -> None:
+def test_joined_exploration_with_another_seed_is_refused(path: Path) -> None:
     with pytest.raises(JournalError, match="seed was 1, is 2"):
         open_journal(path, {**identity(look="1", reach="2"), "seed": 2}, joins=True)

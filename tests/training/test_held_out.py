@@ -27,7 +27,7 @@ def test_a_prophet_scores_nothing_and_a_coin_a_quarter() -> None:
     assert brier(predictions((0.8, False))) == pytest.approx(0.64)
 
 
-def test_reliability_has_the_share_that_happened_of_what_is_alike() -> None:
+def test_reliability_compares_predictions_with_observed_shares() -> None:
     rng = np.random.default_rng(3)
     fair = predictions(*((p, bool(rng.random() < p)) for p in rng.uniform(0, 1, 4000)))
     rows = reliability(fair)
@@ -50,7 +50,7 @@ def affordance() -> AffordanceSection:
     )
 
 
-def test_a_catalog_predicts_by_what_is_seen_and_else_by_its_counts() -> None:
+def test_catalog_predicts_by_features_or_by_counts() -> None:
     own = affordance()
     (model,) = models_of(TEN.model_copy(update={"affordances": {"touch": own}})).values()
     assert predict(own, model, {"x": (0.5,)}) > 0.95

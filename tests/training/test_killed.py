@@ -87,7 +87,7 @@ def killed(folder: Path, more: int, later: float, learn: list[str]) -> bool:
     [(LEARN, 20), (ASSIMILATE, 20), (EXCHANGE, 8)],
     ids=["accommodate", "assimilate", "exchange"],
 )
-def test_killed_again_and_again_it_ends_as_if_it_had_not_been(
+def test_repeatedly_killed_trial_ends_with_the_same_documents(
     tmp_path: Path, learn: list[str], often: int
 ) -> None:
     unbroken, broken = tmp_path / "unbroken", tmp_path / "broken"
@@ -120,7 +120,7 @@ def is_free(journal: Path) -> bool:
 
 
 @pytest.mark.slow
-def test_killed_with_its_workers_it_goes_on_alone(tmp_path: Path) -> None:
+def test_trial_killed_with_its_workers_resumes_without_them(tmp_path: Path) -> None:
     trials = [f"policy_{number}.episodes.jsonl" for number in range(2)]
     unbroken, broken = tmp_path / "unbroken", tmp_path / "broken"
     unbroken.mkdir()

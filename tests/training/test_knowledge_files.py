@@ -19,7 +19,7 @@ from tests.training.toy import take
         ("knowledge/policies/looking.yaml", "knowledge/models/looking_head.yaml"),
     ],
 )
-def test_a_policy_and_its_models_are_found_where_they_are_written(
+def test_written_policy_and_models_are_found_by_name(
     tmp_path: Path, policy: str, model: str
 ) -> None:
     path = tmp_path / policy

@@ -39,7 +39,7 @@ def without_seconds(journal: Path) -> list[str]:
     return [line.partition(', "wall_seconds"')[0] for line in journal.read_text().splitlines()]
 
 
-def test_what_was_learned_is_without_findings(unbroken: Path) -> None:
+def test_learned_documents_have_no_diagnostics(unbroken: Path) -> None:
     for name in FILES:
         assert check_document(unbroken / name, session=Session(Library(ROOT))) == []
 
@@ -49,7 +49,9 @@ def test_another_seed_is_another_outcome(unbroken: Path, tmp_path: Path) -> None
     assert texts(tmp_path) != texts(unbroken)
 
 
-def test_killed_at_any_point_it_ends_as_if_it_had_not_been(unbroken: Path, tmp_path: Path) -> None:
+def test_trial_killed_at_any_point_ends_with_the_same_documents(
+    unbroken: Path, tmp_path: Path
+) -> None:
     # While an episode runs, after its line is written, before a document takes its place.
     hold, fsync, replace = (ToyEpisodeRunner, "run"), (os, "fsync"), (os, "replace")
     points = ((hold, 3), (fsync, 1), (fsync, 4), (hold, 2), (fsync, 2), (replace, 1), (replace, 2))
@@ -82,7 +84,7 @@ def test_a_trial_can_be_made_longer_and_shorter(unbroken: Path, tmp_path: Path) 
     assert texts(tmp_path) == texts(unbroken)
 
 
-def test_nothing_is_overwritten_unasked(unbroken: Path, tmp_path: Path) -> None:
+def test_existing_documents_are_not_overwritten(unbroken: Path, tmp_path: Path) -> None:
     before = texts(unbroken)
     with pytest.raises(JournalError, match="--resume"):
         take(unbroken / "policy.yaml", EPISODES)
@@ -99,7 +101,7 @@ def test_another_trial_does_not_go_on_with_this_one(tmp_path: Path) -> None:
         take(tmp_path / "policy.yaml", 5, resume=True, seed=2)
 
 
-def test_a_full_disk_leaves_what_was_run_and_no_half_document(
+def test_full_disk_keeps_finished_episodes_and_no_partial_document(
     unbroken: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     written = 0

@@ -27,7 +27,7 @@ def test_every_type_but_of_features_leads_to_a_configuration(name: str) -> None:
     assert bool(chains(TYPES[name], configuration(7))) == (name not in FEATURES)
 
 
-def test_nothing_leads_to_a_force_but_a_force() -> None:
+def test_only_a_force_has_a_chain_to_a_force() -> None:
     assert [kind for kind in TYPES if chains(TYPES[kind], FORCE)] == ["force"]
 
 

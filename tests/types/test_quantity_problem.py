@@ -38,7 +38,7 @@ PHYSICAL = ("length", "angle", "time")
         ("0,5 m", "0.5 m"),
     ],
 )
-def test_a_slip_says_what_to_write(value: object, written: str) -> None:
+def test_misspelled_quantity_proposes_a_correction(value: object, written: str) -> None:
     with pytest.raises(QuantityError) as error:
         read_quantity(value, PHYSICAL)
     assert f"write '{written}'" in quantity_problem(value, error.value)
@@ -59,7 +59,7 @@ def test_problem_in_a_span_names_both_values_with_units(value: str, written: str
 
 
 @pytest.mark.parametrize("value", ["fast", "5 bananas", "", None, [], {}, [1, 2, 3], "1 2 x"])
-def test_of_what_is_no_quantity_nothing_is_said(value: object) -> None:
+def test_text_without_a_quantity_has_no_problem(value: object) -> None:
     assert problem_in(value) is None
 
 

@@ -34,7 +34,7 @@ def folder(tmp_path: Path) -> Iterator[Path]:
         yield tmp_path
 
 
-def test_built_in_entries_are_imported_where_they_are_asked_for(registry: Registry[float]) -> None:
+def test_built_in_entries_are_imported_at_their_first_use(registry: Registry[float]) -> None:
     assert registry.names() == ("pi", "tau")
     assert registry.get("tau") == pytest.approx(6.283, abs=1e-3)
     assert registry.package("tau") == "cbdsl"

@@ -27,7 +27,7 @@ def test_any_text_is_a_quantity_or_an_error(text: str) -> None:
 
 
 @pytest.mark.parametrize("value", [True, None, [1], float("inf"), float("nan"), 10**400, "1e999"])
-def test_what_is_no_finite_number_is_an_error(value: object) -> None:
+def test_non_finite_quantity_is_an_error(value: object) -> None:
     with pytest.raises(QuantityError):
         read_quantity(value, ("length",))
 

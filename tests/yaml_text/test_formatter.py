@@ -91,7 +91,7 @@ def values(text: str) -> list[tuple[object, ...]]:
     ]
 
 
-def test_an_uneven_text_is_made_even() -> None:
+def test_formatter_aligns_uneven_spaces() -> None:
     assert formatted(UNEVEN) == EVEN
     assert formatted(EVEN) == EVEN
     assert values(EVEN) == values(UNEVEN)
@@ -101,12 +101,12 @@ def test_an_uneven_text_is_made_even() -> None:
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=[file.stem for file in SHIPPED])
-def test_what_is_shipped_is_formatted(file: Path) -> None:
+def test_shipped_documents_are_formatted(file: Path) -> None:
     assert formatted(file.read_text("utf-8")) == file.read_text("utf-8")
 
 
 @pytest.mark.parametrize("ending", ["\r\n", "\r"])
-def test_lines_end_in_one_way(ending: str) -> None:
+def test_formatter_writes_one_kind_of_line_end(ending: str) -> None:
     assert formatted(EVEN.replace("\n", ending)) == EVEN
     assert formatted("\ufeff" + EVEN.rstrip("\n")) == EVEN
 
@@ -119,7 +119,7 @@ def test_lines_end_in_one_way(ending: str) -> None:
         "a:   !!str 1\n",
     ],
 )
-def test_what_has_rules_of_its_own_stays(text: str) -> None:
+def test_formatter_leaves_texts_with_their_own_layout(text: str) -> None:
     assert formatted(text) == text
 
 
@@ -127,7 +127,7 @@ def test_what_has_rules_of_its_own_stays(text: str) -> None:
     "text",
     ["a: [1\n", "a: 'b\n", "a: b: c\n", "\t- a\n", "[- a]\n", "a: [- b]\n", "a: !!str [- b]\n"],
 )
-def test_what_is_no_yaml_is_refused(text: str) -> None:
+def test_text_that_is_no_yaml_is_refused(text: str) -> None:
     with pytest.raises(YamlSyntaxError):
         formatted(text)
 
@@ -145,7 +145,7 @@ def test_what_is_no_yaml_is_refused(text: str) -> None:
         "a:   &b {c:  1}\nd:  *b\n*b : 1",
     ],
 )
-def test_small_texts(text: str) -> None:
+def test_formatter_is_idempotent_on_small_texts(text: str) -> None:
     once = formatted(text)
     assert formatted(once) == once and values(once) == values(text)
     assert comments(once) == comments(text)

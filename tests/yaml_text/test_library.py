@@ -45,7 +45,7 @@ def test_a_file_is_read_once() -> None:
     assert library.read(path, ProgramDocument) is library.read(path.absolute(), ProgramDocument)
 
 
-def test_a_neighbour_of_the_right_kind_comes_before_what_is_shipped(tmp_path: Path) -> None:
+def test_neighbour_of_the_right_kind_precedes_shipped_documents(tmp_path: Path) -> None:
     own = tmp_path / "own.yaml"
     neighbour = tmp_path / "searchtrack.yaml"
     neighbour.write_text("cbdsl: 1\nkind: program\nname: searchtrack\n", encoding="utf-8")
@@ -56,7 +56,7 @@ def test_a_neighbour_of_the_right_kind_comes_before_what_is_shipped(tmp_path: Pa
     assert "dexter" in library.names(ProgramDocument, own)
 
 
-def test_a_name_means_what_it_would_mean_in_a_document_here(tmp_path: Path) -> None:
+def test_name_is_resolved_as_in_a_document_of_the_folder(tmp_path: Path) -> None:
     own = tmp_path / "own.yaml"
     own.write_text("cbdsl: 1\nkind: program\nname: own\n", encoding="utf-8")
     library = Library(tmp_path)
@@ -88,7 +88,7 @@ def test_a_folder_does_not_hide_the_document_of_its_name(
     ("kind", "goes_on"),
     [("program", True), ("policy", True), ("robot", False), ("calibration", False)],
 )
-def test_other_bytes_for_what_robots_are_made_of_begin_anew(
+def test_replace_of_a_file_returns_whether_parsed_documents_stay_valid(
     kind: str, goes_on: bool, tmp_path: Path
 ) -> None:
     library, path = Library(tmp_path), tmp_path / "own.yaml"

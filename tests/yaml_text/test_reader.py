@@ -52,7 +52,7 @@ def test_any_edit_of_a_program_is_a_document_or_findings(
 
 
 @pytest.mark.parametrize(("missing", "near"), [("bow", None), ("po", "pol"), ("posture", None)])
-def test_what_all_files_end_in_makes_no_name_near(
+def test_common_suffix_of_files_makes_no_name_similar(
     missing: str, near: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -149,7 +149,7 @@ def test_a_byte_order_mark_and_windows_lines_are_no_fault(tmp_path: Path) -> Non
     assert read(path, ProgramDocument).document == read(SEARCHTRACK, ProgramDocument).document
 
 
-def test_numbers_and_keys_are_what_they_look_like(tmp_path: Path) -> None:
+def test_unquoted_names_and_states_stay_texts(tmp_path: Path) -> None:
     path = tmp_path / "program.yaml"
     path.write_text(
         "cbdsl: 1\nkind: program\nname: y\nrobot: n\ncontrollers: {}\nactions: [a]\n"
@@ -173,7 +173,7 @@ def test_numbers_and_keys_are_what_they_look_like(tmp_path: Path) -> None:
         *((number, "CB120") for number in ("9007199254740993", "9" * 5000, "1e999", "1e-999")),
     ],
 )
-def test_what_yaml_1_1_reads_otherwise_is_refused_unless_quoted(
+def test_value_with_another_meaning_in_yaml_1_1_is_refused_unless_quoted(
     tmp_path: Path, text: str, code: str
 ) -> None:
     path = tmp_path / "trap.yaml"
@@ -184,7 +184,7 @@ def test_what_yaml_1_1_reads_otherwise_is_refused_unless_quoted(
 
 
 @pytest.mark.parametrize("text", ["1e-3", "0.0", "0e0", "9007199254740992", "y", "n", "a:b", "_1"])
-def test_what_every_reader_reads_alike_is_no_fault(tmp_path: Path, text: str) -> None:
+def test_value_with_one_meaning_is_accepted(tmp_path: Path, text: str) -> None:
     path = tmp_path / "sound.yaml"
     path.write_text(f"description: {text}\n", encoding="utf-8")
     assert codes(path) == ["CB203"]  # there is no kind

@@ -13,7 +13,7 @@ def test_unknown_is_no_name_that_a_document_can_have() -> None:
     assert UNKNOWN not in {"unknown": 1} and UNKNOWN in (UNKNOWN, "unknown")
 
 
-def test_what_was_left_out_is_declared_and_unknown() -> None:
+def test_broken_entry_is_declared_and_unknown() -> None:
     declared = Declared({"arm": 1}, Broken([("effectors", "head")]), ("effectors",))
     assert declared["arm"] == 1 and list(declared) == ["arm"]
     assert "head" in declared and declared["head"] is UNKNOWN
@@ -22,7 +22,7 @@ def test_what_was_left_out_is_declared_and_unknown() -> None:
         declared["leg"]
 
 
-def test_where_the_section_was_left_out_every_name_is_unknown() -> None:
+def test_every_name_of_a_broken_section_is_unknown() -> None:
     declared: Declared[int] = Declared({}, Broken([("effectors",)]), ("effectors",))
     assert declared["leg"] is UNKNOWN and len(declared) == 0
 

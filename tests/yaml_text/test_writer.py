@@ -22,7 +22,7 @@ SHIPPED = sorted(
 )
 
 
-def test_every_kind_is_tested() -> None:
+def test_writer_tests_cover_every_kind() -> None:
     assert set(DOCUMENTS) == set(KINDS)
 
 

@@ -12,7 +12,7 @@ from cbdsl.sensing.observation import Observation
 from tests.backends.conftest import URDF, made_stage, stage_named
 
 
-def test_nothing_stays_from_one_episode_to_the_next(backend: BulletBackend) -> None:
+def test_reset_removes_all_objects_of_the_last_episode(backend: BulletBackend) -> None:
     rng = np.random.default_rng(0)
     for _ in range(3):
         backend.reset(stage_named("table_right"), None, rng)

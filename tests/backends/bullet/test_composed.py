@@ -156,7 +156,7 @@ def test_a_printed_fixture_does_not_fall(rendered: BulletBackend) -> None:
     assert rendered.truth.pose("box").position == pytest.approx(CENTRE)
 
 
-def test_finer_images_show_the_same(rendered: BulletBackend) -> None:
+def test_image_at_a_higher_resolution_shows_the_same_pattern(rendered: BulletBackend) -> None:
     rendered.reset(_stage(color=(1, 0, 0)), None, np.random.default_rng(0))
     coarse, fine = rendered.observe().images, rendered.cameras.resolve(3)
     for name, image in coarse.items():

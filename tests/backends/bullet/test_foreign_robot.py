@@ -43,7 +43,7 @@ def make(**more: Any) -> RobotDocument:
     )
 
 
-def test_it_moves_where_it_is_sent() -> None:
+def test_foreign_robot_reaches_its_references() -> None:
     backend = BulletBackend(make(), URDF)
     backend.reset(STAGE, None, np.random.default_rng(0))
     assert backend.renderer == "none (no cameras)"

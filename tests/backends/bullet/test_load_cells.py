@@ -30,7 +30,7 @@ def _flex(backend: BulletBackend, force: float, seconds: float) -> None:
         backend.step()
 
 
-def test_fingers_that_press_on_a_plate_push_it_away(blind: BulletBackend) -> None:
+def test_load_cells_of_fingers_pressing_on_a_plate_point_into_it(blind: BulletBackend) -> None:
     blind.reset(made_stage({}), None, np.random.default_rng(0))
     palm = blind.truth.link_pose("right_palm").position
     plate = {
@@ -49,7 +49,7 @@ def test_fingers_that_press_on_a_plate_push_it_away(blind: BulletBackend) -> Non
         assert 0 < np.linalg.norm(torque) < 0.015 * np.linalg.norm(force)
 
 
-def test_fingers_that_carry_a_ball_exert_its_weight_upward(blind: BulletBackend) -> None:
+def test_load_cells_of_fingers_carrying_a_ball_sum_to_its_weight(blind: BulletBackend) -> None:
     """Friction carries it, so this fails for a wrong sign of either friction term."""
     ball = {"form": {"shape": "ball", "radius": 0.06}, "mass": 0.25}
     place = {"hand": "right_arm", "gap": 0.01, "held": True}

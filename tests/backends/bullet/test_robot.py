@@ -35,7 +35,7 @@ def kinematics(dexter: RobotDocument) -> Kinematics:
     return Kinematics(dexter, URDF)
 
 
-def test_frames_are_where_pinocchio_has_them(body: BulletRobot, dexter: RobotDocument) -> None:
+def test_frames_agree_with_pinocchio(body: BulletRobot, dexter: RobotDocument) -> None:
     model = pinocchio.buildModelFromUrdf(str(URDF))
     data = model.createData()
     joints = Joints(dexter)
@@ -92,7 +92,7 @@ def test_links_of_one_group_do_not_touch(
         assert not any(set(pair) <= numbers for pair in pairs)
 
 
-def test_surfaces_are_those_of_the_robot_file(
+def test_surfaces_have_the_constants_of_the_robot_document(
     client: int, body: BulletRobot, dexter: RobotDocument
 ) -> None:
     fingers = dexter.simulation.surfaces[0]

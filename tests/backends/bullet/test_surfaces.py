@@ -67,7 +67,7 @@ def slide(client: int, folder: Path, **surface: Any) -> float:
     return float(np.linalg.norm(places[1] - places[0]))
 
 
-def test_anchored_friction_keeps_what_rests_on_a_soft_surface(client: int, tmp_path: Path) -> None:
+def test_friction_anchor_stops_creep_on_a_soft_surface(client: int, tmp_path: Path) -> None:
     soft = {"stiffness": 3000, "damping": 60}
     assert slide(client, tmp_path, **soft) > 5e-5
     p.resetSimulation(physicsClientId=client)

@@ -16,7 +16,7 @@ def _kept(seen: np.ndarray, size: int) -> None:
 
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.9])
-def test_what_is_kept_is_the_largest_component(share: float) -> None:
+def test_kept_mask_is_the_largest_component(share: float) -> None:
     rng = np.random.default_rng(0)
     for _ in range(20):
         seen = rng.random((20, 20)) < share
@@ -36,7 +36,7 @@ def test_cells_beyond_the_size_are_left_alone() -> None:
     assert seen[3:].all() and seen[:, 3:].all()
 
 
-def test_nothing_stays_nothing() -> None:
+def test_empty_mask_stays_empty() -> None:
     seen = np.zeros((4, 4), dtype=bool)
     _kept(seen, 4)
     assert not seen.any()

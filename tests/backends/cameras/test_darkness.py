@@ -15,7 +15,7 @@ SHOWN = {"things": ["ball"], "place": {"x": 0.6, "z": -0.2, "held": True}}
 AHEAD = {"pan": 0.0, "tilt": 1.0}
 
 
-def test_images_go_black(rendered: BulletBackend) -> None:
+def test_images_are_black_after_dark_after(rendered: BulletBackend) -> None:
     stage = made_stage({**SHOWN, "joints": AHEAD, "dark_after": 0.2}, things={"ball": BALL})
     rendered.reset(stage, None, np.random.default_rng(0))
     assert all(image.max() > 100 for image in rendered.observe().images.values())
@@ -27,7 +27,7 @@ def test_images_go_black(rendered: BulletBackend) -> None:
     assert not any(image.any() for image in images.values())
 
 
-def test_ideal_cameras_see_nothing(dexter: RobotDocument) -> None:
+def test_ideal_cameras_report_no_regions_in_the_dark(dexter: RobotDocument) -> None:
     backend = KinematicBackend(exact(dexter), URDF)
     stage = made_stage({**SHOWN, "joints": AHEAD, "dark_after": 0.2}, things={"ball": BALL})
     backend.reset(stage, None, np.random.default_rng(0))
@@ -40,7 +40,7 @@ def test_ideal_cameras_see_nothing(dexter: RobotDocument) -> None:
 
 
 @pytest.mark.parametrize("cameras", ["rendered", "ideal"])
-def test_it_may_be_dark_from_the_start(dexter: RobotDocument, cameras: str) -> None:
+def test_dark_after_zero_is_dark_from_the_start(dexter: RobotDocument, cameras: str) -> None:
     backend = BulletBackend(exact(dexter), URDF, cameras=cameras)
     stage = made_stage({**SHOWN, "joints": AHEAD, "dark_after": 0.0}, things={"ball": BALL})
     backend.reset(stage, None, np.random.default_rng(0))

@@ -35,7 +35,7 @@ def backend(dexter: RobotDocument) -> KinematicBackend:
 
 
 @pytest.mark.parametrize("channels", [{"sat_10"}, {"motion"}, {"hue_7", "motion"}, ()])
-def test_what_is_not_looked_for_is_left_out_and_nothing_else(
+def test_only_requested_channels_are_reported(
     backend: KinematicBackend, channels: Collection[str]
 ) -> None:
     everything = _reported(backend, None)
@@ -70,7 +70,7 @@ def test_silhouettes_that_touch_are_one_region_as_in_an_image() -> None:
         assert other.moments == pytest.approx(one.moments, rel=0.15, abs=1)
 
 
-def test_what_touches_two_joins_them() -> None:
+def test_region_that_touches_two_others_joins_them() -> None:
     apart, bridge = [region(30, 10), region(70, 10)], region(50, 11)
     assert len(_connected(apart)) == 2
     assert len(_connected([*apart, bridge])) == 1

@@ -23,7 +23,7 @@ def test_noise_has_its_deviation_and_no_two_images_are_alike() -> None:
         assert abs(correlation) < 0.03
 
 
-def test_it_saturates_and_leaves_the_image_alone() -> None:
+def test_pixel_noise_saturates_and_does_not_modify_its_input() -> None:
     black = np.zeros((20, 20, 3), np.uint8)
     noisy = PixelNoise(5.0, np.random.default_rng(0)).added(black)
     assert noisy.max() < 40 and (noisy == 0).mean() > 0.4

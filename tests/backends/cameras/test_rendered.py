@@ -47,7 +47,7 @@ def test_a_body_keeps_its_cameras_in_all_episodes_and_stages(bullet: BulletBacke
     assert np.abs(offsets(4, 0, 0.0) - first).max() > 1e-4
 
 
-def test_what_a_robot_knows_of_its_cameras_changes_no_image(
+def test_calibration_of_a_robot_changes_no_image(
     dexter: RobotDocument, urdf: Path, bullet: BulletBackend
 ) -> None:
     known = dict.fromkeys(dexter.cameras, Correction(position=(0.1, 0.0, 0.0)))
@@ -60,7 +60,7 @@ def test_what_a_robot_knows_of_its_cameras_changes_no_image(
     assert (images[0] == images[1]).all()
 
 
-def test_cameras_are_where_the_model_has_them_without_disturbance(
+def test_cameras_without_disturbance_have_the_poses_of_the_model(
     bullet: BulletBackend,
 ) -> None:
     bullet.reset(made_stage({}), None, np.random.default_rng(0))

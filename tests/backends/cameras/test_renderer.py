@@ -57,7 +57,7 @@ def _centroid(mask: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("place", [(0.7, 0.0, -0.1), (0.8, -0.15, -0.2), (0.75, 0.12, 0.0)])
-def test_a_ball_is_where_a_pinhole_camera_sees_it(
+def test_ball_is_drawn_at_its_pinhole_projection(
     rendered: Simulated, place: tuple[float, float, float]
 ) -> None:
     rendered.reset(_stage(*place), None, np.random.default_rng(0))
@@ -80,7 +80,7 @@ def test_shading_keeps_hue_and_saturation(rendered: Simulated) -> None:
     )
 
 
-def test_nothing_but_things_is_saturated(rendered: Simulated) -> None:
+def test_only_objects_are_saturated_in_images(rendered: Simulated) -> None:
     posture = {
         "pan": -0.25,
         "tilt": 1.15,
@@ -142,7 +142,7 @@ def test_another_engines_renderer_is_refused(kind: Literal["tiny", "mujoco"], ow
 
 
 @pytest.mark.parametrize("is_spotted", [False, True])
-def test_mujocos_own_renderer_draws_what_the_shared_one_draws(
+def test_mujoco_renderer_agrees_with_the_shared_renderer(
     is_spotted: bool, dexter: RobotDocument
 ) -> None:
     """Draw the same shapes in the same light; only the corners of round shapes differ."""

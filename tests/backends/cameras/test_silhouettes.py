@@ -35,7 +35,7 @@ def seen(*solids: Floats, samples: int = 64, patch: Sequence[float] = WHOLE) -> 
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_silhouette_is_where_lines_of_sight_come_through(name: str) -> None:
+def test_silhouette_contains_exactly_the_rays_that_hit_the_shape(name: str) -> None:
     """Compare with the marching of rays through every pixel."""
     rng = np.random.default_rng(1)
     focal, width, height = LENS
@@ -80,7 +80,7 @@ def test_a_patch_is_seen_from_its_side_alone_and_round(axis: float, side: float,
         assert row[0] == pytest.approx(wanted, rel=0.05)
 
 
-def test_what_reaches_the_border_is_clipped() -> None:
+def test_silhouette_at_the_border_is_clipped() -> None:
     border = LENS[1] / 2 / LENS[0]
     ball = SolidShape.ball(0.05)
     for aside, whole in ((border - 0.07, True), (border - 0.03, False), (border, False)):
@@ -91,7 +91,7 @@ def test_what_reaches_the_border_is_clipped() -> None:
     assert not seen(placed(ball, Pose(np.array([-1.0, 0.0, 0.0]), AHEAD))).any()
 
 
-def test_what_is_before_a_thing_hides_it_and_what_is_behind_does_not() -> None:
+def test_object_in_front_occludes_and_object_behind_does_not() -> None:
     ball = placed(SolidShape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD))
     board = SolidShape("box", (0.001, 0.1, 0.1))
     free = seen(ball)
@@ -103,7 +103,7 @@ def test_what_is_before_a_thing_hides_it_and_what_is_behind_does_not() -> None:
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_what_a_thing_stands_on_hides_it_from_below_alone(name: str) -> None:
+def test_support_occludes_an_object_only_from_below(name: str) -> None:
     shape = SHAPES[name]
     tilted = Pose.turned(np.array([0.0, 1.0, 0.0]), 0.5).rotation
     place = Pose(np.array([1.0, 0.0, 0.0]), AHEAD)
@@ -119,7 +119,7 @@ def test_what_a_thing_stands_on_hides_it_from_below_alone(name: str) -> None:
         assert (row == free).all() if above else row[0] < 0.5 * free[0]
 
 
-def test_a_ball_looks_as_large_as_it_is() -> None:
+def test_silhouette_of_a_ball_has_its_angular_size() -> None:
     area = seen(placed(SolidShape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24)[
         0
     ]

@@ -229,7 +229,7 @@ def test_halt_returns_to_the_measured_positions(urdf: Path, stage: StageDocument
 
 
 @pytest.mark.parametrize("person", [RefusingPerson(), Answers(False)])
-def test_nothing_moves_without_a_persons_consent(
+def test_reset_without_consent_sends_no_reference(
     person: RefusingPerson | Answers, urdf: Path, stage: StageDocument
 ) -> None:
     peer = Peer()

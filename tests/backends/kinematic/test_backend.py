@@ -38,7 +38,7 @@ def test_joints_follow_their_references_within_speeds_and_limits(
     assert quiet.observe().positions[pan] == pytest.approx(1.7), "the URDF's limit"
 
 
-def test_there_is_no_window(dexter: RobotDocument) -> None:
+def test_window_of_the_kinematic_backend_is_refused(dexter: RobotDocument) -> None:
     with pytest.raises(BackendError, match="no window"):
         KinematicBackend(dexter, URDF, gui=True)
 
@@ -65,7 +65,7 @@ def _fingers(backend: KinematicBackend) -> np.ndarray:
     return backend._joints.pick([f"right_{finger}" for finger in FINGERS])
 
 
-def test_fingers_that_press_on_a_plate_push_it_away(quiet: KinematicBackend) -> None:
+def test_load_cells_of_fingers_pressing_on_a_plate_point_into_it(quiet: KinematicBackend) -> None:
     begin(quiet, made_stage({}))
     palm = quiet.truth.link_pose("right_palm").position
     plate = {
@@ -90,7 +90,7 @@ def _grasped(backend: KinematicBackend, released_after: float = 2.8) -> np.ndarr
     return start
 
 
-def test_fingers_that_carry_a_ball_exert_its_weight_upward(quiet: KinematicBackend) -> None:
+def test_load_cells_of_fingers_carrying_a_ball_sum_to_its_weight(quiet: KinematicBackend) -> None:
     start = _grasped(quiet)
     assert np.linalg.norm(quiet.truth.pose("ball").position - start) < 0.04, "it is carried"
     # Sideways, friction balances the forces along the normals: the ball hangs in the hand.
@@ -99,7 +99,7 @@ def test_fingers_that_carry_a_ball_exert_its_weight_upward(quiet: KinematicBacke
     assert _forces(quiet).sum(axis=0) == pytest.approx(expected, abs=0.05)
 
 
-def test_what_is_grasped_goes_where_the_hand_goes(quiet: KinematicBackend) -> None:
+def test_grasped_object_keeps_its_pose_in_the_hand(quiet: KinematicBackend) -> None:
     _grasped(quiet)
     palm, ball = quiet.truth.link_pose("right_palm"), quiet.truth.pose("ball")
     before = palm.rotation.T @ (ball.position - palm.position)
@@ -118,7 +118,7 @@ def test_what_is_grasped_goes_where_the_hand_goes(quiet: KinematicBackend) -> No
     )
 
 
-def test_what_is_let_go_falls(quiet: KinematicBackend) -> None:
+def test_released_object_falls(quiet: KinematicBackend) -> None:
     _grasped(quiet)
     height = quiet.truth.pose("ball").position[2]
     reference = quiet.observe().positions.copy()
@@ -139,7 +139,7 @@ def test_too_weak_a_grasp_does_not_hold(quiet: KinematicBackend) -> None:
     assert quiet.truth.pose("ball").position[2] < height - 0.5
 
 
-def test_fingers_are_held_back_by_what_they_cannot_push_away(quiet: KinematicBackend) -> None:
+def test_fingers_stop_at_a_fixed_object(quiet: KinematicBackend) -> None:
     context = {"things": ["ball"], "place": HELD_OUT}
     begin(quiet, made_stage(context, things={"ball": BALL}))
     reference = quiet.observe().positions.copy()
@@ -158,7 +158,7 @@ def test_fingers_are_held_back_by_what_they_cannot_push_away(quiet: KinematicBac
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_no_finger_goes_through_what_is_held(backend: KinematicBackend, seed: int) -> None:
+def test_fingers_do_not_penetrate_a_held_object(backend: KinematicBackend, seed: int) -> None:
     rng = np.random.default_rng(seed)
     context = {"things": ["ball"], "place": {"hand": "right_arm", "gap": 0.02, "held": True}}
     ball = {**BALL, "form": {"shape": "ball", "radius": float(rng.uniform(0.07, 0.12))}}
@@ -200,7 +200,7 @@ def test_a_finger_pushes_a_thing_away_until_friction_holds_it(quiet: KinematicBa
     assert np.linalg.norm(_forces(quiet)[2]) < 1.0, "it rolls away under next to no force"
 
 
-def test_what_stands_on_a_thing_goes_along_and_others_stay(quiet: KinematicBackend) -> None:
+def test_object_on_a_carried_box_moves_along_and_others_rest(quiet: KinematicBackend) -> None:
     """Carry a box, with a ball on it, past another ball."""
     table = {"form": {"shape": "box", "size": [2, 2, 0.1]}, "position": [1.5, 0, -0.45]}
     box = {"form": {"shape": "box", "size": [0.2, 0.2, 0.1]}, "mass": 0.3}
@@ -220,7 +220,7 @@ def test_what_stands_on_a_thing_goes_along_and_others_stay(quiet: KinematicBacke
     assert not shift["aside"].any()
 
 
-def test_what_stood_on_a_thing_that_is_taken_away_falls(quiet: KinematicBackend) -> None:
+def test_object_falls_after_its_support_is_removed(quiet: KinematicBackend) -> None:
     table = {"form": {"shape": "box", "size": [2, 2, 0.1]}, "position": [1.5, 0, -0.45]}
     box = {"form": {"shape": "box", "size": [0.2, 0.2, 0.1]}, "mass": 0.3}
     placed = {

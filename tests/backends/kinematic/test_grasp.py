@@ -60,7 +60,7 @@ def touch(thing: KinematicObject, hand: str, angle: float, force: float = 3.0) -
     return FingertipContact(hand, tip, thing, force / STIFFNESS, point, normal)
 
 
-def test_fingers_hold_what_is_between_them(grasp: Grasp, thing: KinematicObject) -> None:
+def test_opposed_fingers_hold_an_object(grasp: Grasp, thing: KinematicObject) -> None:
     grasp.update([touch(thing, "right", 0.0), touch(thing, "right", math.pi)])
     assert grasp.holders == ("right",)
     grasp.update([touch(thing, "right", 0.0)])
@@ -70,7 +70,7 @@ def test_fingers_hold_what_is_between_them(grasp: Grasp, thing: KinematicObject)
 
 
 @pytest.mark.parametrize(("share", "holds"), [(0.95, True), (1.05, False)])
-def test_the_way_between_fingers_is_in_their_friction_cones(
+def test_grasp_requires_contacts_within_the_friction_cones(
     grasp: Grasp, thing: KinematicObject, share: float, holds: bool
 ) -> None:
     """On a ball the way makes the same angle with both normals."""
@@ -88,12 +88,14 @@ def test_friction_has_to_bear_the_weight(
     assert bool(grasp.holders) == holds
 
 
-def test_two_hands_hold_what_neither_holds_alone(grasp: Grasp, thing: KinematicObject) -> None:
+def test_two_hands_hold_an_object_together(grasp: Grasp, thing: KinematicObject) -> None:
     grasp.update([touch(thing, "left", 0.0), touch(thing, "right", math.pi)])
     assert grasp.holders == ("left", "right")
 
 
-def test_who_holds_a_thing_keeps_it_as_long_as_he_can(grasp: Grasp, thing: KinematicObject) -> None:
+def test_first_holder_keeps_an_object_until_its_grasp_fails(
+    grasp: Grasp, thing: KinematicObject
+) -> None:
     """Hands that take it have it once the other hand lets go."""
     right = [touch(thing, "right", 0.0), touch(thing, "right", math.pi)]
     left = [touch(thing, "left", 0.5), touch(thing, "left", 0.5 + math.pi)]
@@ -119,9 +121,7 @@ def test_the_thing_goes_along_with_its_carrier(
     assert thing.pose.rotation == pytest.approx(turned)
 
 
-def test_fingers_resist_sidewise_forces_only_while_they_hold(
-    grasp: Grasp, thing: KinematicObject
-) -> None:
+def test_stick_is_zero_without_a_grasp(grasp: Grasp, thing: KinematicObject) -> None:
     both = [touch(thing, "right", 0.0), touch(thing, "right", math.pi)]
     assert grasp.stick(both) == 0.0
     grasp.update(both)

@@ -39,7 +39,7 @@ def let_go(world: World, thing: KinematicObject, seconds: float) -> None:
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_what_stands_stays(name: str) -> None:
+def test_object_on_a_support_stays(name: str) -> None:
     world, thing = world_with(SHAPES[name], 0.0)
     before = thing.position.copy()
     let_go(world, thing, 1.0)
@@ -48,7 +48,7 @@ def test_what_stands_stays(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_what_is_let_go_falls_onto_the_table(name: str) -> None:
+def test_released_object_falls_onto_the_table(name: str) -> None:
     world, thing = world_with(SHAPES[name], 0.3)
     let_go(world, thing, 0.2)
     fallen = 0.35 - float(thing.position[2])
@@ -58,7 +58,7 @@ def test_what_is_let_go_falls_onto_the_table(name: str) -> None:
     assert not thing.velocity.any()
 
 
-def test_what_is_thrown_flies_on_a_parabola_and_off_the_table() -> None:
+def test_thrown_object_follows_a_parabola() -> None:
     world, thing = world_with(SHAPES["ball"], 0.0)
     thing.launch(np.array([2.0, 0.0, 3.0]))
     let_go(world, thing, 0.3)
@@ -68,7 +68,7 @@ def test_what_is_thrown_flies_on_a_parabola_and_off_the_table() -> None:
     assert thing.position[2] < -1
 
 
-def test_a_box_slides_as_far_as_friction_lets_it() -> None:
+def test_box_slides_the_distance_that_friction_allows() -> None:
     world, thing = world_with(SHAPES["box"], 0.0)
     thing.launch(np.array([1.0, 0.0, 0.0]))
     let_go(world, thing, 2.0)
@@ -100,7 +100,7 @@ def test_rolling_friction_stops_a_ball() -> None:
     assert 0.0 < thing.position[0] < 0.1
 
 
-def test_what_is_taken_away_is_gone() -> None:
+def test_removed_object_is_not_in_the_world() -> None:
     world, thing = world_with(SHAPES["box"], 0.0)
     world.remove("thing")
     assert list(world.things) == ["table"]

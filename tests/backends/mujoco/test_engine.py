@@ -25,7 +25,7 @@ def thing(name: str, shape: SolidShape, x: float, y: float, above: float = 0.0) 
 BOX = SolidShape("box", (0.04, 0.04, 0.04))
 
 
-def test_what_comes_and_goes_in_mid_run_changes_nothing_else(blind: MujocoBackend) -> None:
+def test_adding_and_removing_an_object_changes_no_other_state(blind: MujocoBackend) -> None:
     stage = made_stage({}, fixtures={"table": TABLE})
     blind.reset(stage, None, np.random.default_rng(0))
     engine = blind.truth
@@ -49,7 +49,7 @@ def test_what_comes_and_goes_in_mid_run_changes_nothing_else(blind: MujocoBacken
     assert engine.pose("falling").position[2] == pytest.approx(TOP + 0.04, abs=1e-3)
 
 
-def test_what_is_held_stays_when_something_else_comes(blind: MujocoBackend) -> None:
+def test_held_object_stays_when_another_is_added(blind: MujocoBackend) -> None:
     blind.reset(made_stage({}), None, np.random.default_rng(0))
     engine = blind.truth
     engine.add(thing("held", BOX, 0.5, 0.0, above=0.4))

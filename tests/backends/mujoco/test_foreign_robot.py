@@ -107,7 +107,7 @@ def test_a_link_may_have_the_name_of_the_world(tmp_path: Path) -> None:
     backend.close()
 
 
-def test_links_that_overlap_at_first_stay_where_they_are(tmp_path: Path) -> None:
+def test_links_that_overlap_at_the_start_do_not_move(tmp_path: Path) -> None:
     """Two links hang side by side on the base, one inside the other."""
     twin = (
         '<joint name="twin" type="fixed"><parent link="base"/><child link="twin"/>'
@@ -123,7 +123,7 @@ def test_links_that_overlap_at_first_stay_where_they_are(tmp_path: Path) -> None
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")
-def test_a_joint_without_bounds_of_effort_and_speed_stays_where_it_is_held(tmp_path: Path) -> None:
+def test_joint_without_effort_and_velocity_limits_holds_its_reference(tmp_path: Path) -> None:
     unbounded = model("base", '<box size="0.1 0.1 0.1"/>').replace(
         'effort="10" velocity="2"', 'effort="0" velocity="0"'
     )

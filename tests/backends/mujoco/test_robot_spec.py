@@ -16,7 +16,7 @@ from cbdsl.robot.urdf_reader import read_urdf
 from tests.backends.conftest import URDF, made_stage
 
 
-def test_frames_are_where_pinocchio_has_them(blind: MujocoBackend, dexter: RobotDocument) -> None:
+def test_frames_agree_with_pinocchio(blind: MujocoBackend, dexter: RobotDocument) -> None:
     model = pinocchio.buildModelFromUrdf(str(URDF))
     data = model.createData()
     joints = Joints(dexter)
@@ -68,7 +68,7 @@ def test_coupled_joints_follow(blind: MujocoBackend, dexter: RobotDocument) -> N
         assert positions[name] == pytest.approx(expected, abs=0.002), name
 
 
-def test_servos_take_gravity(blind: MujocoBackend) -> None:
+def test_servos_bear_gravity_within_the_allowed_error(blind: MujocoBackend) -> None:
     blind.reset(made_stage({}), None, np.random.default_rng(0))
     before = blind.observe().positions
     for _ in range(60):

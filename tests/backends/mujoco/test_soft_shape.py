@@ -66,7 +66,7 @@ def test_a_rigid_fingertip_hardly_gives_way(dexter: RobotDocument) -> None:
     backend.close()
 
 
-def test_what_is_taken_away_takes_its_pairs_along(blind: MujocoBackend) -> None:
+def test_removing_an_object_removes_its_contact_pairs(blind: MujocoBackend) -> None:
     blind.reset(made_stage({}), None, np.random.default_rng(0))
     engine = blind.truth
     place = Pose(np.array([0.5, 0.0, 0.0]), np.eye(3))

@@ -55,7 +55,7 @@ def test_follower_orders_joints_by_name() -> None:
         (msg.Float64MultiArray(data=[1.0]), "1 positions"),
     ],
 )
-def test_follower_refuses_what_it_cannot_follow(message: object, problem: str) -> None:
+def test_follower_refuses_an_unsuitable_trajectory(message: object, problem: str) -> None:
     arm = follower()
     assert problem in arm.accept(message, 1, NOW)
     assert not arm.at(NOW + 0.05).any()
@@ -69,7 +69,7 @@ def test_follower_refuses_a_second_writer() -> None:
 
 
 @given(st.floats(0.11, 5.0))
-def test_follower_that_was_stalled_holds_where_it_was(stalled: float) -> None:
+def test_stalled_follower_holds_its_position(stalled: float) -> None:
     arm = follower()
     assert not arm.accept(trajectory(1.0, 1.0, horizon=1.0), 1, NOW)
     before = arm.at(NOW + 0.05)

@@ -37,7 +37,7 @@ def test_joints_start_in_their_postures_or_where_the_context_says(
                 assert start[joints.index[joint]] == pytest.approx(angle), name
 
 
-def test_where_joints_start_otherwise_is_not_changed(dexter: RobotDocument) -> None:
+def test_stage_joints_leave_the_start_of_other_joints(dexter: RobotDocument) -> None:
     joints, rng = Joints(dexter), np.random.default_rng(0)
     head = dexter.effectors["head"].model_copy(update={"start": None})
     robot = dexter.model_copy(update={"effectors": {**dexter.effectors, "head": head}})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cbdsl.backends.staging.fall import Fall
 
 
-def test_it_is_due_once_it_has_lain_below_for_long_enough() -> None:
+def test_fall_is_due_after_the_delay_below_the_height() -> None:
     fall = Fall(height=0.0, delay=1.0)
     due = [fall.is_due(height, time, touched=False) for time, height in enumerate((0, -0.1, -1))]
     assert due == [False, False, False]
@@ -13,7 +13,7 @@ def test_it_is_due_once_it_has_lain_below_for_long_enough() -> None:
     assert fall.is_due(-1.0, 3.0, touched=False)
 
 
-def test_what_is_back_has_to_fall_again() -> None:
+def test_fall_is_due_again_only_after_another_fall() -> None:
     fall = Fall(height=0.0, delay=1.0)
     assert not fall.is_due(-1.0, 0.0, touched=False)
     assert not fall.is_due(0.0, 2.0, touched=False)
@@ -21,6 +21,6 @@ def test_what_is_back_has_to_fall_again() -> None:
     assert fall.is_due(-1.0, 3.5, touched=False)
 
 
-def test_what_a_hand_carries_below_its_place_is_left_to_it() -> None:
+def test_fall_of_a_touched_object_is_never_due() -> None:
     fall = Fall(height=0.0, delay=1.0)
     assert not any(fall.is_due(-1.0, float(time), touched=True) for time in range(5))

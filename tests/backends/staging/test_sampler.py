@@ -58,7 +58,7 @@ def test_things_are_as_far_apart_as_asked_for(dexter: RobotDocument, seed: int) 
     assert between(shown["two"], shown["three"]) > 0.0
 
 
-def test_what_fits_is_drawn_evenly(dexter: RobotDocument) -> None:
+def test_scenes_that_fit_are_drawn_evenly(dexter: RobotDocument) -> None:
     """Two balls on a line are on each side equally often."""
     line = {"on": "table", "x": [1.2, 1.6]}
     stage = scene(
@@ -97,7 +97,7 @@ def test_a_thing_is_beside_another(dexter: RobotDocument) -> None:
         assert way[2] == pytest.approx(0.05 - 0.04), "both stand equally low"
 
 
-def test_what_is_on_a_fixture_goes_where_that_is_drawn(dexter: RobotDocument) -> None:
+def test_object_on_a_fixture_follows_its_drawn_position(dexter: RobotDocument) -> None:
     pedestal = {
         "form": {"shape": "cylinder", "radius": 0.1, "height": 0.1},
         "position": [[0.8, 1.2], [-0.2, 0.2], -0.35],
@@ -120,7 +120,7 @@ def test_what_is_on_a_fixture_goes_where_that_is_drawn(dexter: RobotDocument) ->
     assert len(places) == 10
 
 
-def test_no_room_is_reported_with_who_is_in_the_way(dexter: RobotDocument) -> None:
+def test_scene_without_room_names_both_objects(dexter: RobotDocument) -> None:
     there = {"things": ["ball"], "place": {"on": "table", "x": [1.2, 1.25]}}
     with pytest.raises(BackendError, match=r"most often .* 'one' and 'two' are less than 20 cm"):
         drawn(scene(one={**there, "apart": 0.2}, two=there), dexter, 0)
@@ -165,7 +165,7 @@ def test_every_thing_has_events_of_its_own(unseeing: Simulated) -> None:
 
 
 @pytest.mark.parametrize("name", ["three_things", "stacked"])
-def test_what_is_shipped_stands_still(unseeing: Simulated, name: str) -> None:
+def test_objects_of_shipped_stages_rest(unseeing: Simulated, name: str) -> None:
     for seed in range(3):
         unseeing.reset(stage_named(name), None, np.random.default_rng(seed))
         start = {each: unseeing.truth.pose(each).position for each in unseeing.truth.names()}

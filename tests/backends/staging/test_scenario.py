@@ -142,7 +142,7 @@ def test_a_thing_is_removed_on_time(unseeing: Simulated) -> None:
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_what_has_fallen_is_put_back(unseeing: Simulated, name: str) -> None:
+def test_fallen_object_is_put_back(unseeing: Simulated, name: str) -> None:
     place = {"z": 0.4, "x": 0.8, "y": 1.5, "yaw": 0.5}
     unseeing.reset(_stage(name, place, returned_after=0.3), None, np.random.default_rng(0))
     start, returns = unseeing.truth.pose(name), 0
@@ -159,7 +159,7 @@ def test_what_has_fallen_is_put_back(unseeing: Simulated, name: str) -> None:
     assert returns >= 2
 
 
-def test_what_stays_is_not_put_back(unseeing: Simulated) -> None:
+def test_resting_object_is_not_put_back(unseeing: Simulated) -> None:
     motion = {"speed": 0.3, "direction": 0.0}
     stage = _stage("box", motion=motion, returned_after=0.1)
     unseeing.reset(stage, None, np.random.default_rng(0))
@@ -169,7 +169,7 @@ def test_what_stays_is_not_put_back(unseeing: Simulated) -> None:
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_a_held_thing_stays_where_it_is(unseeing: Simulated, name: str) -> None:
+def test_held_object_stays_at_its_place(unseeing: Simulated, name: str) -> None:
     place = {"z": 0.4, "x": 0.8, "yaw": 0.5, "hand": "right_arm", "held": True}
     unseeing.reset(_stage(name, place), None, np.random.default_rng(0))
     before = unseeing.truth.pose(name)
@@ -197,7 +197,7 @@ def test_the_thrown_ball_ends_off_the_table(unseeing: Simulated, seed: int) -> N
     assert unseeing.truth.pose("ball").position[2] < -1
 
 
-def test_what_is_out_of_reach_is_beyond_both_arms(unseeing: Simulated) -> None:
+def test_objects_of_out_of_reach_are_beyond_both_arms(unseeing: Simulated) -> None:
     fully_stretched = 0.55 + 0.3 + 0.06 + 0.076 + 0.151 + 0.012
     for seed in range(10):
         unseeing.reset(stage_named("out_of_reach"), None, np.random.default_rng(seed))

@@ -40,7 +40,7 @@ def test_a_shape_is_drawn_within_its_form(kind: str) -> None:
     "shape",
     [SolidShape.ball(0.05), SolidShape("box", (0.03, 0.05, 0.08)), SolidShape.cylinder(0.04, 0.1)],
 )
-def test_nothing_of_a_shape_is_deeper_than_its_depth(shape: SolidShape) -> None:
+def test_no_point_of_a_shape_exceeds_its_depth(shape: SolidShape) -> None:
     rng = np.random.default_rng(0)
     directions = rng.standard_normal((20000, 3))
     for _ in range(5):

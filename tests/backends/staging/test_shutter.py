@@ -12,7 +12,7 @@ from cbdsl.backends.staging.shutter import Shutter
 
 
 @given(st.integers(1, 120), st.integers(10, 500))
-def test_in_a_whole_second_it_opens_as_often_as_its_rate_says(rate: int, control: int) -> None:
+def test_shutter_opens_at_its_rate_in_a_second(rate: int, control: int) -> None:
     shutter = Shutter(float(rate), 1 / control)
     opened = [tick for tick in range(5 * control) if shutter.opens(tick)]
     assert opened[0] == 0

@@ -32,7 +32,7 @@ def test_no_tip_gets_farther_than_its_links_are_long(name: str) -> None:
             assert distance <= reach + 1e-9
 
 
-def test_what_slides_reaches_as_far_as_its_limits(tmp_path: Path) -> None:
+def test_reach_of_a_sliding_joint_includes_its_limits(tmp_path: Path) -> None:
     limit = '<limit lower="0" upper="1" effort="1" velocity="1"/>'
     joints = "".join(
         f'<joint name="{child}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'

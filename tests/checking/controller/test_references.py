@@ -17,7 +17,7 @@ PLACED = Resource("arm.pose", POSE, Origin.KINEMATICS, Tip("arm", "pose"))
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_a_quaternion_is_the_rotation_that_others_make_of_it(sign: int) -> None:
+def test_literal_quaternion_equals_the_rotation_of_scipy(sign: int) -> None:
     for rotation in Rotation.random(20, random_state=3):
         items = tuple(sign * float(each) for each in rotation.as_quat())
         literal = read_literal(items, TURNED)
@@ -25,7 +25,7 @@ def test_a_quaternion_is_the_rotation_that_others_make_of_it(sign: int) -> None:
         np.testing.assert_allclose(exp(np.array(literal.values)), rotation.as_matrix(), atol=1e-12)
 
 
-def test_no_turn_is_a_quaternion_too() -> None:
+def test_identity_quaternion_is_accepted() -> None:
     assert read_literal((0, 0, 0, 1), TURNED) == Literal((0.0, 0.0, 0.0))
 
 
@@ -39,7 +39,9 @@ def test_a_pose_has_its_quaternion_behind_the_position() -> None:
     ("items", "code"),
     [((1, 0, 0, 1), "CB593"), ((0, 0, 0, 0), "CB593"), (("1 rad", 0, 0, 0), "CB506")],
 )
-def test_what_is_no_unit_quaternion_is_refused(items: tuple[str | float, ...], code: str) -> None:
+def test_literal_quaternion_of_another_norm_is_refused(
+    items: tuple[str | float, ...], code: str
+) -> None:
     with pytest.raises(LiteralError) as caught:
         read_literal(items, TURNED)
     assert caught.value.code == code

@@ -86,7 +86,7 @@ def test_a_used_program_runs_under_its_learned_policy_and_draws_from_its_models(
         ("programs/reachtouch.yaml", "policy: learned", "policy: lerned", "CB625"),
     ],
 )
-def test_what_does_not_fit_keeps_the_program_from_running(
+def test_unsuitable_knowledge_keeps_the_program_from_running(
     folder: Path, file: str, old: str, new: str, code: str
 ) -> None:
     change(folder / file, old, new)
@@ -115,7 +115,7 @@ def test_what_does_not_fit_keeps_the_program_from_running(
         ("knowledge/models/looks.yaml", "0.25", "0.3", True),
     ],
 )
-def test_a_digest_changes_with_what_learning_depends_on(
+def test_digest_changes_with_inputs_of_learning(
     folder: Path, file: str, old: str, new: str, differs: bool
 ) -> None:
     before = digest(folder)

@@ -39,7 +39,7 @@ def closest(policy: dict[str, str], state: str) -> list[str]:
 
 @settings(deadline=None)
 @given(PATTERNS)
-def test_a_pattern_is_idle_if_it_decides_no_state(patterns: list[str]) -> None:
+def test_pattern_that_decides_no_state_is_idle(patterns: list[str]) -> None:
     policy = dict.fromkeys(patterns, "a")
     states = ["".join(pair) for pair in product("X-01", repeat=2)]
     deciding = {pattern for state in states for pattern in closest(policy, state)}

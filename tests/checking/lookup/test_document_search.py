@@ -59,7 +59,7 @@ def test_only_stages_of_the_robot_are_proposed(library: Library) -> None:
     assert stage_fault(library, "onw").nearest == "own"
 
 
-def test_documents_for_a_robot_are_those_that_say_so() -> None:
+def test_for_robot_returns_documents_that_name_the_robot() -> None:
     library = Library()
     for kind in (StageDocument, ProgramDocument):
         found = {name: for_robot(kind, name, None, library) for name in ("dexter", "sixaxis")}

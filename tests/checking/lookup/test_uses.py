@@ -48,7 +48,7 @@ def chain(folder: Path, length: int, with_: tuple[str, str] = ("$v", "$v")) -> P
     return folder / "programs" / "p0.yaml"
 
 
-def test_what_is_used_again_is_not_checked_again(tmp_path: Path) -> None:
+def test_program_used_twice_is_checked_once(tmp_path: Path) -> None:
     assert codes(chain(tmp_path, 50), tmp_path) == []  # without reuse 2**50 programs
 
 

@@ -111,7 +111,7 @@ def test_an_effort_of_0_is_noted_unless_the_document_bounds_it(
 @pytest.mark.parametrize(
     ("form", "told"), [("github", "::notice file="), ("sarif", '"level": "note"')]
 )
-def test_other_formats_have_notes(
+def test_json_and_sarif_contain_notes(
     form: str,
     told: str,
     folder: Path,

@@ -22,13 +22,13 @@ def told(path: Path, library: Library) -> list[str]:
 
 
 @pytest.mark.parametrize("name", ["searchtrack", "tactileprobe", "reachtouch", "visualinspect"])
-def test_what_is_learned_is_rewarded(name: str) -> None:
+def test_shipped_learned_program_has_a_possible_reward(name: str) -> None:
     library = Library()
     assert told(library.locate(ProgramDocument, name), library) == []
 
 
 @pytest.mark.parametrize("name", ["posture", "desk_reach", "sixaxis_reach"])
-def test_what_only_moves_is_not_rewarded(name: str) -> None:
+def test_program_of_motions_alone_has_no_reward(name: str) -> None:
     library = Library()
     (message,) = told(library.locate(ProgramDocument, name), library)
     assert "measures a heading or a force" in message

@@ -71,7 +71,7 @@ def test_things_overlap_for_certain_or_not(
     assert codes(tmp_path, text) == (["CB362"] if overlap else [])
 
 
-def test_a_thing_in_a_wall_is_found_however_it_is_placed(tmp_path: Path) -> None:
+def test_object_inside_a_wall_is_reported_for_every_kind_of_place(tmp_path: Path) -> None:
     on = "{things: [ball], place: {on: table, x: 70 cm}}"
     assert codes(tmp_path, placed(ball=on)) == ["CB362"]
     beside = {
@@ -86,7 +86,7 @@ def test_a_thing_in_a_wall_is_found_however_it_is_placed(tmp_path: Path) -> None
     assert codes(tmp_path, placed(**stacked)) == []
 
 
-def test_unknown_neighbours_are_reported_with_those_that_there_are(tmp_path: Path) -> None:
+def test_unknown_neighbour_is_reported_with_the_known_ones(tmp_path: Path) -> None:
     text = placed(
         one="{things: [ball], place: {on: tabel, x: 45 cm}}",
         two="{things: [ball], place: {beside: {name: tow, by: 25 cm}}}",
@@ -108,7 +108,7 @@ def test_a_placed_thing_has_a_name_of_its_own(tmp_path: Path) -> None:
         ("[0, 0, 0]", False),
     ],
 )
-def test_a_fixture_in_the_robot_is_found_where_it_is_certain(
+def test_fixture_certainly_inside_the_robot_is_reported(
     tmp_path: Path, position: str, inside: bool
 ) -> None:
     pole = "  pole: {form: {shape: cylinder, radius: 5 cm, height: 40 cm}, position: %s}\n"

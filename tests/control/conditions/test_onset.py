@@ -123,7 +123,7 @@ def test_note_load_counts_only_a_load_that_hung_in_the_hand_and_was_lifted(
     assert (after is not None) == is_contact
 
 
-def test_note_load_forgets_a_lift_once_the_load_is_gone() -> None:
+def test_note_load_resets_a_lift_without_a_load() -> None:
     carrying = Carrying()
     carrying.ticks(HANGING, 1.0, speed=-0.05)
     for share in np.linspace(1.0, 0.0, 40):

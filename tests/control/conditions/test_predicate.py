@@ -63,7 +63,7 @@ def every_image(tick: int) -> bool:
     return tick % IMAGE == 0
 
 
-def test_states_are_strings() -> None:
+def test_predicates_are_joined_to_a_state() -> None:
     assert "".join(Predicate) == "X-01"
 
 
@@ -73,7 +73,7 @@ def test_rest_needs_a_full_window() -> None:
 
 
 @given(slope=st.floats(0.01, 100), excess=st.sampled_from([0.9, 1.1]))
-def test_threshold_is_a_rate(slope: float, excess: float) -> None:
+def test_rest_threshold_is_a_rate_independent_of_the_period(slope: float, excess: float) -> None:
     monitor = Monitor(rate=slope / excess, window=0.25, period=TICK)
     ramp = [10 - slope * tick * TICK for tick in range(60)]
     assert watch(monitor, ramp, every_tick)[-20:] == ("1" if excess < 1 else "0") * 20
@@ -86,7 +86,7 @@ def test_a_decaying_potential_comes_to_rest_once() -> None:
     assert states.endswith("1")
 
 
-def test_what_is_restarted_rests_after_another_window() -> None:
+def test_restarted_monitor_rests_only_after_another_window() -> None:
     monitor = Monitor(rate=1e-4, window=0.25, period=TICK)
     watch(monitor, [2.0] * 40, every_tick)
     restart(monitor.notes)
@@ -94,7 +94,7 @@ def test_what_is_restarted_rests_after_another_window() -> None:
     assert watch(monitor, [2.0] * 40, every_tick) == "0" * 30 + "1" * 10
 
 
-def test_what_is_restarted_while_undefined_stays_so() -> None:
+def test_restart_of_an_undefined_monitor_keeps_it_undefined() -> None:
     monitor = Monitor(rate=1e-4, window=0.25, period=TICK)
     note_undefined(monitor.notes)
     restart(monitor.notes)
@@ -123,7 +123,7 @@ def test_rest_over_images_is_counted_in_time() -> None:
     assert states == "0" * (3 * IMAGE) + "1" * (3 * IMAGE)
 
 
-def test_undefined_forgets_and_says_so() -> None:
+def test_undefined_value_clears_the_history_and_reads_undefined() -> None:
     monitor = Monitor(rate=1e-3, window=0.1, period=TICK)
     assert watch(monitor, [0.0] * 20, every_tick)[-1] == "1"
     note_undefined(monitor.notes)
@@ -131,7 +131,7 @@ def test_undefined_forgets_and_says_so() -> None:
     assert watch(monitor, [0.0] * 13, every_tick) == "0" * 12 + "1"
 
 
-def test_reset_forgets() -> None:
+def test_reset_clears_the_history_of_a_monitor() -> None:
     monitor = Monitor(rate=1e-3, window=0.1, period=TICK)
     watch(monitor, [0.0] * 20, every_tick)
     reset(monitor.notes)

@@ -66,13 +66,13 @@ def test_speed_bounds_the_norm_and_keeps_the_direction(residual: list[float]) ->
     assert moved @ error >= 0
 
 
-def test_speed_of_a_configuration_is_that_of_its_fastest_joint() -> None:
+def test_speed_of_a_configuration_bounds_its_fastest_joint() -> None:
     task = task_of(controller(configuration(3), speed=0.8))
     np.testing.assert_allclose(rate(task, np.array([1.0, -2.0, 0.5])), [0.4, -0.8, 0.2])
 
 
 @pytest.mark.parametrize("rows", [1, 3])
-def test_speed_of_forces_is_that_of_the_joints_that_exert_them(rows: int) -> None:
+def test_speed_of_a_force_is_bounded_by_the_joints_that_exert_it(rows: int) -> None:
     """Three fingers at 5 N/rad, each along its normal or in three components."""
     normals = np.kron(np.eye(3), np.eye(3)[:, :1] if rows == 3 else np.eye(1))
     task = task_of(controller(FORCE.times(3), speed=0.3), 3 * rows)
@@ -80,7 +80,7 @@ def test_speed_of_forces_is_that_of_the_joints_that_exert_them(rows: int) -> Non
     np.testing.assert_allclose(moved, normals @ np.array([1.5, 0.4, -1.5]))
 
 
-def test_a_force_that_no_joint_exerts_asks_for_nothing() -> None:
+def test_force_without_an_exerting_joint_requests_no_motion() -> None:
     task = task_of(controller(FORCE, speed=0.3))
     np.testing.assert_array_equal(rate(task, np.ones(3), np.zeros((3, 4))), np.zeros(3))
 
@@ -108,7 +108,7 @@ def test_no_gain_leads_past_the_reference(gain: float) -> None:
     assert moved * TICK == pytest.approx(residual)
 
 
-def test_it_starts_from_the_displacement_before() -> None:
+def test_acceleration_is_bounded_relative_to_the_last_displacement() -> None:
     task, error = task_of(controller(HEADING, acceleration=1.5)), np.array([1.0, 0.0])
     first = rate(task, error)
     assert np.linalg.norm(rate(task, error)) > np.linalg.norm(first)

@@ -27,7 +27,7 @@ def follow(field: HarmonicField, start: Floats, goal: Floats) -> list[Floats]:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_no_vertex_but_the_goals_is_a_minimum(name: str) -> None:
+def test_only_the_vertices_of_the_goal_are_minima(name: str) -> None:
     u, scene = FIELDS[name].u, SCENES[name]
     best = np.max([np.roll(u, step, axis) for axis in range(u.ndim) for step in (-1, 1)], axis=0)
     free = u > 0.0
@@ -37,7 +37,7 @@ def test_no_vertex_but_the_goals_is_a_minimum(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_each_vertex_is_the_mean_of_its_neighbours(name: str) -> None:
+def test_vertex_of_a_solved_field_is_the_mean_of_its_neighbours(name: str) -> None:
     u, scene = FIELDS[name].u, SCENES[name]
     mean = np.mean([np.roll(u, step, axis) for axis in range(u.ndim) for step in (-1, 1)], axis=0)
     free = u > 0.0
@@ -75,7 +75,7 @@ def test_the_potential_is_between_0_and_1_and_falls_along_the_way(
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_the_direction_is_the_gradients(name: str, rng: np.random.Generator) -> None:
+def test_direction_equals_the_negative_gradient(name: str, rng: np.random.Generator) -> None:
     scene, field = SCENES[name], FIELDS[name]
     small = 1e-5 * scene.grid.spacing
     for point in scene.starts(20, rng):
@@ -91,14 +91,16 @@ def test_the_direction_is_the_gradients(name: str, rng: np.random.Generator) -> 
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_outside_of_free_cells_the_way_leads_in(name: str, rng: np.random.Generator) -> None:
+def test_direction_outside_of_free_cells_leads_into_them(
+    name: str, rng: np.random.Generator
+) -> None:
     scene, field = SCENES[name], FIELDS[name]
     centres = [0.5 * (obstacle.lower + obstacle.upper) for obstacle in scene.obstacles]
     for start in [*centres[:3], *(1.0 + rng.uniform(0.0, 0.3, (2, len(scene.goal))))]:
         assert np.linalg.norm(follow(field, start, scene.goal)[-1] - scene.goal) < 1e-9
 
 
-def test_one_dimension_is_a_straight_line() -> None:
+def test_field_in_one_dimension_is_linear() -> None:
     grid, goal = cube(1, 20), np.array([0.5])
     field = HarmonicField(grid, (), goal)
     for x in (0.2, 0.33, 0.61, 0.85):
@@ -139,7 +141,7 @@ def test_finer_grids_converge() -> None:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_towards_the_goal_nothing_jumps(name: str, rng: np.random.Generator) -> None:
+def test_potential_is_continuous_towards_the_goal(name: str, rng: np.random.Generator) -> None:
     scene, field = SCENES[name], FIELDS[name]
     ray = rng.normal(size=len(scene.goal))
     ray *= scene.grid.spacing / np.linalg.norm(ray)
@@ -151,7 +153,7 @@ def test_towards_the_goal_nothing_jumps(name: str, rng: np.random.Generator) -> 
     assert np.abs(np.diff(directions, axis=0)).max() < 0.05
 
 
-def test_far_from_the_goal_no_digit_is_lost() -> None:
+def test_potential_far_from_the_goal_keeps_its_precision() -> None:
     u = FIELDS["narrow maze"].u
     assert 0.0 < u[u > 0].min() < 1e-30 * u.max()
 
@@ -203,7 +205,7 @@ CAGE = (
         (CAGE, [0.1, 0.5], [0.7, 0.7], "it is enclosed by north and south and west and east"),
     ],
 )
-def test_what_cannot_be_reached_is_said(
+def test_unreachable_goal_raises_no_path(
     obstacles: tuple[Obstacle, ...], goal: list[float], start: list[float], message: str
 ) -> None:
     grid = Grid.between(np.zeros(2), np.ones(2), 0.05)

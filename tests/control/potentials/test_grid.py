@@ -43,7 +43,7 @@ def test_a_vertex_is_blocked_exactly_where_its_cell_touches_an_obstacle(
             assert owners[vertex] == (BORDER if is_border else 0 if touched else FREE)
 
 
-def test_however_thin_a_wall_is_it_separates() -> None:
+def test_wall_thinner_than_a_cell_separates() -> None:
     grid = Grid.between(np.zeros(3), np.ones(3), 0.1)
     wall = Obstacle("wall", np.array([0.449, 0.0, 0.0]), np.array([0.451, 1.0, 1.0]))
     free = grid.owners([wall]) == FREE

@@ -144,7 +144,7 @@ def test_a_tip_goes_round_a_ball(rng: np.random.Generator) -> None:
     assert nearest > 0.0
 
 
-def test_it_is_solved_again_only_where_something_moved(solved: list[HarmonicField]) -> None:
+def test_field_is_solved_again_only_after_a_motion(solved: list[HarmonicField]) -> None:
     scene = SCENES["cluttered cube"]
     law, spacing = potential(scene), scene.grid.spacing
     point = np.full(3, 0.1)
@@ -190,7 +190,7 @@ def test_clearance_widens_obstacles() -> None:
         prepared(wide, np.full(2, 0.1), scene.goal, (ball,))
 
 
-def test_before_it_is_solved_for_it_has_no_potential() -> None:
+def test_unsolved_field_has_no_potential() -> None:
     law = potential(SCENES["empty square"])
     assert np.isnan(evaluate(law, Signal(np.zeros(2), np.eye(2)), np.ones(2)).phi)
 
@@ -231,7 +231,7 @@ def test_the_way_out_leads_to_the_nearest_vertex_from_any_point() -> None:
 
 
 @pytest.mark.parametrize("bounded", [False, True])
-def test_a_workspace_is_what_the_field_says_or_the_joints_limits(bounded: bool) -> None:
+def test_workspace_is_the_stated_one_or_the_joint_limits(bounded: bool) -> None:
     scene = SCENES["empty square"]
     box = ((0.0, 0.0), (1.0, 1.0)) if bounded else (None, None)
     limits = (np.full(2, 0.3), np.full(2, 0.6)) if bounded else (np.zeros(2), np.ones(2))

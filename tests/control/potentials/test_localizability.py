@@ -68,7 +68,9 @@ def ratios(phi: Callable[[Cameras, Floats], float], baseline: float) -> Floats:
     return np.array([far / near, far / middle])
 
 
-def test_equals_its_definition_by_one_angle_a_camera(rng: np.random.Generator) -> None:
+def test_localizability_equals_its_definition_with_one_angle_per_camera(
+    rng: np.random.Generator,
+) -> None:
     """Compute J by finite differences, in the plane through the cameras and the point."""
     for point in points(rng, 20):
         cameras = turned(rng)
@@ -166,14 +168,16 @@ def test_newton_steps_bring_a_thing_nearer(rng: np.random.Generator) -> None:
         pytest.param([-np.pi / 2, 0.0, np.pi / 2, 0.0], id="between the cameras"),
     ],
 )
-def test_lines_that_do_not_meet_ahead_have_no_potential_and_say_why(angles: list[float]) -> None:
+def test_lines_of_sight_without_an_intersection_ahead_are_refused_with_a_reason(
+    angles: list[float],
+) -> None:
     assert math.isnan(look(ahead(0.35), np.array(angles)).phi)
     refuse = seen_by(ahead(0.35)).refuse
     assert refuse is not None
     assert "lines of sight do not meet" in refuse(np.array(angles), np.zeros(0))
 
 
-def test_never_gives_a_number_that_is_not_finite(rng: np.random.Generator) -> None:
+def test_localizability_is_finite_or_undefined(rng: np.random.Generator) -> None:
     cameras, given = ahead(0.35), 0
     for scale in (1e-9, 1e-5, 1e-2, 1.0):
         for angles in scale * rng.uniform(-np.pi, np.pi, (300, 4)):
@@ -187,6 +191,6 @@ def test_never_gives_a_number_that_is_not_finite(rng: np.random.Generator) -> No
 
 
 @pytest.mark.parametrize("cameras", [(), ahead(0.35)[:1], ahead(0.0), ahead(np.nan)])
-def test_needs_two_cameras(cameras: tuple[Frame, ...]) -> None:
+def test_localizability_of_one_camera_is_refused(cameras: tuple[Frame, ...]) -> None:
     with pytest.raises(ValueError, match="two cameras"):
         seen_by(cameras)

@@ -27,7 +27,7 @@ def orthonormal(rows: int, columns: int, rng: np.random.Generator) -> Floats:
     return np.linalg.qr(rng.normal(size=(columns, rows)))[0].T
 
 
-def test_equals_the_formula_of_its_source(rng: np.random.Generator) -> None:
+def test_manipulability_equals_eq_3_5(rng: np.random.Generator) -> None:
     for rows, joints in ((2, 3), (3, 3), (3, 7), (6, 6), (6, 14)):
         jacobian = rng.normal(size=(rows, joints))
         phi = of(jacobian, np.zeros((rows, joints, joints))).phi
@@ -66,7 +66,7 @@ def test_gradient_stays_exact_and_bounded_towards_singularities(
 
 
 @pytest.mark.parametrize("elbow", [0.0, 1e-12, -1e-12, np.pi])
-def test_leaves_a_singularity(elbow: float) -> None:
+def test_descent_leaves_a_singularity(elbow: float) -> None:
     chain, q = Chain.planar(2), np.array([0.3, elbow])
     evaluation = planar(chain, q)
     (gradient,) = evaluation.jacobian
@@ -93,7 +93,7 @@ def test_two_arms_have_the_product(rng: np.random.Generator) -> None:
     np.testing.assert_allclose(both.jacobian, rows, rtol=1e-9)
 
 
-def test_other_joints_make_no_difference(rng: np.random.Generator) -> None:
+def test_manipulability_ignores_joints_of_other_effectors(rng: np.random.Generator) -> None:
     jacobian, curvature = rng.normal(size=(3, 6)), rng.normal(size=(3, 6, 6))
     own = of(jacobian, curvature)
     wide, bent = np.zeros((3, 10)), np.zeros((3, 10, 10))
@@ -105,7 +105,7 @@ def test_other_joints_make_no_difference(rng: np.random.Generator) -> None:
     assert not padded.jacobian[:, [0, 1, 8, 9]].any()
 
 
-def test_the_printed_law_seeks_singularities_and_ours_leaves_them(rng: np.random.Generator) -> None:
+def test_printed_law_reaches_singularities_and_ours_leaves_them(rng: np.random.Generator) -> None:
     """Eq 3.18 is Newton's search for phi = 0, and there the arm is singular."""
     chain, best = Chain.planar(3), -0.29273704
     for start in rng.uniform([0.0, 0.3, 0.3], [0.0, 1.5, 1.5], (5, 3)):

@@ -32,7 +32,9 @@ def dense_solution(free: Booleans, source: Floats) -> Floats:
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_it_is_the_dense_solution(shape: tuple[int, ...], rng: np.random.Generator) -> None:
+def test_multigrid_solution_equals_the_dense_solution(
+    shape: tuple[int, ...], rng: np.random.Generator
+) -> None:
     for _ in range(4):
         free, source = random_scene(shape, rng)
         u, _ = Multigrid(free).solve(source, accuracy=1e-9, floor=1e-6)
@@ -50,7 +52,7 @@ def test_cycles_do_not_grow_with_the_grid() -> None:
     assert max(cycles) <= 12
 
 
-def test_it_begins_where_it_is_reported(rng: np.random.Generator) -> None:
+def test_multigrid_with_a_start_needs_fewer_cycles(rng: np.random.Generator) -> None:
     free, source = random_scene((40, 40), rng)
     multigrid = Multigrid(free)
     u, cold = multigrid.solve(source, accuracy=1e-6, floor=1e-8)
@@ -60,7 +62,9 @@ def test_it_begins_where_it_is_reported(rng: np.random.Generator) -> None:
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_neighbour_sum(shape: tuple[int, ...], rng: np.random.Generator) -> None:
+def test_neighbour_sum_equals_the_sum_of_shifted_arrays(
+    shape: tuple[int, ...], rng: np.random.Generator
+) -> None:
     u = rng.normal(size=shape)
     inside = (slice(1, -1),) * len(shape)
     wanted = sum(np.roll(u, step, axis) for axis in range(u.ndim) for step in (-1, 1))

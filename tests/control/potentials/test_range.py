@@ -9,7 +9,7 @@ from cbdsl.control.potentials.range import between
 from tests.control.evaluation import Signal, evaluate
 
 
-def test_equals_the_cosine_field(rng: np.random.Generator) -> None:
+def test_range_potential_equals_the_sum_of_cosines(rng: np.random.Generator) -> None:
     lower, upper = -rng.uniform(0.5, 3, 7), rng.uniform(0.5, 3, 7)
     for q in rng.uniform(lower, upper, (50, 7)):
         angles = np.pi * (q - (lower + upper) / 2) / (upper - lower)
@@ -17,7 +17,7 @@ def test_equals_the_cosine_field(rng: np.random.Generator) -> None:
         assert phi == pytest.approx(7 - np.cos(angles).sum(), abs=1e-14)
 
 
-def test_rows_keep_their_rank_at_the_centre() -> None:
+def test_range_potential_keeps_full_rank_at_the_centre() -> None:
     lower, upper = -np.ones(5), np.full(5, 2.0)
     evaluation = evaluate(between(lower, upper), Signal(np.full(5, 0.5), np.eye(5)))
     assert evaluation.phi == 0.0
@@ -25,6 +25,6 @@ def test_rows_keep_their_rank_at_the_centre() -> None:
 
 
 @pytest.mark.parametrize("upper", [np.inf, -1.0, np.nan])
-def test_needs_a_range(upper: float) -> None:
+def test_range_potential_of_joints_without_limits_is_refused(upper: float) -> None:
     with pytest.raises(ValueError, match="finite joint limits"):
         between(-np.ones(2), np.array([1.0, upper]))

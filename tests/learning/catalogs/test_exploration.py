@@ -67,7 +67,7 @@ def test_failure_costs_and_noop_does_not() -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_what_is_known_is_left_for_doing_nothing(seed: int) -> None:
+def test_habituated_exploration_chooses_noop(seed: int) -> None:
     exploration = catalog()
     chosen = explored(exploration, 120, {"touch": 0.05}, seed)
     assert chosen[-30:].count(NOOP) > chosen[:30].count(NOOP)
@@ -92,7 +92,7 @@ def test_an_action_that_joins_is_attended_to() -> None:
     assert later.count("inspect") >= 5
 
 
-def test_what_cannot_be_run_is_left_out() -> None:
+def test_failed_action_is_left_out() -> None:
     exploration = catalog()
     exploration.note(ActionOutcome("lift", failed=True, ending="no hand"))
     assert "lift" not in explored(exploration, 50, {"touch": 0.05})
@@ -146,7 +146,7 @@ def models(**constants: float) -> ModelExploration:
     return ModelExploration(ACTIONS, ModelConstants(**constants))
 
 
-def test_states_are_of_models() -> None:
+def test_states_have_one_letter_per_model() -> None:
     rng, exploration = np.random.default_rng(5), models()
     assert exploration.state == "XX"
     exploration.note(replace(touched(rng), ahead=SEEN))
@@ -160,7 +160,7 @@ def test_states_are_of_models() -> None:
     assert exploration.state == "1-"
 
 
-def test_what_was_moved_is_surprising() -> None:
+def test_moved_object_makes_its_model_changing_again() -> None:
     rng, exploration = np.random.default_rng(5), models()
     for _ in range(20):
         exploration.note(replace(touched(rng, 0.01), ahead=SEEN))
@@ -172,7 +172,7 @@ def test_what_was_moved_is_surprising() -> None:
     assert exploration.state[0] == "0"
 
 
-def test_q_values_are_those_of_the_update() -> None:
+def test_q_values_follow_the_update_rule() -> None:
     rng, exploration = np.random.default_rng(5), models(promise=0.0, alpha=0.5, gamma=0.5)
     first = exploration.note(replace(touched(rng), ahead=SEEN))
     assert exploration.table["XX"]["touch"] == pytest.approx(0.5 * first.reward)
@@ -191,7 +191,7 @@ def test_a_model_program_habituates(seed: int) -> None:
     assert chosen[-30:].count(NOOP) >= 20 > chosen[:15].count(NOOP)
 
 
-def test_outcomes_before_a_model_began_are_in_it() -> None:
+def test_outcomes_without_features_count_in_the_model() -> None:
     """Count a rewarded outcome, although the features of the model were not defined then."""
     touch = catalog().affordances["touch"]
     constants = CatalogConstants()
@@ -204,7 +204,7 @@ def test_outcomes_before_a_model_began_are_in_it() -> None:
     assert (model.rewarded.weight, model.unrewarded.weight) == (1.0, 1.0)
 
 
-def test_a_small_change_is_all_there_is_at_first() -> None:
+def test_first_change_is_relative_to_itself() -> None:
     rng, exploration = np.random.default_rng(5), catalog(prior=1000.0)
     assert exploration.change_of("touch") is None
     first = exploration.note(touched(rng))
@@ -224,13 +224,13 @@ def test_failure_changes_no_reward_and_leaves_the_change_of_the_last_success() -
     assert exploration.affordances["touch"].change == first.change
 
 
-def test_before_the_first_reward_nothing_changes() -> None:
+def test_outcome_without_reward_changes_no_fresh_model() -> None:
     touch = catalog().affordances["touch"]
     assert touch.note(ActionOutcome("touch"), CatalogConstants()) == 0.0
     assert (touch.change, touch.distance()) == (None, 0.0)
 
 
-def test_reward_is_as_likely_as_it_was_and_by_what_is_seen_where_that_tells() -> None:
+def test_reward_probability_uses_counts_and_features() -> None:
     exploration, rng = catalog(), np.random.default_rng(1)
     touch = exploration.affordances["touch"]
     assert touch.reward_probability() == pytest.approx(1 / 2)

@@ -59,7 +59,7 @@ def test_remember_ignores_episodes_without_profile_or_name(
     assert document(learner(*BOTH, episode)) == document(learner(*BOTH))
 
 
-def test_recall_of_a_document_and_new_episodes_equals_learning_all_at_once() -> None:
+def test_recall_of_a_document_and_new_episodes_equals_learning_all_together() -> None:
     earlier = document(learner(*BOTH[:3]))
     later = learner()
     later.recall(earlier)

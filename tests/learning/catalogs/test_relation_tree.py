@@ -51,11 +51,11 @@ def share(tree: Tree[str], seed: int) -> float:
     return float(np.mean(right))
 
 
-def test_other_profiles_are_named() -> None:
+def test_tree_names_at_least_95_percent_of_other_profiles() -> None:
     assert share(grow_relations(known(1)), 2) >= 0.95
 
 
-def test_names_that_say_nothing_are_not_learned() -> None:
+def test_names_without_information_give_no_question() -> None:
     rng = np.random.default_rng(3)
     mixed = [named(felt("spherical", rng), name) for name in STIFF for _ in range(6)]
     assert share(grow_relations(mixed), 4) <= 0.6

@@ -36,12 +36,12 @@ def test_the_surest_path_is_planned_from_below() -> None:
     assert plan_stack(SUPPORT, 2).order == ("slab", "ball")
 
 
-def test_only_what_stood_is_planned_and_what_is_not_known_is_refused() -> None:
+def test_plan_uses_only_pairs_that_stood_and_refuses_unknown_objects() -> None:
     assert [plan.order for plan in plan_stacks(SUPPORT, 3)] == [("slab", "box", "ball")]
     assert not plan_stacks(SUPPORT, 4)
 
 
-def test_nothing_stands_on_itself_in_a_circle() -> None:
+def test_plan_contains_no_object_twice() -> None:
     assert not plan_stacks(support({("a", "b"): 0.9, ("b", "a"): 0.9}), 3)
 
 
@@ -63,7 +63,7 @@ def test_pairs_that_were_hardly_tried_come_first() -> None:
     assert chosen == {"b_on_a", "c_on_a"}
 
 
-def test_then_what_reports_most_is_taken_and_what_never_stays_is_left() -> None:
+def test_exploration_of_pairs_prefers_changing_models_and_drops_unstable_pairs() -> None:
     exploration = explored({"a_on_b": [True, True], "b_on_a": [False] * 4})
     chosen = [exploration.choose(np.random.default_rng(seed)) for seed in range(40)]
     assert chosen.count("a_on_b") > 30
@@ -85,7 +85,7 @@ def test_two_things_look_like_a_known_pair_or_like_none() -> None:
     assert recognise({n: m.over([2]) for n, m in models.items()}, np.array([0.19])).pair == "high"
 
 
-def test_likeness_ends_where_one_in_a_thousand_of_its_own_would_not_be_like_it() -> None:
+def test_likeness_bound_excludes_one_in_a_thousand_own_samples() -> None:
     """Fisher's chi-squared law of squared distances: 10.828 for one component, 16.266 for three."""
     for size, bound in ((1, 10.828**0.5), (3, 16.266**0.5)):
         model = AffordanceModel.fresh(np.full(size, 0.03)).updated(np.zeros(size), rewarded=True)
@@ -126,7 +126,7 @@ def catalog() -> MetaCatalogDocument:
     )
 
 
-def test_a_graph_has_things_pairs_and_where_they_are_from() -> None:
+def test_graph_holds_objects_pairs_and_provenance() -> None:
     graph = thing_graph(catalog())
     assert graph.graph == {"name": "some", "robot": "dexter"}
     assert graph.nodes["slab"] == {"feature": "blue", "catalog": "slabs"}
@@ -136,7 +136,7 @@ def test_a_graph_has_things_pairs_and_where_they_are_from() -> None:
     assert graph["slab"]["ball"]["on"]["probability"] == 0.0
 
 
-def test_support_is_by_laplace_s_rule_and_of_what_stood_upon() -> None:
+def test_support_probability_follows_laplace_s_rule() -> None:
     known = support_graph(catalog())
     own = {(low, high): facts["probability"] for low, high, facts in known.edges(data=True)}
     assert own == {("slab", "box"): 5 / 8, ("box", "cup"): 3 / 4, ("cup", "ball"): 4 / 6}
@@ -155,7 +155,7 @@ def test_a_stack_that_cannot_be_is_refused_with_all_that_is_there() -> None:
         plan_stack(support_graph(catalog(), ["ball", "slab"]), 2)
 
 
-def test_of_equally_sure_stacks_the_first_by_name_is_planned() -> None:
+def test_equally_probable_stacks_are_ordered_by_name() -> None:
     plans = plan_stacks(support({("c", "b"): 0.5, ("c", "a"): 0.5, ("c", "d"): 0.6}), 2)
     assert [plan.order for plan in plans] == [("c", "d"), ("c", "a"), ("c", "b")]
 

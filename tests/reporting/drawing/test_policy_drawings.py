@@ -81,7 +81,7 @@ def test_svg_holds_its_states_apart_and_with_their_pictograms(policy: PolicyTran
         assert papers.count(look.paper) == drawn + (letter != "*")
 
 
-def test_a_learned_policy_of_its_programs_name_is_not_said_to_be_written_in_it() -> None:
+def test_learned_policy_with_the_name_of_its_program_is_titled_as_learned() -> None:
     policy = learned([[("reach", "1X")]]).model_copy(update={"name": "walking"})
     written = policy.model_copy(update={"values": {}, "transitions": {}, "curve": None})
     assert title(policy_transitions(policy)) == "walking, a policy of walking"
@@ -107,7 +107,7 @@ def test_names_stay_text() -> None:
 
 @given(TRANSITIONS)
 @settings(max_examples=25)
-def test_words_say_what_the_arcs_do(policy: PolicyTransitions) -> None:
+def test_sentence_of_a_state_names_its_arcs(policy: PolicyTransitions) -> None:
     for decision in policy.decisions:
         own = [arc for arc in policy.arcs if arc.source == decision.state]
         told = sentence(policy, decision)

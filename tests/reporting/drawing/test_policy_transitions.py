@@ -13,7 +13,7 @@ SHARES = st.floats(0, 1)
 
 
 @given(WALKS)
-def test_where_episodes_began_and_ended_follows_from_the_counts(walks: list[Walk]) -> None:
+def test_starts_and_ends_of_episodes_follow_from_the_counts(walks: list[Walk]) -> None:
     known = {each.state: each for each in decisions(learned(walks))}
     assert {state: each.started for state, each in known.items() if each.started} == {
         "XX": len(walks)
@@ -28,7 +28,7 @@ def test_where_episodes_began_and_ended_follows_from_the_counts(walks: list[Walk
 
 
 @given(POLICIES)
-def test_something_follows_or_the_episode_ends(policy: PolicyDocument) -> None:
+def test_shares_after_a_state_and_its_ends_sum_to_one(policy: PolicyDocument) -> None:
     for decision in decisions(policy):
         shares = [decision.share(state) for state in decision.after]
         assert all(0 <= share <= 1 for share in (*shares, decision.end))
@@ -39,7 +39,9 @@ def test_something_follows_or_the_episode_ends(policy: PolicyDocument) -> None:
 
 
 @given(POLICIES, SHARES)
-def test_arcs_are_those_above(policy: PolicyDocument, above: float) -> None:
+def test_graph_contains_exactly_the_arcs_above_the_share(
+    policy: PolicyDocument, above: float
+) -> None:
     graph = policy_transitions(policy, above, every=True)
     drawn = {(arc.source, arc.target) for arc in graph.arcs}
     for decision in graph.decisions:
@@ -57,7 +59,7 @@ def test_fewer_arcs_and_states_are_drawn_above_more(
 
 
 @given(POLICIES, SHARES)
-def test_states_are_drawn_that_arcs_lead_to(policy: PolicyDocument, above: float) -> None:
+def test_graph_contains_the_targets_of_its_arcs(policy: PolicyDocument, above: float) -> None:
     graph = policy_transitions(policy, above)
     shown = {decision.state for decision in graph.decisions}
     assert shown == {"XX"} | {arc.target for arc in graph.arcs}

@@ -37,7 +37,9 @@ def read(drawing: str) -> str:
 
 @pytest.mark.parametrize("name", PROGRAMS)
 @pytest.mark.parametrize("notation", NOTATIONS, ids=lambda notation: notation.__name__)
-def test_everything_is_drawn(notation: Callable[[Graph], str], name: str) -> None:
+def test_graph_of_a_program_contains_states_and_actions(
+    notation: Callable[[Graph], str], name: str
+) -> None:
     program = program_of(name)
     drawing = read(notation(program_graph(program)))
     for part in within(program):

@@ -56,7 +56,7 @@ def test_without_a_stack_the_program_stays_with_its_changes(file: Path) -> None:
         assert kept in composed.text
 
 
-def test_what_one_controller_needs_of_another_is_kept(file: Path) -> None:
+def test_required_controllers_are_kept_in_a_composed_program(file: Path) -> None:
     composed = made(file, Changes({}, {}, ("touch",)))
     assert "once: approach" in composed.text and "  approach:\n" in composed.text
     assert "  orient:\n" not in composed.text and "searchtrack" not in composed.text

@@ -63,7 +63,7 @@ def test_counts_rewards_and_probabilities_are_those_of_the_exploration(
     assert "2 of 3" in told["icon"] and "lift" not in told["icon"]
 
 
-def test_a_probability_is_of_what_is_seen_now(feed: Feed, view: ExplorationView) -> None:
+def test_probability_uses_the_current_features(feed: Feed, view: ExplorationView) -> None:
     near, far = (reached(0.5), missed(0.9), reached(0.52), missed(0.88)), missed(0.9)
     with feed.page() as cursor:
         explored = explore(view, *near, reached(0.51))
@@ -104,7 +104,7 @@ def test_an_action_that_comes_later_has_no_course_before(feed: Feed, view: Explo
     assert told["affordances"][2]["model"] == "left out"
 
 
-def test_of_very_many_actions_the_last_are_drawn(feed: Feed, view: ExplorationView) -> None:
+def test_course_keeps_only_the_last_actions(feed: Feed, view: ExplorationView) -> None:
     explore(view, *[nothing()] * 1003)
     with feed.page() as cursor:
         course = catalog(cursor)["course"]

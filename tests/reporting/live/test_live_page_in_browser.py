@@ -101,7 +101,7 @@ def shown(run: Run) -> Iterator[Page]:
         }
 
 
-def test_it_follows_a_run_from_its_pause_to_its_end(
+def test_live_page_follows_a_run_from_pause_to_end(
     run: Run, shown: Page, kinematics: Kinematics
 ) -> None:
     shown.wait("document.getElementById('pause').textContent.includes('Go on')")

@@ -68,7 +68,7 @@ def test_an_observer_receives_all_of_an_episode(
     assert set(of["body"][0]["parts"][0]) >= {"shape", "size", "color"}
 
 
-def test_nothing_is_made_without_a_viewer(
+def test_no_frame_is_made_without_a_viewer(
     feed: Feed, view: LiveView, watched: Watched, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[float] = []
@@ -87,7 +87,7 @@ def test_nothing_is_made_without_a_viewer(
     assert told[-1][0] == "frame" and told[-1][1]["state"] == result.predicates[-1]
 
 
-def test_watching_changes_nothing(feed: Feed, view: LiveView, watched: Watched) -> None:
+def test_watched_run_equals_an_unwatched_one(feed: Feed, view: LiveView, watched: Watched) -> None:
     alone = watched(view)
     with feed.page():
         seen = watched(view)

@@ -80,7 +80,7 @@ def test_changes_are_made_and_saved(paused: Paused) -> None:
     ],
     ids=str,
 )
-def test_what_cannot_be_done_is_refused_in_words(
+def test_impossible_request_is_refused_with_a_reason(
     paused: Paused, request_: dict[str, Any], words: str
 ) -> None:
     with pytest.raises(RequestError) as caught:
@@ -88,7 +88,7 @@ def test_what_cannot_be_done_is_refused_in_words(
     assert words in str(caught.value)
 
 
-def test_where_nothing_may_be_changed_there_are_no_such_requests() -> None:
+def test_requests_without_a_composer_exclude_changes() -> None:
     with pytest.raises(RequestError, match="known: pause, continue, step, speed"):
         Requests(Transport())({"do": "gain", "controller": "approach", "value": 1})
 

@@ -83,7 +83,7 @@ def test_the_page_has_an_unguessable_token(served: Served) -> None:
     assert "cbdsl" in answer.headers["Server"] and "Python" not in answer.headers["Server"]
 
 
-def test_it_listens_on_this_machine_alone(served: Served) -> None:
+def test_server_listens_on_the_loopback_address(served: Served) -> None:
     assert served.server._http.server_address[0] == "127.0.0.1"
 
 
@@ -99,7 +99,7 @@ def test_it_listens_on_this_machine_alone(served: Served) -> None:
     ],
     ids=str,
 )
-def test_other_hosts_and_origins_are_refused(
+def test_foreign_hosts_and_origins_are_refused(
     served: Served, path: str, headers: Mapping[str, str]
 ) -> None:
     sent = {key: value.format(port=served.port) for key, value in headers.items()}
@@ -114,7 +114,7 @@ def test_localhost_is_this_machine_too(served: Served) -> None:
     assert served.ask("GET", "/", Host=name, Origin=f"http://{name}").status == 200
 
 
-def test_nothing_is_done_without_the_token(served: Served) -> None:
+def test_request_without_the_token_is_refused(served: Served) -> None:
     for token in ("", "x", served.token[:-1]):
         assert served.request({"do": "pause"}, token)[0] == 403
     assert not served.transport.paused
@@ -144,7 +144,7 @@ def test_nothing_is_done_without_the_token(served: Served) -> None:
     ],
     ids=str,
 )
-def test_what_makes_no_sense_is_refused_in_words(served: Served, content: Any, words: str) -> None:
+def test_invalid_request_is_refused_with_a_reason(served: Served, content: Any, words: str) -> None:
     status, answer = served.request(content)
     assert status == 409
     assert words in answer["problem"]
@@ -181,14 +181,14 @@ def test_request_with_an_odd_length_has_an_answer(
         assert words in client.makefile("rb").read().decode()
 
 
-def test_other_paths_and_methods_are_refused(served: Served) -> None:
+def test_unknown_paths_and_methods_are_refused(served: Served) -> None:
     assert served.ask("GET", "/../../etc/passwd").status == 404
     assert served.ask("PUT", "/").status == 501
     shown = {TOKEN.replace("-", "_"): served.token}
     assert served.ask("POST", "/events", b"{}", **shown).status == 404
 
 
-def test_two_pages_get_the_same(served: Served) -> None:
+def test_two_pages_receive_the_same_messages(served: Served) -> None:
     served.feed.begin(message("episode", {"seed": 7}))
     streams = [events(served.ask("GET", "/events")) for _ in range(2)]
     assert [next(each) for each in streams] == [("episode", {"seed": 7})] * 2

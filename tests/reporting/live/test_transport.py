@@ -75,7 +75,7 @@ def test_a_world_that_fell_behind_does_not_hurry() -> None:
     assert transport._pause_at(1.5) == pytest.approx(0.5)
 
 
-def test_fast_is_not_held_at_all() -> None:
+def test_fast_run_is_never_delayed() -> None:
     now = [5.0]
     transport = Transport(math.inf, lambda: now[0])
     for tick in range(1000):
@@ -103,7 +103,7 @@ def test_pausing_stops_ticks_and_a_step_lets_exactly_one_pass() -> None:
         until(lambda: world.ticks > 100)
 
 
-def test_the_speed_changes_while_it_runs() -> None:
+def test_speed_can_be_changed_during_a_run() -> None:
     transport = Transport(0.01)
     with running(transport) as world:
         until(lambda: world.ticks == 1)

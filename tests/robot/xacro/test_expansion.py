@@ -63,7 +63,7 @@ def test_expand_unbounded_model_is_refused(body: str, tmp_path: Path) -> None:
         expand(tmp_path, body)
 
 
-def test_expand_file_that_includes_itself_says_so(tmp_path: Path) -> None:
+def test_expand_file_with_a_circular_include_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UrdfError, match="a macro, or a file that it includes, uses itself"):
         expand(tmp_path, '<xacro:include filename="any.xacro"/>')
 

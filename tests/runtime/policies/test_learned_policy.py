@@ -39,7 +39,7 @@ def choices(policy: LearnedPolicy, *states: str) -> list[str | None]:
     return [policy.choose(state, changed=True).action for state in states]
 
 
-def test_it_chooses_as_its_table_does(learned: CheckedProgram) -> None:
+def test_learned_policy_chooses_by_its_table(learned: CheckedProgram) -> None:
     policy, table = LearnedPolicy(learned), WrittenPolicy(TABLE)
     states = ("XXX", *ROUND * 5)
     assert choices(policy, *states) == [
@@ -48,38 +48,38 @@ def test_it_chooses_as_its_table_does(learned: CheckedProgram) -> None:
     assert policy.choose("X0-", changed=False) == Choice(None), "as any table that changed nothing"
 
 
-def test_it_ends_where_the_same_comes_to_rest_time_and_again(learned: CheckedProgram) -> None:
+def test_learned_policy_ends_a_repeated_circle_of_states(learned: CheckedProgram) -> None:
     policy = LearnedPolicy(learned)
     *before, last = (policy.choose(s, changed=True) for s in ("XXX", *(ROUND * 8)[:-2]))
     assert None not in [each.action for each in before]
     assert last == Choice(None, "", "it goes in circles: X0- -> X1- 8 times without a reward")
 
 
-def test_contact_that_comes_and_goes_is_no_circle(learned: CheckedProgram) -> None:
+def test_alternating_contact_is_no_circle(learned: CheckedProgram) -> None:
     """Only rest takes its time; letters of a touch may flicker."""
     policy = LearnedPolicy(learned)
     assert None not in choices(policy, "XXX", *("X0-", "X00") * 50)
 
 
-def test_what_has_failed_is_not_started_again_at_once(learned: CheckedProgram) -> None:
+def test_failed_program_is_not_restarted_immediately(learned: CheckedProgram) -> None:
     policy = LearnedPolicy(learned)
     assert choices(policy, "XXX", "0XX") == ["searchtrack"] * 2
     choice = policy.choose("-XX", changed=True)
     assert choice.action is None and choice.reason.startswith("searchtrack has failed")
 
 
-def test_it_begins_anew_where_nothing_is_active(learned: CheckedProgram) -> None:
+def test_count_of_circles_restarts_in_an_idle_state(learned: CheckedProgram) -> None:
     policy = LearnedPolicy(learned)
     choices(policy, "XXX", *ROUND * 7)
     assert None not in choices(policy, "XXX", *ROUND * 7)
 
 
-def test_where_references_are_drawn_every_round_goes_elsewhere(checked: Checked) -> None:
+def test_circle_with_drawn_references_does_not_end(checked: Checked) -> None:
     program = checked("searchtrack")._replace(is_learned=True, policy={"**": "track ◁ search"})
     assert None not in choices(LearnedPolicy(program), "XX", *("0-", "1-") * 40)
 
 
-def test_written_tables_go_round_as_often_as_they_say(learned: CheckedProgram) -> None:
+def test_written_policy_never_ends_a_circle(learned: CheckedProgram) -> None:
     written = own_policy(learned._replace(is_learned=False))
     assert isinstance(written, WrittenPolicy)
     assert isinstance(own_policy(learned), LearnedPolicy)
@@ -88,7 +88,7 @@ def test_written_tables_go_round_as_often_as_they_say(learned: CheckedProgram) -
 @pytest.mark.parametrize(
     ("stage", "clause"), [("out_of_reach", "circles"), ("absent", "searchtrack has failed")]
 )
-def test_an_episode_in_vain_is_over_soon_and_says_why(
+def test_circle_without_reward_ends_the_episode_with_a_reason(
     learned: CheckedProgram,
     dexter: RobotDocument,
     urdf: Path,

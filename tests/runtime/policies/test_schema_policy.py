@@ -73,7 +73,9 @@ def test_the_tree_chooses_and_progress_keeps_the_choice(schema: CheckedProgram) 
     assert choose("X0-", True).allocation == "left_arm"
 
 
-def test_after_a_failure_the_other_is_tried_and_then_none(schema: CheckedProgram) -> None:
+def test_after_a_failure_the_next_allocation_is_tried_until_none_is_left(
+    schema: CheckedProgram,
+) -> None:
     policy = SchemaPolicy(schema)
 
     def choose(state: str, changed: bool) -> Choice:
@@ -87,7 +89,7 @@ def test_after_a_failure_the_other_is_tried_and_then_none(schema: CheckedProgram
     assert choose("X0-", True).allocation == "left_arm"
 
 
-def test_what_fails_unseen_is_not_held_against_it(schema: CheckedProgram) -> None:
+def test_failure_with_undefined_features_excludes_no_allocation(schema: CheckedProgram) -> None:
     features = dict(UNSEEN)
     choose = begun(schema, features)
     assert choose("X0-", True).allocation == "right_arm"
@@ -96,7 +98,7 @@ def test_what_fails_unseen_is_not_held_against_it(schema: CheckedProgram) -> Non
     assert retried(choose, "X0-").allocation == "right_arm"
 
 
-def test_it_moves_nothing_where_reward_is_unlikely(schema: CheckedProgram) -> None:
+def test_schema_policy_without_predicted_reward_moves_nothing(schema: CheckedProgram) -> None:
     choose = begun(schema, FAR_LEFT)
     assert choose("X--", True) == Choice("searchtrack")
     assert choose("1XX", True) == Choice(None, reason="reward is unlikely here (5 %)")
@@ -104,7 +106,7 @@ def test_it_moves_nothing_where_reward_is_unlikely(schema: CheckedProgram) -> No
     assert learning("1XX", True).allocation == "left_arm"
 
 
-def test_what_needs_no_allocation_ends_the_attempt(schema: CheckedProgram) -> None:
+def test_action_without_allocation_ends_the_attempt(schema: CheckedProgram) -> None:
     features = dict(NEAR_LEFT)
     choose = begun(schema, features)
     choose("X0-", True)
@@ -113,7 +115,7 @@ def test_what_needs_no_allocation_ends_the_attempt(schema: CheckedProgram) -> No
     assert choose("1XX", True).allocation == "right_arm"
 
 
-def test_what_brings_programs_begins_anew_after_a_failure() -> None:
+def test_carrying_program_restarts_after_a_failure() -> None:
     """Start again after a failure: no other allocation can go on from an object in one hand."""
     library = Library(ROOT)
     path = library.locate(ProgramDocument, "pick_and_place")
@@ -134,7 +136,7 @@ def test_what_brings_programs_begins_anew_after_a_failure() -> None:
     assert retried(choose, "X0-") == Choice("reachtouch", "left_arm_handover")
 
 
-def test_places_of_several_things_are_looked_for_and_what_is_taken_last() -> None:
+def test_features_are_looked_for_in_order_with_the_grasped_object_last() -> None:
     library = Library(ROOT)
     path = library.locate(ProgramDocument, "pick_and_place")
     learned = library.read(library.locate(PolicyDocument, "pick_and_place"), PolicyDocument)

@@ -24,7 +24,7 @@ def test_the_most_specific_pattern_wins_in_any_order(turned: bool) -> None:
     assert set(chosen.values()) == {"any"}
 
 
-def test_it_ends_where_no_pattern_fits_and_where_nothing_changed() -> None:
+def test_written_policy_ends_without_a_pattern_or_a_change() -> None:
     policy = WrittenPolicy({"0": "move"})
     assert policy.choose("1", changed=True) == Choice(None)
     assert policy.choose("0", changed=True) == Choice("move")

@@ -30,7 +30,7 @@ def test_a_row_is_bound_once_for_a_key_until_it_is_released() -> None:
     assert len(made) == 3
 
 
-def test_what_a_row_is_made_of_comes_before_it_and_once() -> None:
+def test_operands_of_a_row_are_bound_before_it_and_once() -> None:
     rows = SignalRows(2)
     given = rows.bind_written(3)
     read = rows.bind_read(3, lambda: None)
@@ -41,7 +41,7 @@ def test_what_a_row_is_made_of_comes_before_it_and_once() -> None:
     assert [number for number, _ in selection.read] == [read]
 
 
-def test_what_python_reads_is_written_or_undefined() -> None:
+def test_row_read_by_python_is_written_or_undefined() -> None:
     rows = SignalRows(2)
     known: list[Reading | None] = [Reading(np.array([1.0, 2.0, 3.0]), None, 1), None]
     row = rows.bind_read(3, lambda: known.pop(0))

@@ -41,7 +41,7 @@ def lists(table: SignalTable, number: int) -> list[list[int]]:
     return [table.support[first : first + count].tolist() for first, count in spans]
 
 
-def test_rows_keep_what_is_theirs(rng: np.random.Generator) -> None:
+def test_rows_keep_their_values_while_others_are_bound(rng: np.random.Generator) -> None:
     table, kept = SignalTable(JOINTS), dict[int, tuple[Form, Reading]]()
     versions = set()
     for stamp in range(TIMES):
@@ -74,7 +74,7 @@ def test_rows_keep_what_is_theirs(rng: np.random.Generator) -> None:
     assert len(versions) > 4
 
 
-def test_room_that_is_given_back_is_taken_again(rng: np.random.Generator) -> None:
+def test_released_row_is_reused(rng: np.random.Generator) -> None:
     table, bound = SignalTable(JOINTS), list[int]()
     for _ in range(TIMES):
         bound.append(table.bind(drawn_form(rng)))

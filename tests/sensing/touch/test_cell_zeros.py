@@ -35,7 +35,7 @@ def moved(backend: KinematicBackend, signals: Signals, ticks: int) -> list[float
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_nothing_is_felt_while_nothing_is_touched(
+def test_no_contact_is_measured_without_touch(
     dexter: RobotDocument, kinematics: Kinematics, seed: int
 ) -> None:
     """Cells without their zeros would feel several times the threshold."""
@@ -71,9 +71,7 @@ def test_drift_is_followed_and_a_contact_is_not(
     assert abs(loads[1:]).max() < 0.02 and abs(drifted[1:]).max() > 0.9
 
 
-def test_what_is_measured_first_is_taken_for_bias(
-    dexter: RobotDocument, kinematics: Kinematics
-) -> None:
+def test_first_measurement_is_the_bias(dexter: RobotDocument, kinematics: Kinematics) -> None:
     zeros = zeros_of(dexter, kinematics)
     cells = sum(len(hand) for hand in dexter.load_cells.values())
     loads, feeling = np.ones((cells, 6)), np.ones(cells, dtype=bool)
@@ -151,7 +149,7 @@ def test_a_bias_is_followed_with_its_time_constant(
 
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize(("force", "felt"), [(0.99, False), (-1.01, True)])
-def test_a_force_is_felt_beyond_the_threshold_in_any_direction(
+def test_force_above_the_threshold_is_contact_in_any_direction(
     dexter: RobotDocument, kinematics: Kinematics, axis: int, force: float, felt: bool
 ) -> None:
     zeros = zeros_of(dexter, kinematics, threshold=1.0)

@@ -26,7 +26,7 @@ def seen(time: float, *efforts: float) -> Any:
     return Made(time=time, efforts=np.array(efforts) if efforts else None)
 
 
-def test_it_is_filtered_with_its_time_constant() -> None:
+def test_strain_is_filtered_with_its_time_constant() -> None:
     felt = strain(0.5)
     felt.update(seen(2.0, 9.0, 9.0))
     assert not felt.torques.any(), "before the first step no drive has exerted anything"
@@ -40,7 +40,7 @@ def test_it_is_filtered_with_its_time_constant() -> None:
     assert felt.torques[0] < 2.0, "at the same time nothing new was measured"
 
 
-def test_without_a_filter_it_is_what_is_measured_now() -> None:
+def test_strain_without_a_filter_is_the_current_measurement() -> None:
     felt = strain(0.0)
     for time in (0.0, 0.1):
         felt.update(seen(time, 5.0, 3.0))
@@ -52,7 +52,7 @@ def test_without_a_filter_it_is_what_is_measured_now() -> None:
 
 
 @pytest.mark.parametrize("why", ["unneeded", "no such drives", "nothing measured"])
-def test_there_is_none_without_a_request_or_a_measurement(why: str) -> None:
+def test_strain_without_a_request_or_a_measurement_is_zero(why: str) -> None:
     felt = strain(None if why == "no such drives" else 0.0)
     felt.needed = why != "unneeded"
     for time in (0.0, 0.1):
@@ -60,5 +60,5 @@ def test_there_is_none_without_a_request_or_a_measurement(why: str) -> None:
     assert not felt.torques.any()
 
 
-def test_no_other_package_requires_it_initially() -> None:
+def test_strain_is_not_needed_initially() -> None:
     assert not Strain(None, Made(joints=("a",))).needed  # type: ignore[arg-type]

@@ -44,7 +44,7 @@ def test_fingers_close_in_the_direction_in_which_they_press(touch_of: Make) -> N
     assert touch_of("panda").closing == {"hand": -1.0}  # its joint opens as it grows
 
 
-def test_hands_hold_what_each_of_them_touches(touch_of: Make) -> None:
+def test_group_holds_an_object_that_all_its_hands_touch(touch_of: Make) -> None:
     touch = touch_of("dexter")
     feel(touch, 0, 1)
     assert not touch.all_holding("hands")
@@ -52,7 +52,7 @@ def test_hands_hold_what_each_of_them_touches(touch_of: Make) -> None:
     assert touch.all_holding("hands")
 
 
-def test_a_hand_alone_holds_what_it_touches(touch_of: Make) -> None:
+def test_single_hand_holds_an_object_that_it_touches(touch_of: Make) -> None:
     touch = touch_of("dexter", self_contact=5.0)
     feel(touch, 0)
     assert not touch.all_holding("right_hand")
@@ -140,7 +140,7 @@ def test_net_torque_grows_as_the_hand_turns_on(touch_of: Make) -> None:
 
 
 @pytest.mark.parametrize("held", [True, False])
-def test_load_cells_are_tared_anew_only_while_nothing_is_felt(touch_of: Make, held: bool) -> None:
+def test_load_cells_are_tared_again_only_without_contact(touch_of: Make, held: bool) -> None:
     before = touch_of("dexter")
     feel(before, *([0] if held else []))
     drifted = np.full_like(before.loads, 0.05)
@@ -170,7 +170,7 @@ def test_without_a_tip_torques_are_about_the_middle_of_the_cells(touch_of: Make)
     np.testing.assert_allclose(wrench.value[3:], torques.sum(axis=0), atol=1e-12)
 
 
-def test_after_a_reset_nothing_is_felt(touch_of: Make) -> None:
+def test_contact_is_cleared_at_reset(touch_of: Make) -> None:
     touch = touch_of("dexter")
     feel(touch, 0, 3)
     assert touch.touching_anything() and touch.loads.any() and touch.feeling.any()

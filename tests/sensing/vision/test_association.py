@@ -66,7 +66,9 @@ place = st.tuples(st.floats(0.4, 0.8), st.floats(-0.3, 0.3), st.floats(0.03, 0.0
 
 
 @given(places=st.lists(place, min_size=2, max_size=4), noise=st.floats(-0.3, 0.3))
-def test_what_is_certain_is_a_thing(places: list[tuple[float, ...]], noise: float) -> None:
+def test_unambiguous_correspondence_is_a_real_object(
+    places: list[tuple[float, ...]], noise: float
+) -> None:
     """Balls on a table, some of them out of one camera's view or of both, with noisy centroids."""
     balls: list[Ball] = []
     for x, y, radius in places:
@@ -92,7 +94,7 @@ def test_equal_things_on_one_plane_are_distinguished_by_their_order(apart: float
         assert min(math.dist(each.meeting.position, c) for c, _ in balls) < 0.005
 
 
-def test_what_one_camera_sees_of_two_is_ambiguous() -> None:
+def test_region_that_matches_two_is_ambiguous() -> None:
     """Let the other camera's only region show either of them."""
     balls = [(aside(y), 0.04) for y in (-0.06, 0.06)]
     left, right = seen(balls)

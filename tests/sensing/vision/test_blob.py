@@ -53,7 +53,7 @@ def test_away_from_the_middle_extents_are_angles_as_headings_are(
 
 
 @given(angle=ANGLES)
-def test_half_a_turn_is_none(angle: float) -> None:
+def test_orientation_is_equal_after_half_a_turn(angle: float) -> None:
     one, other = (
         blob_of(CAMERA, ellipse(9, 3, a, 100, 90)).orientation for a in (angle, angle + math.pi)
     )

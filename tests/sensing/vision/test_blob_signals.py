@@ -69,9 +69,7 @@ def test_a_moving_thing_has_its_velocity_in_space_and_in_the_image(
     assert at_first["stereo.red.velocity"] is None and at_first["left.red.velocity"] is None
 
 
-def test_what_stands_still_has_no_velocity_and_a_ball_its_volume(
-    watcher: Watcher, stage: StageNamed
-) -> None:
+def test_resting_ball_has_no_velocity_and_its_volume(watcher: Watcher, stage: StageNamed) -> None:
     only_ball = stage("table_in_view_right").model_copy(
         update={"things": {"ball": stage("table_in_view_right").things["ball"]}}
     )
@@ -94,5 +92,7 @@ def test_what_stands_still_has_no_velocity_and_a_ball_its_volume(
     assert compared >= 2
 
 
-def test_what_is_not_seen_is_undefined(watcher: Watcher, stage: StageNamed) -> None:
+def test_blob_signals_of_an_unseen_object_are_undefined(
+    watcher: Watcher, stage: StageNamed
+) -> None:
     assert not any(watcher.look(stage("absent"), 0, 0.3).values())

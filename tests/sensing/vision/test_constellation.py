@@ -22,7 +22,7 @@ def blob(longer: float, shorter: float, orientation: float | None) -> Blob:
     return Blob(np.array([longer, shorter]), orientation)
 
 
-def test_it_has_relative_scales_and_the_angle_between_both() -> None:
+def test_constellation_holds_relative_scales_and_the_angle() -> None:
     own = constellation_of(blob(0.06, 0.02, 1.0), blob(0.03, 0.02, 0.3))
     assert own.value == pytest.approx([2.0, 1.0, 0.7])
 
@@ -60,7 +60,7 @@ def test_names_of_two_channels_are_signals_of_both(dexter: RobotDocument) -> Non
 @pytest.mark.parametrize(
     "name", ["left.red.to.bleu", "cyclopean.red.to.blue", "left.red.on.blue", "count.red.to.blue"]
 )
-def test_others_are_none(name: str, dexter: RobotDocument) -> None:
+def test_names_without_two_channels_are_no_pair(name: str, dexter: RobotDocument) -> None:
     assert parse_pair(name, resources(dexter)) is None
 
 

@@ -34,7 +34,7 @@ def field(dexter: RobotDocument, kinematics: Kinematics) -> FieldOfView:
         ((-0.01, 0.1, 0.0), False),
     ],
 )
-def test_a_thing_before_another_hides_half_of_it(
+def test_object_in_front_hides_another_up_to_half_its_radius(
     field: FieldOfView, centre: tuple[float, float, float], hides: bool
 ) -> None:
     """Occlude it if its line of sight passes within the other's radius plus half of its own."""
@@ -44,7 +44,7 @@ def test_a_thing_before_another_hides_half_of_it(
     assert field.hidden_by(ball, []) == [False, False]
 
 
-def test_before_any_image_nothing_hides_anything(
+def test_no_object_is_hidden_before_the_first_image(
     dexter: RobotDocument, kinematics: Kinematics, field: FieldOfView
 ) -> None:
     fresh = FieldOfView(dexter, kinematics)
@@ -66,7 +66,7 @@ def hand_points(dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarr
     return kinematics.origins(tuple(wrists), (*tips, *cells)).copy()
 
 
-def test_a_hand_hides_what_is_near_the_line_behind_it(
+def test_hand_hides_points_near_the_line_behind_it(
     dexter: RobotDocument, kinematics: Kinematics, field: FieldOfView
 ) -> None:
     rng, hidden = np.random.default_rng(6), []
@@ -87,7 +87,7 @@ def test_a_hand_hides_what_is_near_the_line_behind_it(
     assert 20 < sum(hidden) < 130
 
 
-def test_fingers_have_closed_on_what_all_of_them_are_inside_of(
+def test_fingers_have_closed_on_an_object_that_contains_all_tips(
     dexter: RobotDocument, kinematics: Kinematics, field: FieldOfView
 ) -> None:
     posture = np.random.default_rng(7).uniform(kinematics.lower, kinematics.upper)

@@ -76,14 +76,14 @@ def between_hands(left: Sequence[float], right: Sequence[float]) -> Hold:
     return Hold(3, tips.mean(axis=0), np.eye(3), tips)
 
 
-def test_a_hand_that_goes_on_alone_slips_along_what_several_hold() -> None:
+def test_motion_of_a_single_hand_slips_along_an_object_held_by_several() -> None:
     begun = between_hands((0.5, 0.2, 0.0), (0.5, -0.2, 0.0))
     after = between_hands((0.51, 0.2, -0.02), (0.53, -0.2, 0.05))
     place = np.array([0.5, 0.0, 0.0])
     assert after.displace(begun, begun, place) == pytest.approx([0.01, 0.0, 0.0])
 
 
-def test_hands_that_tremble_lose_nothing_of_the_way() -> None:
+def test_trembling_hands_keep_the_whole_displacement() -> None:
     """They take the object as far as hands at rest."""
     begun = before = between_hands((0.5, 0.2, 0.0), (0.5, -0.2, 0.0))
     place, rng = np.zeros(3), np.random.default_rng(5)
@@ -96,7 +96,7 @@ def test_hands_that_tremble_lose_nothing_of_the_way() -> None:
     assert place == pytest.approx([0.1, 0.0, 0.0], abs=4e-3)
 
 
-def test_what_one_hand_holds_keeps_its_place_in_the_hand(
+def test_object_held_by_one_hand_keeps_its_place_in_the_hand(
     signals: Signals, kinematics: Kinematics
 ) -> None:
     rng = np.random.default_rng(4)
@@ -140,7 +140,7 @@ def thing(x: float, radius: float = 0.05, since: float = 1.0) -> PositionMemory:
     return made
 
 
-def test_what_is_between_the_fingers_is_taken_and_what_is_on_it() -> None:
+def test_object_between_the_fingers_is_held_with_its_parts() -> None:
     """Decide on the deepest object first, and on others by whether they are a part of it."""
     content = Content(lambda: np.zeros(3))
     one, part, beside = thing(0.04), thing(-0.019, 0.005), thing(0.101, 0.07)
@@ -153,7 +153,7 @@ def test_what_is_between_the_fingers_is_taken_and_what_is_on_it() -> None:
 
 
 @pytest.mark.parametrize(("x", "held"), [(0.079, True), (0.081, False)])
-def test_what_is_remembered_may_be_off_by_3_cm(x: float, held: bool) -> None:
+def test_hold_is_decided_within_3_cm_when_it_begins(x: float, held: bool) -> None:
     content, one = Content(lambda: np.zeros(3)), thing(x)
     content.begin([one])
     assert content.holds(one) is held
@@ -161,7 +161,7 @@ def test_what_is_remembered_may_be_off_by_3_cm(x: float, held: bool) -> None:
     assert content.holds(one) is held, "it was decided when the hold began"
 
 
-def test_what_is_discovered_anew_is_decided_on_anew() -> None:
+def test_newly_discovered_object_is_decided_again() -> None:
     content, one = Content(lambda: np.zeros(3)), thing(9.0)
     content.begin([one])
     one.position, one.since = np.zeros(3), 2.0
@@ -169,7 +169,7 @@ def test_what_is_discovered_anew_is_decided_on_anew() -> None:
 
 
 @pytest.mark.parametrize(("x", "held"), [(0.059, True), (0.061, False)])
-def test_of_what_is_held_a_part_is_within_its_radius_and_1_cm(x: float, held: bool) -> None:
+def test_part_of_a_held_object_is_within_its_radius_and_1_cm(x: float, held: bool) -> None:
     content, one, other = Content(lambda: np.zeros(3)), thing(0.0), thing(x, 0.01)
     content.begin([one, other])
     assert content.holds(one) and content.holds(other) is held
@@ -177,7 +177,7 @@ def test_of_what_is_held_a_part_is_within_its_radius_and_1_cm(x: float, held: bo
     assert content.holds(thing(0.079)), "with nothing held it is what is between the fingers"
 
 
-def test_what_was_held_and_is_forgotten_says_nothing_of_what_is_seen_next() -> None:
+def test_forgotten_held_object_does_not_decide_about_the_next() -> None:
     content, one = Content(lambda: np.zeros(3)), thing(0.0)
     content.begin([one])
     one.position = None
@@ -186,7 +186,7 @@ def test_what_was_held_and_is_forgotten_says_nothing_of_what_is_seen_next() -> N
     assert not content.holds(thing(0.2))
 
 
-def test_what_is_seen_elsewhere_after_it_was_lost_from_a_hand_is_not_held() -> None:
+def test_lost_object_that_is_seen_elsewhere_is_not_held() -> None:
     content, one = Content(lambda: np.zeros(3)), thing(0.0)
     content.begin([one])
     assert content.holds(one)

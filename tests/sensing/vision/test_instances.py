@@ -131,7 +131,7 @@ def test_how_many_are_remembered_is_counted(scene: Scene) -> None:
     assert parse_instance("count.red.2", resources(scene.signals.robot)) is None
 
 
-def test_selections_choose_among_those_remembered(scene: Scene) -> None:
+def test_selections_choose_among_remembered_instances(scene: Scene) -> None:
     scene.show((LEFT, 0.04), (RIGHT, 0.06))
     scene.look()
     expected = {
@@ -164,7 +164,7 @@ def test_attention_moves_on_only_when_its_thing_is_forgotten(scene: Scene) -> No
     assert scene.value("stereo.red.2") == near(LEFT)
 
 
-def test_what_is_out_of_view_is_remembered_and_keeps_its_number(scene: Scene) -> None:
+def test_instance_out_of_view_is_remembered_with_its_number(scene: Scene) -> None:
     scene.show((LEFT, 0.05), (RIGHT, 0.06))
     scene.look()
     before = scene.places()
@@ -175,7 +175,7 @@ def test_what_is_out_of_view_is_remembered_and_keeps_its_number(scene: Scene) ->
     assert scene.places() == {number: near(place) for number, place in before.items()}
 
 
-def test_what_is_gone_is_forgotten_once_it_is_looked_for(scene: Scene) -> None:
+def test_removed_instance_is_forgotten_once_its_place_is_in_view(scene: Scene) -> None:
     scene.show((LEFT, 0.05), (RIGHT, 0.06))
     scene.look()
     scene.look(3.0, **AWAY)
@@ -187,7 +187,7 @@ def test_what_is_gone_is_forgotten_once_it_is_looked_for(scene: Scene) -> None:
     assert list(scene.places().values()) == [near(LEFT)]
 
 
-def test_another_thing_is_not_taken_for_one_out_of_view(scene: Scene) -> None:
+def test_new_object_does_not_get_the_number_of_one_out_of_view(scene: Scene) -> None:
     """Recognize a second object: the first has not moved."""
     aside = np.array([0.45, 0.5, -0.36])
     scene.show((RIGHT, 0.05), (aside, 0.05))
@@ -198,7 +198,7 @@ def test_another_thing_is_not_taken_for_one_out_of_view(scene: Scene) -> None:
     assert scene.value("stereo.red") == near(RIGHT)
 
 
-def test_what_is_carried_before_another_hides_it(scene: Scene) -> None:
+def test_carried_object_hides_another_instance(scene: Scene) -> None:
     eyes = np.array([0.287, 0.0, 0.51])
     front, aside = eyes + 0.75 * (RIGHT - eyes), np.array([0.56, 0.08, -0.2])
     scene.show((RIGHT, 0.03), (aside, 0.07))
@@ -220,7 +220,7 @@ def test_what_is_carried_before_another_hides_it(scene: Scene) -> None:
     assert scene.places() == {1 - behind: near(aside)}
 
 
-def test_what_grows_together_in_the_images_stays_where_it_was(scene: Scene) -> None:
+def test_instances_with_merged_regions_keep_their_places(scene: Scene) -> None:
     """Merge regions: the joint one is little larger than the large one, its middle off by a cm."""
     large = np.array([0.6, -0.08, -0.36])
     aside, beside = (large + np.array([0.0, apart, 0.0]) for apart in (0.125, 0.108))
@@ -239,7 +239,7 @@ def test_what_grows_together_in_the_images_stays_where_it_was(scene: Scene) -> N
 
 
 @pytest.mark.parametrize("hidden", [True, False])
-def test_what_a_hand_leaves_of_a_thing_is_no_other_thing(
+def test_parts_of_an_instance_beside_a_hand_are_no_new_instance(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, hidden: bool
 ) -> None:
     """Without a hand before it, the lines of sight to two parts of it meet at a ghost."""
@@ -260,7 +260,7 @@ def test_what_a_hand_leaves_of_a_thing_is_no_other_thing(
 
 
 @pytest.mark.parametrize("alike", [False, True])
-def test_what_a_forearm_leaves_of_a_thing_does_not_move_it(
+def test_parts_of_an_instance_beside_a_forearm_do_not_move_it(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, alike: bool
 ) -> None:
     """Show another part of it to each camera; the lines of sight meet away from all hands.
@@ -285,7 +285,7 @@ def test_what_a_forearm_leaves_of_a_thing_does_not_move_it(
 
 
 @pytest.mark.parametrize("side", [1, -1], ids=["left", "right"])
-def test_a_shoulder_that_comes_before_a_thing_does_not_move_it(
+def test_instance_occluded_by_a_shoulder_does_not_move(
     dexter: RobotDocument, urdf: Path, side: int
 ) -> None:
     """Turn the head to a near object aside, so that one camera looks over the shoulder."""
@@ -301,7 +301,7 @@ def test_a_shoulder_that_comes_before_a_thing_does_not_move_it(
     scene.backend.close()
 
 
-def test_a_thing_is_discovered_once_no_hand_is_before_it(
+def test_instance_is_discovered_only_without_an_occluding_hand(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Hide an object in part: the middle of its region wanders as the hand goes."""
@@ -347,7 +347,7 @@ def test_every_name_of_an_instance_names_a_resource(dexter: RobotDocument) -> No
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_what_is_cut_off_has_headings_and_no_position(scene: Scene, side: float) -> None:
+def test_clipped_instance_has_headings_without_a_position(scene: Scene, side: float) -> None:
     """Give it the lowest free number in both images, beside one that both see whole."""
     middle, aside = np.array([0.56, 0.0, -0.36]), np.array([0.7, 0.34 * side, -0.36])
     scene.show((middle, 0.05), (aside, 0.04))

@@ -85,17 +85,17 @@ def observation(signals: Signals, time: float, **seen: Region) -> Observation:
         (region(170, 120, 5, clipped=True), False),
     ],
 )
-def test_a_mark_is_a_small_part_of_what_the_thing_covers(other: Region, is_one: bool) -> None:
+def test_mark_is_a_small_region_within_the_object(other: Region, is_one: bool) -> None:
     assert is_mark(other, BALL) == is_one
 
 
-def test_a_long_thing_has_marks_at_its_ends_and_none_beside_it() -> None:
+def test_long_object_has_marks_at_its_ends_and_none_beside() -> None:
     long = BALL._replace(moments=Moments(900.0, 0.0, 25.0))
     assert is_mark(region(215, 120, 3), long)
     assert not is_mark(region(160, 135, 3), long)
 
 
-def test_the_largest_mark_is_sampled_and_kept_while_it_is_seen(signals: Signals) -> None:
+def test_largest_mark_is_selected_and_kept_while_seen(signals: Signals) -> None:
     small, large = region(150, 120, 3), region(168, 120, 6)
     assert look(signals, 0.0, sat_10=BALL, hue_2=BALL) is None
     first = look(signals, 0.1, sat_10=BALL, hue_7=small, hue_4=region(166, 120, 5))
@@ -106,7 +106,7 @@ def test_the_largest_mark_is_sampled_and_kept_while_it_is_seen(signals: Signals)
     assert other is not None and other[0] > 0
 
 
-def test_it_outlives_its_region_as_long_as_headings_do(signals: Signals) -> None:
+def test_mark_outlives_its_region_like_a_heading(signals: Signals) -> None:
     assert look(signals, 0.0, sat_10=BALL, hue_7=region(150, 120, 3)) is not None
     assert look(signals, 0.2, sat_10=BALL) is not None
     assert look(signals, 0.3, sat_10=BALL) is None

@@ -33,7 +33,7 @@ def test_a_half_hidden_region_moves_nothing(memory: PositionMemory) -> None:
     assert memory.position == pytest.approx(WHERE)
 
 
-def test_what_was_met_half_hidden_is_taken_anew_once_it_is_seen_whole(
+def test_object_first_seen_in_part_is_replaced_once_seen_whole(
     memory: PositionMemory,
 ) -> None:
     """Show one camera a sliver beside the hand, whose middle is not the middle of the object."""
@@ -48,7 +48,7 @@ def test_what_was_met_half_hidden_is_taken_anew_once_it_is_seen_whole(
     assert memory.position == pytest.approx(whole)
 
 
-def test_it_has_shrunk_where_one_camera_sees_less_of_it_than_before(
+def test_has_shrunk_if_one_camera_sees_less_than_before(
     memory: PositionMemory,
 ) -> None:
     assert not memory.has_shrunk(WHOLE, AT_IT)
@@ -75,14 +75,14 @@ def test_it_has_shrunk_where_one_camera_sees_less_of_it_than_before(
         ((0.0006, 0.0044), (0.3, 0.3), False),
     ],
 )
-def test_what_one_camera_loses_is_hidden_from_it_unless_the_other_sees_it_elsewhere(
+def test_object_lost_by_one_camera_is_hidden_unless_it_moved(
     memory: PositionMemory, sizes: Pair, aside: Pair, has_shrunk: bool
 ) -> None:
     memory.see(0.0, WHERE, WHOLE)
     assert memory.has_shrunk(sizes, aside) is has_shrunk
 
 
-def test_what_comes_before_a_thing_little_by_little_hides_it(memory: PositionMemory) -> None:
+def test_gradual_occlusion_is_recognised(memory: PositionMemory) -> None:
     """Show one camera a little less of it in each image."""
     memory.see(0.0, WHERE, WHOLE)
     for number in range(1, 20):
@@ -94,9 +94,7 @@ def test_what_comes_before_a_thing_little_by_little_hides_it(memory: PositionMem
 
 
 @pytest.mark.parametrize("moves", [True, False])
-def test_what_comes_before_a_thing_gives_it_no_velocity(
-    memory: PositionMemory, moves: bool
-) -> None:
+def test_gradual_occlusion_gives_no_velocity(memory: PositionMemory, moves: bool) -> None:
     """Move its middle in one image alone as it loses a part there; a motion takes no part away."""
     for number in range(5):
         share = 1.0 if moves else 0.97**number
@@ -109,7 +107,7 @@ def test_what_comes_before_a_thing_gives_it_no_velocity(
     assert (velocity[0] > 0.1) if moves else not velocity.any()
 
 
-def test_what_turns_and_moves_on_is_seen_again(memory: PositionMemory) -> None:
+def test_turned_and_moved_object_is_seen_again(memory: PositionMemory) -> None:
     memory.see(0.0, WHERE, WHOLE)
     there, sizes, aside = WHERE + 0.3, (0.02, 0.014), (0.3, 0.3)
     assert memory.has_shrunk(sizes, aside)
@@ -118,7 +116,9 @@ def test_what_turns_and_moves_on_is_seen_again(memory: PositionMemory) -> None:
     assert not memory.has_shrunk(sizes, AT_IT)
 
 
-def test_an_explained_loss_is_held_and_any_other_forgotten_soon(memory: PositionMemory) -> None:
+def test_explained_loss_is_remembered_and_an_unexplained_one_forgotten(
+    memory: PositionMemory,
+) -> None:
     """Count the time of a loss from its last explanation."""
     memory.see(0.0, WHERE, WHOLE)
     memory.miss(10.0, explained=True)
@@ -175,7 +175,7 @@ def steady(
     return time
 
 
-def test_of_few_sightings_the_line_through_them_is_the_motion(memory: PositionMemory) -> None:
+def test_velocity_of_few_sightings_is_their_line(memory: PositionMemory) -> None:
     """Fit the line through two of them exactly, and report no velocity before the third."""
     velocity = np.array([0.04, -0.03, 0.02])
     steady(memory, velocity, 2)
@@ -201,7 +201,7 @@ def test_after_many_sightings_the_filter_s_own_gains_correct(memory: PositionMem
     assert memory.velocity == pytest.approx([beta * 0.01 / FRAME, 0.0, 0.0])
 
 
-def test_two_sightings_at_once_are_a_millisecond_apart(memory: PositionMemory) -> None:
+def test_simultaneous_sightings_count_as_1_ms_apart(memory: PositionMemory) -> None:
     for _ in range(2):
         memory.see(1.0, WHERE, WHOLE)
     memory.see(1.0, WHERE + np.array([1e-6, 0.0, 0.0]), WHOLE)
@@ -209,7 +209,7 @@ def test_two_sightings_at_once_are_a_millisecond_apart(memory: PositionMemory) -
 
 
 @pytest.mark.parametrize(("speed", "moves"), [(0.0079, False), (0.0081, True)])
-def test_what_moves_faster_than_noise_is_carried_on_for_a_while(
+def test_fast_object_is_extrapolated_for_a_while(
     memory: PositionMemory, speed: float, moves: bool
 ) -> None:
     velocity = np.array([speed * 0.6, -speed * 0.8, 0.0])
@@ -227,7 +227,7 @@ def test_what_moves_faster_than_noise_is_carried_on_for_a_while(
     assert not memory.is_lost(last + 9.0)
 
 
-def test_what_is_forgotten_is_not_carried_on(memory: PositionMemory) -> None:
+def test_forgotten_object_is_not_extrapolated(memory: PositionMemory) -> None:
     last = steady(memory, np.array([0.1, 0.0, 0.0]), 3)
     memory.miss(last + 0.49, explained=False)
     assert memory.position is not None and memory.velocity is not None
@@ -281,7 +281,7 @@ def test_sizes_are_the_largest_of_each_camera(memory: PositionMemory) -> None:
     assert memory.see(0.0, WHERE, HALF)
 
 
-def test_disbelief_changes_nothing(memory: PositionMemory) -> None:
+def test_rejected_sighting_changes_nothing(memory: PositionMemory) -> None:
     last = steady(memory, np.zeros(3), 3)
     assert not memory.see(last + 0.4, WHERE + 0.2, HALF)
     memory.miss(last + 0.51, explained=False)

@@ -88,9 +88,7 @@ def test_the_background_is_not_novel_from_any_view(signals: Signals, novel: Reso
     assert signals.read(novel) is not None
 
 
-def test_the_largest_novel_region_is_meant_and_none_at_the_border(
-    signals: Signals, novel: Resource
-) -> None:
+def test_largest_novel_region_off_the_border_is_selected(signals: Signals, novel: Resource) -> None:
     expected, other = region(area=900), region(40.0, area=300)
     observe(signals, HERE, [expected, region(310.0, 500, clipped=True), other], 0.0)
     reading = signals.read(novel)
@@ -111,7 +109,7 @@ def test_a_novel_heading_moves_with_the_head(signals: Signals, novel: Resource) 
         assert here.jacobian[:, column] == pytest.approx(slope, abs=1e-4)
 
 
-def test_what_was_novel_a_moment_ago_still_is(signals: Signals, novel: Resource) -> None:
+def test_novel_region_lingers(signals: Signals, novel: Resource) -> None:
     linger = signals.robot.vision.regions.linger
     observe(signals, HERE, [region(40.0)], 0.0)
     observe(signals, HERE, [], 0.9 * linger)
@@ -120,7 +118,7 @@ def test_what_was_novel_a_moment_ago_still_is(signals: Signals, novel: Resource)
     assert signals.read(novel) is None
 
 
-def test_both_cameras_look_at_the_same_novel_thing(signals: Signals, novel: Resource) -> None:
+def test_both_cameras_select_the_same_novel_object(signals: Signals, novel: Resource) -> None:
     """Choose the first camera's larger object if each camera sees another one larger."""
     one, other = (region(column, area=300) for column in (40.0, 280.0))
     smaller = [each._replace(area=200) for each in (one, other)]

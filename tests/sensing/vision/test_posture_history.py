@@ -17,7 +17,7 @@ def test_the_posture_is_that_of_the_tick_of_the_exposure() -> None:
     assert history.at(19 / 60)[0] == 19
 
 
-def test_before_all_that_is_known_it_is_the_oldest() -> None:
+def test_posture_before_the_history_is_the_oldest() -> None:
     history = PostureHistory()
     history.note(1.0, np.array([7.0]))
     assert history.at(0.2)[0] == 7

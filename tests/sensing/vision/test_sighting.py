@@ -28,7 +28,7 @@ def test_the_distance_is_that_across_the_line(ahead: float, aside: float) -> Non
     assert sighting().distance(point) == pytest.approx(abs(aside), abs=1e-7)
 
 
-def test_what_is_behind_or_beside_the_camera_is_infinitely_far() -> None:
+def test_point_behind_or_beside_the_camera_has_infinite_distance() -> None:
     assert sighting().distance(ORIGIN - 0.1 * ALONG) == math.inf
     assert sighting().distance(ORIGIN) == math.inf
 

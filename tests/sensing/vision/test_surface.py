@@ -75,14 +75,14 @@ def test_an_edge_gives_its_height_or_none(
 
 
 @pytest.mark.parametrize("pan", [-0.4, 0.0, 0.4])
-def test_an_edge_across_the_baseline_reports_and_one_along_it_does_not(pan: float) -> None:
+def test_edge_across_the_baseline_gives_a_height_and_one_along_it_none(pan: float) -> None:
     middle = 0.75, 0.75 * np.tan(pan)
     across, along = (views(pan, 1.0, edge(*middle, pan + turn)) for turn in (0.0, np.pi / 2))
     assert find_height(*across) == pytest.approx(HEIGHT, abs=0.003)
     assert find_height(*along) is None
 
 
-def test_what_has_no_outline_has_no_height_but_keeps_the_one_it_had() -> None:
+def test_surface_without_an_outline_keeps_its_height() -> None:
     surface, rng = LevelSurface(), np.random.default_rng(0)
     sampler = SurfaceSampler(surface, rng)
     nothing = [each._replace(extent=Extent((), ((160.5, 120.5),)))
@@ -118,7 +118,7 @@ def test_a_whole_or_a_small_region_has_no_extent() -> None:
 
 
 @pytest.mark.parametrize(("columns", "fills"), [(21, True), (19, False)])
-def test_a_sixteenth_of_the_image_fills_a_good_part_of_it(columns: int, fills: bool) -> None:
+def test_region_of_a_sixteenth_of_the_image_fills_it(columns: int, fills: bool) -> None:
     mask = np.zeros((240, 320), np.uint8)
     mask[:, :columns] = 255
     (region,) = connected_regions(mask, 12)

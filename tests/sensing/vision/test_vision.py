@@ -60,7 +60,7 @@ def moves(signals: Signals) -> bool:
     return signals.vision.heading("left", "motion") is not None
 
 
-def test_what_moved_is_there_until_the_camera_rests_again(
+def test_motion_lasts_until_the_camera_rests_again(
     dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend
 ) -> None:
     signals = Signals(dexter, kinematics, [resources(dexter)["cyclopean.motion"]])
@@ -106,7 +106,7 @@ def headings(signals: Signals) -> list[list[float]]:
 
 @pytest.mark.parametrize("radius", [0.03, 0.06, 0.09])
 @pytest.mark.parametrize("shift", [(0, 0, 0), (0.1, -0.05, 0), (-0.05, 0.08, 0.1)])
-def test_a_ball_is_where_it_is(
+def test_ball_is_triangulated_at_its_place(
     backend: SyntheticBackend, signals: Signals, radius: float, shift: tuple[float, float, float]
 ) -> None:
     centre = BALL + shift
@@ -117,7 +117,7 @@ def test_a_ball_is_where_it_is(
     assert position(signals, "hue_4") is None
 
 
-def test_each_colour_has_a_memory_of_its_own(backend: SyntheticBackend, signals: Signals) -> None:
+def test_each_channel_has_its_own_memory(backend: SyntheticBackend, signals: Signals) -> None:
     other = BALL + np.array([0.1, 0.05, 0])
     for color, centre in ((RED, BALL), (GREEN, other)):
         backend.world.ball = Ball(centre, 0.05, color)
@@ -126,7 +126,7 @@ def test_each_colour_has_a_memory_of_its_own(backend: SyntheticBackend, signals:
     assert position(signals, "hue_4") == pytest.approx(other, abs=0.01)
 
 
-def test_what_vanishes_in_plain_view_is_forgotten(
+def test_object_that_vanishes_in_view_is_forgotten(
     backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
 ) -> None:
     backend.world.ball = Ball(BALL)
@@ -138,7 +138,7 @@ def test_what_vanishes_in_plain_view_is_forgotten(
     assert position(signals, "hue_1") is None
 
 
-def test_what_a_hand_may_hide_is_remembered(
+def test_object_behind_a_hand_is_remembered(
     backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
 ) -> None:
     """Place the palm on the line of sight."""
@@ -158,7 +158,7 @@ def test_what_a_hand_may_hide_is_remembered(
 @pytest.mark.parametrize(
     ("share", "force", "is_there"), [(0.7, 0.0, False), (0.8, 0.0, True), (0.7, 1.0, True)]
 )
-def test_what_a_hand_closes_on_is_forgotten_unless_it_is_felt(
+def test_object_in_a_closed_hand_is_forgotten_without_contact(
     backend: SyntheticBackend, signals: Signals, share: float, force: float, is_there: bool
 ) -> None:
     closed = {f"right_finger_{number}": 1.6 for number in (1, 2, 3)}
@@ -190,7 +190,7 @@ def test_a_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
     assert position(signals, "hue_1") is None
 
 
-def test_a_heading_outlives_its_region_for_a_moment_and_is_not_measured_anew(
+def test_heading_outlives_its_region_without_a_new_stamp(
     backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
 ) -> None:
     heading = resources(dexter)["left.hue_1"]
@@ -208,7 +208,7 @@ def test_a_heading_outlives_its_region_for_a_moment_and_is_not_measured_anew(
     assert signals.read(heading) is None
 
 
-def test_what_ideal_cameras_see_counts_as_images_do(
+def test_regions_of_ideal_cameras_are_filtered_like_images(
     backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
 ) -> None:
     """Ignore regions that are too small or of a channel without a reader."""
@@ -236,7 +236,7 @@ def test_what_ideal_cameras_see_counts_as_images_do(
     assert signals.vision.images == 1
 
 
-def test_each_heading_is_kept_for_as_long_as_it_outlives_its_own_region(
+def test_each_heading_lingers_after_its_own_region(
     backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
 ) -> None:
     """Red is seen at 0 s, green at 0.2 s, too; each is gone after a quarter of a second."""

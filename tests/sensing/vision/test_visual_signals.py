@@ -67,7 +67,7 @@ def between(dexter: RobotDocument, signals: Signals) -> np.ndarray:
     return centroid.value
 
 
-def test_what_is_not_held_moves_with_no_arm(dexter: RobotDocument, signals: Signals) -> None:
+def test_unheld_object_has_no_arm_in_its_jacobian(dexter: RobotDocument, signals: Signals) -> None:
     feel(dexter, signals, facing(dexter, signals), 0.0)
     see(dexter, signals, between(dexter, signals))
     pair = signals.read(resources(dexter)[f"cameras.{CHANNEL}"])
@@ -77,7 +77,7 @@ def test_what_is_not_held_moves_with_no_arm(dexter: RobotDocument, signals: Sign
     assert not np.any(np.delete(pair.jacobian, head, axis=1))
 
 
-def test_what_is_held_moves_with_the_centroid_of_the_hands(
+def test_object_held_by_both_hands_moves_with_their_centroid(
     dexter: RobotDocument, signals: Signals
 ) -> None:
     """Compare the Jacobian of the headings through the arms by finite differences (Eq 3.42)."""
@@ -105,7 +105,7 @@ def test_what_is_held_moves_with_the_centroid_of_the_hands(
         assert jacobian[:, column] == pytest.approx((headings(moved) - here) / STEP, abs=1e-4)
 
 
-def test_what_is_held_is_remembered_where_the_hands_have_taken_it(
+def test_held_object_is_remembered_at_its_carried_place(
     dexter: RobotDocument, signals: Signals
 ) -> None:
     positions = facing(dexter, signals)
@@ -157,7 +157,7 @@ def between_fingers(signals: Signals) -> np.ndarray:
 RIGHT_FINGERS = [("right_hand", f"finger_{number}") for number in (1, 2, 3)]
 
 
-def test_what_a_closed_hand_comes_near_is_not_held(dexter: RobotDocument, signals: Signals) -> None:
+def test_object_near_a_closed_hand_is_not_held(dexter: RobotDocument, signals: Signals) -> None:
     """Keep a goal in place, even if the fingers end up around it."""
     positions = facing(dexter, signals)
     feel(dexter, signals, positions, 0.0)
@@ -176,7 +176,7 @@ def test_what_a_closed_hand_comes_near_is_not_held(dexter: RobotDocument, signal
     assert not np.any(seen.jacobian)
 
 
-def test_what_is_taken_stays_held_and_its_neighbour_does_not(
+def test_held_object_stays_held_and_its_neighbour_is_not(
     dexter: RobotDocument, signals: Signals
 ) -> None:
     """Hold, of two objects near the fingers, the one between them, with its parts."""
@@ -201,7 +201,7 @@ def test_what_is_taken_stays_held_and_its_neighbour_does_not(
     assert [shift > 0.01 for shift in shifts] == [True, False, True]
 
 
-def test_what_is_far_from_the_hands_is_not_held(dexter: RobotDocument, signals: Signals) -> None:
+def test_object_far_from_the_hands_is_not_held(dexter: RobotDocument, signals: Signals) -> None:
     positions, far = facing(dexter, signals), np.array([0.6, 0.0, -0.42])
     feel(dexter, signals, positions, 0.0)
     feel(dexter, signals, positions, 5.0)
@@ -212,7 +212,7 @@ def test_what_is_far_from_the_hands_is_not_held(dexter: RobotDocument, signals: 
 
 
 @pytest.mark.parametrize("hidden_from", [("left",), ("right",), ("left", "right")])
-def test_what_is_held_has_headings_while_an_arm_hides_it(
+def test_held_object_keeps_its_headings_behind_an_arm(
     dexter: RobotDocument, signals: Signals, hidden_from: tuple[str, ...]
 ) -> None:
     """Keep the headings and Jacobians of the visible object; without the hold there are none."""
@@ -231,7 +231,7 @@ def test_what_is_held_has_headings_while_an_arm_hides_it(
     assert signals.read(pair) is None
 
 
-def test_what_is_held_out_of_view_has_no_headings(dexter: RobotDocument, signals: Signals) -> None:
+def test_held_object_out_of_view_has_no_headings(dexter: RobotDocument, signals: Signals) -> None:
     positions = facing(dexter, signals)
     positions[signals.joints.of("head")] += 0.8
     feel(dexter, signals, positions, 0.0)
@@ -252,7 +252,7 @@ def test_lines_of_sight_that_do_not_meet_are_no_pair(
 
 
 @pytest.mark.parametrize("alone", ["left", "right"])
-def test_what_both_cameras_see_has_the_mean_heading(
+def test_cyclopean_heading_is_the_mean_of_both_cameras(
     dexter: RobotDocument, signals: Signals, alone: str
 ) -> None:
     """Track an object that one camera loses by the other alone."""

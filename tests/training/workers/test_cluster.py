@@ -43,7 +43,7 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_goes_away_is_reported_and_what_was_run_is_kept(
+def test_lost_scheduler_is_reported_and_finished_episodes_are_kept(
     tmp_path: Path, expected: dict[str, bytes]
 ) -> None:
     tasks = made_tasks(tmp_path, TRIALS, EPISODES)

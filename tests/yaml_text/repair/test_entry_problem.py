@@ -20,7 +20,7 @@ def test_an_invalid_name_is_reported_with_a_valid_one(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["1", "", "7up", "cup"])
-def test_nothing_is_proposed_where_no_name_is_left(text: str) -> None:
+def test_invalid_name_without_letters_has_no_proposal(text: str) -> None:
     assert named_instead(text) == ""
 
 
@@ -32,5 +32,5 @@ def test_a_key_with_its_value_is_no_text(value: str, colon: str, missing: str) -
 
 
 @pytest.mark.parametrize("value", ["palm", "left palm", 3.0, None, []])
-def test_texts_and_other_values_are_what_they_are(value: object) -> None:
+def test_valid_values_have_no_problem(value: object) -> None:
     assert text_problem(value) is None

@@ -32,7 +32,7 @@ def test_forms_have_the_keys_that_are_required(
     assert form(model, steps) == wanted
 
 
-def test_what_was_written_is_put_where_it_may_belong() -> None:
+def test_form_puts_the_written_value_under_its_key() -> None:
     place = Place("here")
     link = Node(place, "palm")
     assert form(RobotDocument, ("effectors", "arm", "tip"), link) == "{link: palm}"

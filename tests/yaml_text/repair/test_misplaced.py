@@ -83,7 +83,7 @@ def test_another_kind_is_one_finding_and_the_rest_is_read(file: Path) -> None:
 
 
 @pytest.mark.parametrize("section", ["actions", "limits"])
-def test_a_section_within_another_is_read_where_it_belongs(section: str) -> None:
+def test_misplaced_section_is_read_at_its_proper_place(section: str) -> None:
     file = shipped() / "programs" / "reach.yaml"
     data = {key: value for key, value in PLAIN[file].items() if key != section}
     data["controllers"] = {**data["controllers"], section: PLAIN[file][section]}

@@ -40,7 +40,7 @@ def _sections(
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_required_is_known_and_completes_a_section(kind: str) -> None:
+def test_required_keys_of_a_shape_complete_a_section(kind: str) -> None:
     for section in _sections(KINDS[kind]):
         shape = SchemaShape((section,))
         required = {key for key, field in shape.keys.items() if field.is_required()}
@@ -65,7 +65,7 @@ def test_what_is_required_is_known_and_completes_a_section(kind: str) -> None:
         (ProgramDocument, ("actions", "reach"), ()),
     ],
 )
-def test_shapes_at_paths(
+def test_shape_at_a_path_is_that_of_its_section(
     model: type[BaseModel], steps: tuple[Any, ...], kinds: tuple[type, ...]
 ) -> None:
     assert SchemaShape((model,)).at(steps).kinds == kinds

@@ -148,7 +148,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("code", "text", "place", "problem"), CASES)
-def test_a_slip_is_named_with_its_remedy(
+def test_syntax_error_is_named_with_its_remedy(
     code: str, text: str, place: tuple[int, int], problem: str
 ) -> None:
     found = corrections(text)
@@ -172,7 +172,7 @@ def test_words_may_have_any_character(text: str) -> None:
     assert corrections(text) == []
 
 
-def test_what_is_mended_hides_nothing() -> None:
+def test_corrected_syntax_hides_no_other_diagnostic() -> None:
     text = "a:\n  *1: b\n  c: yes\n   d: 1\n  e: \u22121\n  f: no\n"
     assert [d.code for d in corrections(text)] == ["CB121", "CB124", "CB114", "CB123", "CB114"]
     text = "a: {b: here + [0 cm], c: yes}\nd: {e: here + [1 cm]}\n"
