@@ -23,8 +23,8 @@ from cbdsl.program.controller import Controller, Relative
 from cbdsl.program.schema import Schema
 from cbdsl.program.state_values import state_values
 from cbdsl.robot.resources import FROM
-from cbdsl.types.resource import Resource, StereoPosition
-from cbdsl.types.source_record import Carrier, owner_of, record_of
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import Carrier, is_located, owner_of, record_of
 from cbdsl.yaml_text.loaded import Loaded
 
 # First-order dynamics of a seen object (Section 5.3.1.1), by name of the feature.
@@ -126,7 +126,7 @@ def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[st
         for primitive in program.primitives.values()
         for controller in primitive.controllers
         for resource in _compared(controller)
-        if isinstance(resource.source, StereoPosition)
+        if is_located(resource.source)
     )
     if len(seen) == 1:
         (only,) = seen
@@ -145,9 +145,7 @@ def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[st
 
 def _places(features: Mapping[str, Resource]) -> dict[str, Resource]:
     """Return the features that are positions of seen objects."""
-    return {
-        name: each for name, each in features.items() if isinstance(each.source, StereoPosition)
-    }
+    return {name: each for name, each in features.items() if is_located(each.source)}
 
 
 def _distances(

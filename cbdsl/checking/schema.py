@@ -26,7 +26,9 @@ from cbdsl.program.schema import Ranking, Schema, components
 from cbdsl.program.state_values import state_values
 from cbdsl.types.allotment import WHOLE
 from cbdsl.types.decision_tree import Tree
-from cbdsl.types.resource import AFFORDS, InstanceCount, Resource
+from cbdsl.types.resource import AFFORDS, Resource
+from cbdsl.types.resource_type import COUNT
+from cbdsl.types.source_record import is_visual
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
@@ -237,7 +239,8 @@ class _SchemaCheck:
                 self._diagnostics.add("CB636", place, names=list(resources), name=wanted)
                 continue
             features[name] = resources[wanted]
-            if body is not None and isinstance(resources[wanted].source, InstanceCount):
+            is_count = resources[wanted].type == COUNT and is_visual(resources[wanted].source)
+            if body is not None and is_count:
                 self._counts[name] = body.document.vision.regions.instances
             for component in components(name, resources[wanted]):
                 self._dimensions[component] = resources[wanted].type.unit

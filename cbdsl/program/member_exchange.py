@@ -8,7 +8,7 @@ from typing import NamedTuple
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition
 from cbdsl.program.stand_in import RewardKind
-from cbdsl.types.resource import StereoPosition
+from cbdsl.types.source_record import is_located
 from cbdsl.types.state import Predicate
 
 
@@ -92,7 +92,7 @@ def places_seen(program: CheckedProgram) -> frozenset[str]:
         for action in program.actions
         for controller in action.controllers
         for resource in controller.resources
-        if isinstance(resource.source, StereoPosition)
+        if is_located(resource.source)
     }
     used = (places_seen(action.program) for action in program.actions if action.program is not None)
     return frozenset(own).union(*used)

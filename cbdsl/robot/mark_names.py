@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.types.resource import MarkHeading, Resource
+from cbdsl.types.source_record import channel_of, hues_of
 
 #: Placeholder for every hue, equivalent to a name without a hue.
 ANY = "any"
@@ -35,7 +36,9 @@ class MarkName(NamedTuple):
         if self.hue not in self.hues(robot):
             return None
         hue = robot.vision.channels.aliases.get(self.hue, self.hue)
-        return self.base._replace(name=name, source=self._mark._replace(hues=(hue,)))
+        return self.base._replace(
+            name=name, source=MarkHeading(channel_of(self.base.source), (hue,))
+        )
 
     def hues(self, robot: RobotDocument) -> tuple[str, ...]:
         """Return the allowed hues, including ``any`` and excluding the object's own hue.
@@ -43,14 +46,10 @@ class MarkName(NamedTuple):
         Args:
             robot: Robot document with the aliases.
         """
-        hues = [hue for hue in self._mark.hues if hue != self._mark.channel]
+        own = channel_of(self.base.source)
+        hues = [hue for hue in hues_of(self.base.source) if hue != own]
         aliases = robot.vision.channels.aliases.items()
         return ANY, *(alias for alias, channel in aliases if channel in hues), *hues
-
-    @property
-    def _mark(self) -> MarkHeading:
-        assert isinstance(self.base.source, MarkHeading)
-        return self.base.source
 
 
 def parse_mark(name: str, named: Mapping[str, Resource]) -> MarkName | None:
@@ -61,6 +60,6 @@ def parse_mark(name: str, named: Mapping[str, Resource]) -> MarkName | None:
         named: Resources of the robot by name.
     """
     base = named.get(".".join(name.split(".")[:2]))
-    if name.count(".") != 2 or base is None or not isinstance(base.source, MarkHeading):
+    if name.count(".") != 2 or base is None or not hues_of(base.source):
         return None
     return MarkName(base, name.rpartition(".")[2])

@@ -10,20 +10,18 @@ from typing import NamedTuple
 
 from cbdsl.robot.resources import SOLID_PARTS, STEREO
 from cbdsl.types.resource import (
+    CYCLOPEAN,
     ConstellationSignal,
-    Heading,
     Origin,
     Resource,
     SolidSignal,
     StereoOffset,
-    StereoPosition,
 )
 from cbdsl.types.resource_type import CONSTELLATION, OFFSET
+from cbdsl.types.source_record import camera_of, channel_of, is_located
 
 #: Word between the two channels.
 _TO, _ON = "to", "on"
-#: Mean heading of all cameras, which has no image and no blobs.
-_CYCLOPEAN = "cyclopean"
 
 
 class PairName(NamedTuple):
@@ -46,16 +44,14 @@ class PairName(NamedTuple):
 
     def resource(self, name: str) -> Resource:
         """Return the signal of both channels, by its whole name."""
-        first, second = self.first.source, self.second.source
-        if isinstance(first, StereoPosition) and isinstance(second, StereoPosition):
-            if self.part:
-                size = SolidSignal(first.channel, second.channel, self.part)
-                return Resource(name, SOLID_PARTS[self.part], Origin.TRIANGULATION, size)
-            offset = StereoOffset(first.channel, second.channel)
+        first, second = channel_of(self.first.source), channel_of(self.second.source)
+        if self.part:
+            size = SolidSignal(first, second, self.part)
+            return Resource(name, SOLID_PARTS[self.part], Origin.TRIANGULATION, size)
+        if is_located(self.first.source):
+            offset = StereoOffset(first, second)
             return Resource(name, OFFSET, Origin.TRIANGULATION, offset)
-        assert isinstance(first, Heading)
-        assert isinstance(second, Heading)
-        seen = ConstellationSignal(first.camera, first.channel, second.channel)
+        seen = ConstellationSignal(camera_of(self.first), first, second)
         return Resource(name, CONSTELLATION, Origin.ENVIRONMENT, seen)
 
 
@@ -70,7 +66,7 @@ def parse_pair(name: str, named: Mapping[str, Resource]) -> PairName | None:
     if not (len(parts) == 4 and parts[2] == _TO) and not _is_size(parts):
         return None
     first, second = named.get(f"{parts[0]}.{parts[1]}"), named.get(f"{parts[0]}.{parts[3]}")
-    if first is None or second is None or not _has_blobs(first):
+    if first is None or second is None or not (_has_blobs(first) and _has_blobs(second)):
         return None
     return PairName(first, second, *parts[4:])
 
@@ -104,7 +100,4 @@ def _is_size(parts: Sequence[str]) -> bool:
 
 
 def _has_blobs(resource: Resource) -> bool:
-    source = resource.source
-    if isinstance(source, Heading):
-        return source.camera != _CYCLOPEAN
-    return isinstance(source, StereoPosition)
+    return camera_of(resource) not in ("", CYCLOPEAN) or is_located(resource.source)

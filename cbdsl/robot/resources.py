@@ -12,6 +12,7 @@ from cbdsl.robot.channel_names import channel_names, hue_names
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource import (
+    CYCLOPEAN,
     BlobSignal,
     Centroid,
     EffectorConfiguration,
@@ -57,7 +58,6 @@ from cbdsl.types.resource_type import (
     configuration,
 )
 
-CYCLOPEAN = "cyclopean"
 CAMERAS = "cameras"
 STEREO = "stereo"
 SURFACE = "surface"

@@ -13,14 +13,8 @@ from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.chain import require_executed
 from cbdsl.sensing.table.reading import Reading, flattened, transform
 from cbdsl.types.modifier import MODIFIERS
-from cbdsl.types.resource import (
-    EffectorConfiguration,
-    FingerForces,
-    NetForces,
-    Resource,
-    Source,
-    palms_of,
-)
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import Normals, configured, normals_of, owner_of
 
 
 class ControllerRows(NamedTuple):
@@ -71,13 +65,10 @@ def _bind_feedback(controller: Controller, signals: Signals) -> int:
     source = controller.feedback.source
     require_executed(controller.feedback, controller.chains)
     if isinstance(controller.reference, AlongNormals):
-        if isinstance(source, FingerForces):
-            return signals.bind_normal_forces(source)
-        return signals.bind_normal_forces(_palms(source))
+        return signals.bind_normal_forces(source)
     if controller.manipulator is not None:
-        assert isinstance(source, EffectorConfiguration)
         return signals.kinematic_rows.manipulator(
-            source.effector, controller.manipulator, controller.joints
+            configured(source), controller.manipulator, controller.joints
         )
     return signals.bind(controller.feedback, controller.chains)
 
@@ -101,21 +92,16 @@ def _bind_reference(controller: Controller, signals: Signals) -> int:
     return number
 
 
-def _palms(source: Source) -> NetForces:
-    palms = palms_of(source)
-    assert palms is not None
-    return palms
-
-
 def _constant(
     reference: Literal | AlongNormals, controller: Controller, signals: Signals
 ) -> Floats:
     """Return a constant reference in the form of a row."""
-    kind, source = controller.compared.name, controller.feedback.source
+    kind, feedback = controller.compared.name, controller.feedback
     if isinstance(reference, AlongNormals):
-        if isinstance(source, FingerForces):
-            return reference.force * signals.touch.shares(source.hand)
-        return np.full(len(signals.touch.hands(_palms(source).group)), reference.force)
+        owner = owner_of(feedback.source)
+        if normals_of(feedback) is Normals.FINGERS:
+            return reference.force * signals.touch.shares(owner)
+        return np.full(len(signals.touch.hands(owner)), reference.force)
     values = np.array(reference.values)
     # Programs write an orientation as a rotation vector, rad, and rows hold rotation matrices. A
     # pose begins with its position.

@@ -22,11 +22,7 @@ from cbdsl.runtime.preparation import Preparation
 from cbdsl.runtime.slot_setting import SlotSetting, modified
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.reading import Reading
-from cbdsl.types.resource import (
-    Headings,
-    StereoPosition,
-)
-from cbdsl.types.source_record import compares
+from cbdsl.types.source_record import record_of
 from cbdsl.types.state import Predicate
 
 
@@ -68,13 +64,13 @@ class ControllerRun:
         own = self.own = signals.joints.pick(controller.joints)
         rows = bind_rows(controller, signals)
         quiescence, limits = controller.quiescence, signals.kinematics
-        is_seen_twice = isinstance(controller.feedback.source, Headings)
+        record = record_of(controller.feedback.source)
         setting = Setting(
             limits.lower[own],
             limits.upper[own],
             len(signals.table.values(rows.feedback)),
             len(signals.table.rows(rows.feedback)),
-            signals.sight.cameras() if is_seen_twice else (),
+            signals.sight.cameras() if record.stereo else (),
             limits.circular[own],
         )
         plain = SlotForm(
@@ -83,8 +79,8 @@ class ControllerRun:
             settings_of(quiescence.rate, quiescence.window, period),
             rows.feedback,
             rows.reference,
-            watches=compares(controller.feedback.source),
-            carried=isinstance(controller.feedback.source, StereoPosition),
+            watches=record.compares,
+            carried=record.located,
             tolerance=_tolerance(controller),
             share=_share(controller),
         )._replace(**anchor_of(controller, signals, rows)._asdict())

@@ -15,7 +15,8 @@ from cbdsl.program.controller import (
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.member_lead import MemberLead
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import FingerForces, Resource, StereoPosition
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import Normals, is_located, normals_of
 
 
 class ControllerRuns:
@@ -88,10 +89,10 @@ def _sees(controller: Controller) -> bool:
     """Return whether the reference of a controller is the position of a seen object."""
     reference = controller.reference
     base = reference.base if isinstance(reference, Relative) else reference
-    return isinstance(base, Resource) and isinstance(base.source, StereoPosition)
+    return isinstance(base, Resource) and is_located(base.source)
 
 
 def _feels_each_finger(controller: Controller) -> bool:
     """Return whether a controller compares the forces along the normals of a hand's fingers."""
     along = isinstance(controller.reference, AlongNormals)
-    return along and isinstance(controller.feedback.source, FingerForces)
+    return along and normals_of(controller.feedback) is Normals.FINGERS

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
-from cbdsl.types.resource import Resource, SurfacePoint
+from cbdsl.types.resource import Resource
 
 # Images come at most every fourth tick, and visual signals do not change in between.
 _EVERY = 4
@@ -53,7 +53,7 @@ class FeatureReader(EpisodeObserver):
 
     def _defined(self, tick: Tick) -> Iterator[tuple[str, tuple[float, ...]]]:
         for name, resource in self._features.items():
-            if isinstance(resource.source, SurfacePoint):
+            if resource.is_drawn:
                 value = next(_draws(tick, tick.run, resource), None)
             else:
                 reading = tick.signals.read(resource)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.uniform import UniformSampler
-from cbdsl.types.resource import GaussianSample, KernelSample
+from cbdsl.types.resource import GaussianSample, KernelSample, Source
+from cbdsl.types.source_record import record_of
 
 # A density may lie mostly outside the limits; then the nearest configuration is used.
 _MOST_DRAWS = 1000
@@ -40,10 +41,7 @@ class DensitySampler:
         upper: Floats,
         rng: np.random.Generator,
     ) -> None:
-        if isinstance(source, GaussianSample):
-            self._centres, self._deviation = np.array([source.mean]), np.array(source.deviation)
-        else:
-            self._centres, self._deviation = np.array(source.samples), np.array(source.bandwidth)
+        self._centres, self._deviation = np.array(source.centres), np.array(source.spread)
         self._lower, self._upper, self._rng = lower, upper, rng
         # The constructor draws a random start, so it runs only if uniform samples are needed.
         self._anywhere = UniformSampler(lower, upper, rng) if source.uniform else None
@@ -65,3 +63,20 @@ class DensitySampler:
         centre = self._centres[self._rng.integers(len(self._centres))]
         sample: Floats = self._rng.normal(centre, self._deviation)
         return sample
+
+
+def joint_sampler(
+    source: Source, lower: Floats, upper: Floats, rng: np.random.Generator
+) -> Sampler:
+    """Return a sampler of an internal model.
+
+    Args:
+        source: Uniform distribution or density.
+        lower: Lower joint limits, rad, or infinite for positions, shape (n,).
+        upper: Upper ones.
+        rng: Random number generator.
+    """
+    if record_of(source).uniform:
+        return UniformSampler(lower, upper, rng)
+    density: Any = source
+    return DensitySampler(density, lower, upper, rng)

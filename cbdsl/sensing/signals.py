@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -11,77 +10,34 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import Handle, hold
+from cbdsl.sensing.binders import Binders
 from cbdsl.sensing.declared_sensor import sensor_reader
-from cbdsl.sensing.density import DensitySampler, Sampler
+from cbdsl.sensing.density import Sampler, joint_sampler
 from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.predicted_signals import PredictedSignals
 from cbdsl.sensing.sensor_faults import require_finite
+from cbdsl.sensing.sensors import Sensors
 from cbdsl.sensing.signal_arrays import SensedArrays, SignalArrays, TableArrays, TreeArrays
 from cbdsl.sensing.table.chain import require_executed
 from cbdsl.sensing.table.kinematic_rows import KinematicRows
 from cbdsl.sensing.table.reading import Reading, shaped
-from cbdsl.sensing.table.refresh import (
-    CONTACT,
-    DISPLACED,
-    HEADING,
-    NORMAL_FORCES,
-    WRITTEN,
-    refresh,
-)
-from cbdsl.sensing.table.signal_rows import Selection, SignalRows
+from cbdsl.sensing.table.refresh import CONTACT, DISPLACED, NORMAL_FORCES, refresh
+from cbdsl.sensing.table.signal_rows import Reader, Selection, SignalRows
 from cbdsl.sensing.table.table import Form, RowPart
 from cbdsl.sensing.table.tips import Tips
-from cbdsl.sensing.touch.strain import Strain
-from cbdsl.sensing.touch.touch import Touch
-from cbdsl.sensing.uniform import UniformSampler
-from cbdsl.sensing.vision.blob_signals import BlobSignals
-from cbdsl.sensing.vision.distances import Distances
-from cbdsl.sensing.vision.marks import Marks
-from cbdsl.sensing.vision.novelty import Novelty
-from cbdsl.sensing.vision.solid_signals import SolidSignals
 from cbdsl.sensing.vision.surface import SurfaceSampler
-from cbdsl.sensing.vision.surfaces import Surfaces
-from cbdsl.sensing.vision.vision import Vision
-from cbdsl.sensing.vision.visual_signals import VisualSignals
 from cbdsl.types.casts import Chain
-from cbdsl.types.resource import (
-    DERIVED,
-    AffordanceProbability,
-    BlobSignal,
-    Centroid,
-    ConstellationSignal,
-    EffectorConfiguration,
-    FingerForces,
-    FingerLoad,
-    GaussianSample,
-    GraspCentre,
-    Heading,
-    Headings,
-    InstanceCount,
-    KernelSample,
-    MarkHeading,
-    NetForces,
-    NetLoad,
-    NovelHeading,
-    ObjectDistance,
-    Opening,
-    PairLikeness,
-    Posture,
-    Resource,
-    SensorSignal,
-    Separation,
-    SolidSignal,
-    StereoOffset,
-    StereoPosition,
-    StereoSignal,
-    SurfacePoint,
-    Tip,
-    UniformSample,
+from cbdsl.types.resource import NetForces, Origin, Resource, SensorSignal, Source
+from cbdsl.types.resource_type import POSITION
+from cbdsl.types.source_record import (
+    Normals,
+    chains_of,
+    channel_of,
+    features_of,
+    key_of,
+    owner_of,
+    record_of,
 )
-from cbdsl.types.resource_type import ORIENTATION, POSITION
-from cbdsl.types.source_record import chains_of, channels_of
-
-Binder = Callable[[Resource, tuple[Chain, ...]], int]
-"""Function that binds a row of a resource with chains of its Jacobian, and returns its number."""
 
 
 class Signals:
@@ -115,28 +71,22 @@ class Signals:
         self._rows = SignalRows(len(self.joints))
         self.table = self._rows.table
         self._held: tuple[int, Handle | None] = 0, None
-        resources = tuple(_with_features(resources))
-        channels = [channel for each in resources for channel in channels_of(each.source)]
-        self.vision = Vision(robot, kinematics, channels)
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
         self.kinematic_rows = KinematicRows(robot, kinematics, self.tips, self._rows)
-        self.touch = Touch(robot, kinematics, self.tips)
-        self.strain = Strain(robot.joint_torques, kinematics)
-        self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
-        self.surfaces = Surfaces(robot, self.vision, resources)
-        self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
-        self.distances = Distances(robot, kinematics, self.sight)
-        self.solids = SolidSignals(robot, self.vision, self.touch, resources)
-        self.novelty = Novelty(robot, kinematics, self.vision, resources)
-        self.marks = Marks(robot, kinematics, self.vision, resources)
-        self._binders = self._make_binders()
+        self.sensors = Sensors(robot, kinematics, self.tips, tuple(_with_features(resources)))
+        self.touch, self.strain = self.sensors.touch, self.sensors.strain
+        self.vision, self.sight = self.sensors.vision, self.sensors.sight
+        predicted = PredictedSignals(self.read, self.clock, self.vision)
+        self._binders = Binders(
+            self._rows, self.kinematic_rows, self.sensors, predicted, self._declared
+        )
         self.reset()
 
     def reset(self) -> None:
         """Forget the previous episode."""
-        self.touch.reset()
-        self._forget()
+        self.sensors.reset()
+        self.clock[0] = 0
 
     def resume(self, before: Signals) -> None:
         """Begin an episode at the end of another one; see ``Touch.resume``.
@@ -144,18 +94,7 @@ class Signals:
         Args:
             before: Signals of that episode; may be this object.
         """
-        self.touch.resume(before.touch)
-        self._forget()
-
-    def _forget(self) -> None:
-        self.strain.reset()
-        self.vision.reset()
-        self.sight.reset()
-        self.blobs.reset()
-        self.surfaces.reset()
-        self.solids.reset()
-        self.novelty.reset()
-        self.marks.reset()
+        self.sensors.resume(before.sensors)
         self.clock[0] = 0
 
     def update(self, observation: Observation) -> None:
@@ -169,29 +108,7 @@ class Signals:
         self.clock[0] += 1
         self.time = observation.time
         self.kinematics.update(observation.positions)
-        self.strain.update(observation)
-        if self.robot.load_cells:
-            self.touch.update(wrenches, observation.time)
-        self._remember(observation)
-
-    def _remember(self, observation: Observation) -> None:
-        """Write all memories of objects, in the order in which they depend on each other.
-
-        Held objects move with the hands before the images are matched with remembered places.
-        The other readers follow the matched places. Contact sets velocities to zero at the end, so
-        that an image of the same tick cannot restore them.
-        """
-        if self.robot.load_cells:
-            self.vision.carry(self.sight.carried(self.vision.all_memories))
-        if not self.robot.cameras:
-            return
-        self.vision.update(observation)
-        for reader in (self.blobs, self.surfaces, self.solids, self.novelty, self.marks):
-            reader.update(observation)
-        if self.touch.touching_anything():
-            self.vision.touched()
-        else:
-            self.vision.untouched()
+        self.sensors.update(observation, wrenches)
 
     def bind(self, resource: Resource, chains: tuple[Chain, ...] | None = None) -> int:
         """Return the number of a resource's row; bind the row at the first call.
@@ -203,7 +120,7 @@ class Signals:
         Raises:
             CastError: No row of such a source executes one of the chains.
         """
-        key = type(resource.source), resource.source
+        key = key_of(resource.source)
         if chains is None or chains == chains_of(resource):
             return self._rows.bound(key, lambda: self._bind(resource, chains_of(resource)))
         return self._rows.bound((*key, chains), lambda: self._bind(resource, chains))
@@ -226,11 +143,10 @@ class Signals:
         form = Form(DISPLACED, len(offset), 0, parts, angular=is_turned)
         return self._rows.bind(form, (base, constant))
 
-    def bind_normal_forces(self, source: FingerForces | NetForces) -> int:
+    def bind_normal_forces(self, source: Source) -> int:
         """Return the row of forces along normals, N, which is readable without contact, too."""
-        return self._rows.bound(
-            ("normal", type(source), source), lambda: self._bind_normal_forces(source)
-        )
+        key = record_of(source).normals, owner_of(source)
+        return self._rows.bound(("normal", *key), lambda: self._bind_normal_forces(*key))
 
     def release(self, number: int) -> None:
         """Free a row; no other row may depend on it."""
@@ -282,118 +198,20 @@ class Signals:
         value, jacobian = self.table.values(number), self.table.rows(number).copy()
         return Reading(shaped(value, kind), jacobian, int(record["stamp"]), float(record["radius"]))
 
-    def _make_binders(self) -> Mapping[type, Binder]:
-        """Return the functions that bind a row of each type of source."""
-        rows, touch, sight, blobs = self.kinematic_rows, self.touch, self.sight, self.blobs
-        return {
-            EffectorConfiguration: _compiled(rows.configuration),
-            Posture: _compiled(rows.posture),
-            Tip: _compiled(rows.tip),
-            Centroid: _compiled(rows.centroid),
-            Separation: _compiled(rows.separation),
-            GraspCentre: _compiled(rows.grasp_centre),
-            Opening: _compiled(rows.opening),
-            FingerLoad: self._load(touch.finger_load),
-            NetLoad: self._load(touch.net_load),
-            NetForces: self._load(touch.net_forces),
-            FingerForces: self._read_by(touch.finger_forces),
-            Heading: self._seen_by(sight.heading, self._heading_form()),
-            Headings: self._seen_by(sight.headings, self._heading_form(shift=2)),
-            StereoPosition: self._seen_by(sight.position),
-            BlobSignal: self._read_by(blobs.blob),
-            StereoSignal: self._read_by(blobs.feature),
-            ObjectDistance: self._read_by(self.distances.read),
-            NovelHeading: self._read_by(self.novelty.heading, self._heading_form()),
-            MarkHeading: self._read_by(self.marks.heading, self._heading_form()),
-            ConstellationSignal: self._read_by(blobs.constellation),
-            StereoOffset: self._read_by(blobs.offset),
-            SolidSignal: self._read_by(self.solids.read),
-            InstanceCount: self._read_by(blobs.count),
-            AffordanceProbability: self._read_by(self._affordance),
-            PairLikeness: self._read_by(self._likeness),
-            SensorSignal: self._sensor,
-        }
-
     def _bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
         require_executed(resource, chains)
-        return self._binders[type(resource.source)](resource, chains)
+        return self._binders.bind(resource, chains)
 
-    def _read_by(
-        self, read: Callable[[Any], Reading | None], form: Callable[[int], Form] | None = None
-    ) -> Binder:
-        """Return a binder of rows that Python reads; without chains, by ``_seen_by``."""
-        return self._seen_by(lambda source, _: read(source), form)
+    def _declared(self, signal: SensorSignal, size: int) -> Reader:
+        """Return the reader of a sensor whose kind another package adds."""
+        return sensor_reader(signal, size, len(self.joints), self)
 
-    def _seen_by(
-        self,
-        read: Callable[[Any, tuple[Chain, ...]], Reading | None],
-        form: Callable[[int], Form] | None = None,
-    ) -> Binder:
-        """Return a binder of rows that Python reads.
-
-        Args:
-            read: Function of a source and of the chains of its Jacobian.
-            form: Function of a row's size, for a row whose Jacobian bends.
-        """
-
-        def bind(resource: Resource, chains: tuple[Chain, ...]) -> int:
-            source, size = resource.source, _size_of(resource)
-            return self._rows.bind_read(
-                size, lambda: read(source, chains), None if form is None else form(size)
-            )
-
-        return bind
-
-    def _load(self, read: Callable[[Any], Reading | None]) -> Binder:
-        """Return a binder of rows of contact loads."""
-
-        def bind(resource: Resource, chains: tuple[Chain, ...]) -> int:
-            source: Any = resource.source
-            size, parts = _size_of(resource), self.touch.contact_parts(source)
-            form = Form(CONTACT if parts else WRITTEN, size, size, parts)
-            return self._rows.bind_read(size, lambda: read(source), form)
-
-        return bind
-
-    def _heading_form(self, shift: int = 0) -> Callable[[int], Form]:
-        return lambda size: Form(HEADING, size, size, self.sight.camera_parts(shift))
-
-    def _sensor(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
-        """Bind a row of a sensor whose kind another package adds."""
-        source: Any = resource.source
-        size = resource.type.size
-        return self._rows.bind_read(size, sensor_reader(source, size, len(self.joints), self))
-
-    def _affordance(self, source: AffordanceProbability) -> Reading | None:
-        """Return Pr(reward | f, a) for the current features.
-
-        It is ``None`` while a feature is undefined, or unlike all that were tried.
-        """
-        features = self._features(source.features)
-        if features is None or not source.model.knows(features):
-            return None
-        probability = source.model.reward_given(features)
-        return Reading(np.array([probability]), None, int(self.clock[0]))
-
-    def _likeness(self, source: PairLikeness) -> Reading | None:
-        """Return the likeness of two objects to a pair, ``None`` while a feature is undefined."""
-        features = self._features(source.features)
-        if features is None:
-            return None
-        return Reading(np.array([source.model.likeness(features)]), None, self.vision.images)
-
-    def _features(self, resources: Iterable[Resource]) -> Floats | None:
-        """Return the components of some resources, ``None`` while one is undefined."""
-        readings = [self.read(resource) for resource in resources]
-        values = [reading.value.ravel() for reading in readings if reading is not None]
-        return np.concatenate([*values, np.zeros(0)]) if len(values) == len(readings) else None
-
-    def _bind_normal_forces(self, source: FingerForces | NetForces) -> int:
-        if isinstance(source, NetForces):
-            hands = len(self.touch.hands(source.group))
+    def _bind_normal_forces(self, normals: Normals | None, owner: str) -> int:
+        if normals is Normals.PALMS:
+            hands, source = len(self.touch.hands(owner)), NetForces(owner)
             form = Form(CONTACT, hands, hands, self.touch.palm_parts(source))
             return self._rows.bind_read(hands, lambda: self.touch.palm_forces(source), form)
-        parts, flexion = self.touch.pads(source.hand)
+        parts, flexion = self.touch.pads(owner)
         number = self._rows.bind(Form(NORMAL_FORCES, len(parts), len(parts), parts))
         self.table.rows(number)[:] = flexion
         return number
@@ -401,31 +219,18 @@ class Signals:
     def sampler(self, resource: Resource, rng: np.random.Generator) -> Sampler:
         """Return a sampler of an internal model or a surface."""
         source = resource.source
-        if isinstance(source, SurfacePoint):
-            return SurfaceSampler(self.surfaces.by_channel[source.channel], rng)
-        assert isinstance(source, (UniformSample, GaussianSample, KernelSample))
-        own = self.joints.of(source.effector)
+        if resource.origin is Origin.SURFACE:
+            surface = self.sensors.surfaces.by_channel[channel_of(source)]
+            return SurfaceSampler(surface, rng)
+        own = self.joints.of(owner_of(source))
         limits = self.kinematics.lower[own], self.kinematics.upper[own]
         if resource.type == POSITION:
             limits = np.full(3, -np.inf), np.full(3, np.inf)
-        if isinstance(source, UniformSample):
-            return UniformSampler(*limits, rng)
-        return DensitySampler(source, *limits, rng)
-
-
-def _compiled(bind: Callable[[Any], int]) -> Binder:
-    """Return a binder of rows that are compiled from their parts."""
-    return lambda resource, chains: bind(resource.source)
-
-
-def _size_of(resource: Resource) -> int:
-    """Return the number of components of a row; an orientation is a matrix."""
-    return 9 if resource.type == ORIENTATION else resource.type.size
+        return joint_sampler(source, *limits, rng)
 
 
 def _with_features(resources: Iterable[Resource]) -> Iterator[Resource]:
     """Yield resources, and the features from which some of them are computed."""
     for resource in resources:
         yield resource
-        if isinstance(resource.source, DERIVED):
-            yield from resource.source.features
+        yield from features_of(resource.source)

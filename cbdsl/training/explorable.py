@@ -10,7 +10,8 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.learning.catalogs.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.channel_names import hue_names
-from cbdsl.types.resource import Heading, MarkHeading, Resource, StereoPosition, SurfacePoint
+from cbdsl.types.resource import CYCLOPEAN, Origin, Resource
+from cbdsl.types.source_record import camera_of, hues_of, is_located
 
 #: Placeholder of a channel that is found while the action runs.
 OPEN = "?"
@@ -47,7 +48,7 @@ class Explorable:
     @property
     def observed(self) -> tuple[Resource, ...]:
         """All signals that are read besides the signals of its program."""
-        own = [each for each in self.features.values() if not isinstance(each.source, SurfacePoint)]
+        own = [each for each in self.features.values() if each.origin is not Origin.SURFACE]
         marked = [each for mark in self.marks.values() for each in mark.observed]
         return (*own, self.presence, *marked)
 
@@ -79,7 +80,7 @@ def features_of(
         return None
     # The channel of stereo.red is red, and so is that of surface.red.
     head = _heading(place.name.partition(".")[2], resources)
-    if _is(place, SurfacePoint):
+    if place.origin is Origin.SURFACE:
         return {"place": place}, head
     names = {"place": "", "velocity": ".velocity", "volume": ".volume"}
     return _known(place.name, names, resources), head
@@ -136,9 +137,9 @@ def other_hues(robot: RobotDocument, own: Collection[str]) -> list[str]:
 
 def _tracked(feedback: Resource) -> str | None:
     """Return the channel of a heading or of a mark of one hue; ``None`` for other signals."""
-    if isinstance(feedback.source, Heading):
+    if camera_of(feedback):
         return feedback.name.partition(".")[2]
-    if isinstance(feedback.source, MarkHeading) and len(feedback.source.hues) == 1:
+    if len(hues_of(feedback.source)) == 1:
         # A mark of one hue counts as its own object: mark.red.blue is of the channel blue.
         return feedback.name.rpartition(".")[2]
     return None
@@ -159,14 +160,8 @@ def _heading(channel: str, resources: Mapping[str, Resource]) -> Resource:
     return next(
         each
         for name, each in resources.items()
-        if name.partition(".")[2] == channel
-        and isinstance(each.source, Heading)
-        and each.source.camera != "cyclopean"
+        if name.partition(".")[2] == channel and camera_of(each) not in ("", CYCLOPEAN)
     )
-
-
-def _is(resource: Resource, kind: type) -> bool:
-    return isinstance(resource.source, kind)
 
 
 def _places(program: CheckedProgram) -> Iterator[Resource]:
@@ -174,10 +169,12 @@ def _places(program: CheckedProgram) -> Iterator[Resource]:
     for action in program.actions:
         for controller in action.controllers:
             reference = controller.reference
-            if isinstance(reference, Resource) and isinstance(
-                reference.source, StereoPosition | SurfacePoint
-            ):
+            if isinstance(reference, Resource) and _is_place(reference):
                 yield reference
     for action in program.actions:
         if action.program is not None:
             yield from _places(action.program)
+
+
+def _is_place(resource: Resource) -> bool:
+    return is_located(resource.source) or resource.origin is Origin.SURFACE

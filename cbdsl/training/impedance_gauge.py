@@ -22,7 +22,8 @@ from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.direction import AXES, KINDS
-from cbdsl.types.resource import NetLoad, Resource, Tip
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import is_tip, record_of
 from cbdsl.types.state import Predicate
 
 Floats = NDArray[np.float64]
@@ -66,13 +67,14 @@ def _probe(program: CheckedProgram) -> _Probe | None:
     # orientation for a torque.
     for load in (each for primitive in primitives for each in primitive.earners):
         reference, kind = load.reference, load.feedback.type.name
-        if not isinstance(load.feedback.source, NetLoad) or kind not in KINDS:
+        is_net = record_of(load.feedback.source).sums and load.feedback.type.factors == 1
+        if not is_net or kind not in KINDS:
             continue
         if load.axes is None or len(load.axes) != 1 or not isinstance(reference, Relative):
             continue
         wanted = "position" if kind == "force" else "orientation"
         for motion in (each.feedback for each in controllers):
-            if isinstance(motion.source, Tip) and motion.type.name == wanted:
+            if is_tip(motion.source) and motion.type.name == wanted:
                 sign = 1 if sum(reference.offset) > 0.0 else -1
                 return _Probe(load, motion, load.axes[0], sign)
     return None

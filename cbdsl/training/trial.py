@@ -17,7 +17,7 @@ from cbdsl.learning.learner import (
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.episode_runner import EpisodeRunner
-from cbdsl.types.resource import UniformSample
+from cbdsl.types.source_record import owner_of, record_of
 
 # Stream of an episode's seed for exploration, beside the world (0) and the program's draws (1).
 _EXPLORATION = 2
@@ -91,9 +91,9 @@ class Trial:
         """
         known = self.learner.densities()
         return {
-            name: resource.source.effector
+            name: owner_of(resource.source)
             for name, resource in internal_models(self.program).items()
-            if isinstance(resource.source, UniformSample) and resource.source.effector in known
+            if record_of(resource.source).uniform and owner_of(resource.source) in known
         }
 
     def informed_program(self) -> CheckedProgram:

@@ -72,7 +72,7 @@ class ModifierType(NamedTuple):
         """Return whether the modifier supports a feedback under a potential."""
         if potential in self.read_by:
             return True
-        has_source = not self.sources or isinstance(feedback.source, self.sources)
+        has_source = not self.sources or type(feedback.source) in self.sources
         return has_source and feedback.type.name in self.accepts
 
 

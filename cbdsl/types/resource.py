@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 #: Prefix of the names of probabilities that a catalog predicts.
 AFFORDS = "affords."
+#: Name of the mean of all cameras, which has no image of its own.
+CYCLOPEAN = "cyclopean"
 #: Prefix of the names of likenesses to the pairs of a meta-catalog.
 LIKENESS_OF = "likeness."
 
@@ -77,13 +79,6 @@ class NetForces(NamedTuple):
     """Net force of each hand of a group, in turn (Eq 3.34), or of one hand."""
 
     group: str
-
-
-def palms_of(source: object) -> NetForces | None:
-    """Return the hands of a source of net forces, which have palm normals, or ``None``."""
-    if isinstance(source, NetLoad) and source.part == "force":
-        return NetForces(source.hand)
-    return source if isinstance(source, NetForces) else None
 
 
 class FingerForces(NamedTuple):
@@ -262,6 +257,16 @@ class GaussianSample(NamedTuple):
     deviation: tuple[float, ...]
     uniform: float = 0.0
 
+    @property
+    def centres(self) -> tuple[tuple[float, ...], ...]:
+        """Centre of the only kernel, rad."""
+        return (self.mean,)
+
+    @property
+    def spread(self) -> tuple[float, ...]:
+        """Standard deviations, rad."""
+        return self.deviation
+
 
 class KernelSample(NamedTuple):
     """Draw from Gaussian kernels around configurations of an effector, rad.
@@ -273,6 +278,16 @@ class KernelSample(NamedTuple):
     samples: tuple[tuple[float, ...], ...]
     bandwidth: tuple[float, ...]
     uniform: float = 0.0
+
+    @property
+    def centres(self) -> tuple[tuple[float, ...], ...]:
+        """Centres of the kernels, rad."""
+        return self.samples
+
+    @property
+    def spread(self) -> tuple[float, ...]:
+        """Standard deviations of each kernel, rad."""
+        return self.bandwidth
 
 
 class NovelHeading(NamedTuple):
@@ -374,8 +389,6 @@ Source = (
 
 # These values are random. A new one in each tick would be a reference that no controller can reach.
 _DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
-#: Sources that are computed from other resources, their ``features``.
-DERIVED = (AffordanceProbability, PairLikeness)
 
 
 class Resource(NamedTuple):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum, auto
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from cbdsl.types.casts import (
     CAMERA,
@@ -49,7 +49,9 @@ from cbdsl.types.resource import (
     Tip,
     UniformSample,
 )
-from cbdsl.types.resource_type import POSITION, configuration
+from cbdsl.types.resource_type import FORCE, HEADING, POSITION, configuration
+
+Kind = TypeVar("Kind")
 
 
 class Carrier(Enum):
@@ -63,6 +65,20 @@ class Carrier(Enum):
     LINKS = auto()
 
 
+class Normals(Enum):
+    """Bodies along whose normals the forces of a source are defined."""
+
+    FINGERS = auto()
+    PALMS = auto()
+
+
+class Combination(Enum):
+    """Combination of the tips of a group."""
+
+    MEAN = auto()
+    DIFFERENCE = auto()
+
+
 class SourceRecord(NamedTuple):
     """Facts of one type of source.
 
@@ -71,20 +87,38 @@ class SourceRecord(NamedTuple):
             the source.
         owner: Attribute that names the effector, group or hand; empty without one.
         moves: True if the joints of the owner move the signal.
+        combines: Combination of the tips of its owner; ``None`` for other sources.
+        sums: True if it sums the loads of all fingers of each hand.
+        normals: Bodies along whose normals its forces are defined; ``None`` for other sources.
         channels: Attributes that name its visual channels.
+        hues: Attribute that lists the possible channels of a mark; empty without one.
+        located: True for the position of a seen object, whose radius is measured, too.
+        stereo: True for the headings of both cameras, which determine a position.
         compares: True if it compares objects of two channels.
         carriers: Bodies that carry its sensors or the sensed object.
+        links: Attribute that lists the links of its sensor; empty without one.
         differs: True if joints that move all its carriers do not change it.
+        features: Attribute that lists the resources from which it is computed; empty without one.
+        uniform: True for draws from a uniform distribution.
         chains: Chains of casts to the joints; ``None`` for the shortest chain of its type.
     """
 
     place: tuple[str, ...]
     owner: str = ""
     moves: bool = False
+    combines: Combination | None = None
+    sums: bool = False
+    normals: Normals | None = None
     channels: tuple[str, ...] = ()
+    hues: str = ""
+    located: bool = False
+    stereo: bool = False
     compares: bool = False
     carriers: tuple[Carrier, ...] = ()
+    links: str = ""
     differs: bool = False
+    features: str = ""
+    uniform: bool = False
     chains: tuple[Chain, ...] | None = None
 
 
@@ -103,21 +137,29 @@ _HOLD: Chain = (RIGID_HOLD, *chains(POSITION, configuration(1))[0])
 RECORDS: Mapping[type, SourceRecord] = {
     EffectorConfiguration: SourceRecord(_EFFECTOR, "effector", moves=True),
     Tip: SourceRecord(_EFFECTOR, "effector", moves=True, carriers=_TIPS),
-    Centroid: SourceRecord(_GROUP, "group", moves=True, carriers=_TIPS),
-    Separation: SourceRecord(_GROUP, "group", moves=True, carriers=_TIPS),
+    Centroid: SourceRecord(_GROUP, "group", moves=True, combines=Combination.MEAN, carriers=_TIPS),
+    Separation: SourceRecord(
+        _GROUP, "group", moves=True, combines=Combination.DIFFERENCE, carriers=_TIPS
+    ),
     FingerLoad: SourceRecord((*_HAND, "{finger}"), "hand", carriers=(Carrier.CELL,)),
-    NetLoad: SourceRecord(_HAND, "hand", carriers=_CELLS),
-    NetForces: SourceRecord(_GROUP, "group", carriers=_CELLS),
-    FingerForces: SourceRecord(_HAND, "hand", carriers=_CELLS),
+    NetLoad: SourceRecord(_HAND, "hand", sums=True, normals=Normals.PALMS, carriers=_CELLS),
+    NetForces: SourceRecord(_GROUP, "group", sums=True, normals=Normals.PALMS, carriers=_CELLS),
+    FingerForces: SourceRecord(_HAND, "hand", normals=Normals.FINGERS, carriers=_CELLS),
     Opening: SourceRecord(_HAND, "hand", carriers=_CELLS, differs=True),
     GraspCentre: SourceRecord(_HAND, "hand", carriers=_CELLS),
     Heading: SourceRecord(
         _CAMERA, channels=_ONE, carriers=_SEEN, chains=((CAMERA,), (SIGHTING, *_HOLD))
     ),
     Headings: SourceRecord(
-        _CAMERAS, channels=_ONE, carriers=_SEEN, chains=((CAMERA,), (TRIANGULATION, *_HOLD))
+        _CAMERAS,
+        channels=_ONE,
+        stereo=True,
+        carriers=_SEEN,
+        chains=((CAMERA,), (TRIANGULATION, *_HOLD)),
     ),
-    StereoPosition: SourceRecord(_CAMERAS, channels=_ONE, carriers=_HELD, chains=(_HOLD,)),
+    StereoPosition: SourceRecord(
+        _CAMERAS, channels=_ONE, located=True, carriers=_HELD, chains=(_HOLD,)
+    ),
     BlobSignal: SourceRecord(_CAMERA, channels=_ONE, carriers=_SEEN),
     StereoSignal: SourceRecord(_CAMERAS, channels=_ONE, carriers=_HELD),
     ObjectDistance: SourceRecord(_CAMERAS, channels=_ONE, carriers=_HELD),
@@ -125,18 +167,18 @@ RECORDS: Mapping[type, SourceRecord] = {
     SurfacePoint: SourceRecord(_CAMERAS, channels=_ONE),
     NovelHeading: SourceRecord(_CAMERAS, channels=_ONE, carriers=_EYES, chains=((CAMERA,),)),
     MarkHeading: SourceRecord(
-        _CAMERAS, channels=("channel", "hues"), carriers=_EYES, chains=((CAMERA,),)
+        _CAMERAS, channels=("channel", "hues"), hues="hues", carriers=_EYES, chains=((CAMERA,),)
     ),
     ConstellationSignal: SourceRecord(_CAMERA, channels=_TWO, compares=True, carriers=_EYES),
     StereoOffset: SourceRecord(_CAMERAS, channels=_TWO, compares=True, carriers=_EYES),
     SolidSignal: SourceRecord(
         _CAMERAS, channels=_TWO, compares=True, carriers=_EYES, chains=((SIZE_TURN,),)
     ),
-    AffordanceProbability: SourceRecord(_CAMERAS),
-    PairLikeness: SourceRecord(_CAMERAS, compares=True, carriers=_EYES),
-    SensorSignal: SourceRecord(("sensors", "{sensor}"), carriers=(Carrier.LINKS,)),
+    AffordanceProbability: SourceRecord(_CAMERAS, features="features"),
+    PairLikeness: SourceRecord(_CAMERAS, compares=True, carriers=_EYES, features="features"),
+    SensorSignal: SourceRecord(("sensors", "{sensor}"), carriers=(Carrier.LINKS,), links="links"),
     Posture: SourceRecord((*_EFFECTOR, "postures", "{posture}"), "effector"),
-    UniformSample: SourceRecord(_EFFECTOR, "effector"),
+    UniformSample: SourceRecord(_EFFECTOR, "effector", uniform=True),
     GaussianSample: SourceRecord(_EFFECTOR, "effector"),
     KernelSample: SourceRecord(_EFFECTOR, "effector"),
 }
@@ -145,6 +187,17 @@ RECORDS: Mapping[type, SourceRecord] = {
 def record_of(source: Source) -> SourceRecord:
     """Return the record of a source's type."""
     return RECORDS[type(source)]
+
+
+def sources_of(resources: Iterable[Resource], kind: type[Kind]) -> tuple[Kind, ...]:
+    """Return the different sources of one type among the sources of resources, in order."""
+    sources = [each.source for each in resources]
+    return tuple(dict.fromkeys(source for source in sources if isinstance(source, kind)))
+
+
+def key_of(source: Source) -> tuple[type, Source]:
+    """Return a key of a source; equal fields of sources of different types are not equal."""
+    return type(source), source
 
 
 def is_visual(source: Source) -> bool:
@@ -164,10 +217,68 @@ def channels_of(source: Source) -> Iterator[str]:
         yield from (names,) if isinstance(names, str) else names
 
 
+def channel_of(source: Source) -> str:
+    """Return the channel of a source's object, the first one if it compares two objects."""
+    return next(channels_of(source), "")
+
+
+def hues_of(source: Source) -> tuple[str, ...]:
+    """Return the possible channels of a mark; empty for other sources."""
+    return _listed(source, record_of(source).hues)
+
+
+def links_of(source: Source) -> tuple[str, ...]:
+    """Return the links of the model that carry a declared sensor; empty for other sources."""
+    return _listed(source, record_of(source).links)
+
+
+def features_of(source: Source) -> tuple[Resource, ...]:
+    """Return the resources from which a source is computed; empty for a measured one."""
+    return _listed(source, record_of(source).features)
+
+
+def _listed(source: Source, attribute: str) -> tuple[Any, ...]:
+    return getattr(source, attribute) if attribute else ()
+
+
 def owner_of(source: Source) -> str:
     """Return the effector, group or hand of a source; empty without one."""
     record = record_of(source)
     return getattr(source, record.owner) if record.owner else ""
+
+
+def configured(source: Source) -> str:
+    """Return the effector or group whose joint positions a source is; empty for others."""
+    record = record_of(source)
+    return owner_of(source) if record.moves and not record.carriers else ""
+
+
+def is_tip(source: Source) -> bool:
+    """Return whether a source is the tip of an effector, or the tips of a group one by one."""
+    record = record_of(source)
+    return Carrier.TIPS in record.carriers and record.combines is None
+
+
+def is_pressed(source: Source) -> bool:
+    """Return whether a source is a load that grows as an arm presses its hand on an object."""
+    record = record_of(source)
+    return record.sums or Carrier.CELL in record.carriers
+
+
+def is_located(source: Source) -> bool:
+    """Return whether a source is the position of a seen object."""
+    return record_of(source).located
+
+
+def camera_of(resource: Resource) -> str:
+    """Return the camera of a heading, ``cyclopean`` for the mean; empty for other signals."""
+    is_of_one = resource.type == HEADING and record_of(resource.source).place == _CAMERA
+    return declaration_of(resource.source)[1] if is_of_one else ""
+
+
+def normals_of(resource: Resource) -> Normals | None:
+    """Return the bodies along whose normals a resource's forces are defined, or ``None``."""
+    return record_of(resource.source).normals if resource.type.name == FORCE.name else None
 
 
 def declaration_of(source: Source) -> tuple[str, ...]:

@@ -32,9 +32,8 @@ from cbdsl.types.resource import (
     NetLoad,
     NovelHeading,
     Opening,
-    palms_of,
 )
-from cbdsl.types.source_record import chains_of, compares
+from cbdsl.types.source_record import Normals, chains_of, compares, normals_of, owner_of
 from tests.conftest import ROOT, Checked
 from tests.sensing.vision.test_visual_signals import between, facing, feel
 
@@ -113,10 +112,9 @@ class Oracle:
             return self._turned_against(source.hand)
         if isinstance(source, NetLoad) and not isinstance(controller.reference, AlongNormals):
             return control.contact_stiffness * self._differences(lambda: self._tips(source.hand))
-        palms = palms_of(source)
-        assert palms is not None
+        assert normals_of(controller.feedback) is Normals.PALMS
         rows = []
-        for hand in self.robot.members(palms.group):
+        for hand in self.robot.members(owner_of(source)):
             normal = self.signals.tips.normal(self.signals.touch.carriers[hand]).copy()
             rows.append(normal @ self._differences(lambda hand=hand: self._tips(hand)))
         return control.contact_stiffness * np.array(rows)

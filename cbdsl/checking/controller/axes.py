@@ -12,7 +12,8 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.dry_run import levels
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import Centroid, Resource, Separation
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import Combination, record_of
 
 AXES = "xyz"
 
@@ -135,7 +136,7 @@ def _shared(above: Controller, below: Controller) -> set[int]:
 def _are_apart(one: Resource, other: Resource) -> bool:
     """Return whether two feedbacks of tips are independent: their centroid and their separation."""
     # The mean and the difference of two positions are independent coordinates.
-    return {type(one.source), type(other.source)} == {Centroid, Separation}
+    return {record_of(each.source).combines for each in (one, other)} == set(Combination)
 
 
 def _takes_over(above: Controller, below: Controller) -> bool:

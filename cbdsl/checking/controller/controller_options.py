@@ -15,8 +15,9 @@ from cbdsl.program.controller import Quiescence
 from cbdsl.types.casts import FEATURES
 from cbdsl.types.modifier import declared
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import FingerForces, Resource, palms_of
+from cbdsl.types.resource import Resource
 from cbdsl.types.resource_type import TYPES, ResourceType
+from cbdsl.types.source_record import Normals, normals_of, owner_of
 
 MANIPULABILITY = "manipulability"
 LOOK_AT = "look_at"
@@ -60,7 +61,8 @@ def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterat
         yield Misplaced(("manipulator",), f"the potential {MANIPULABILITY}", potential)
     # Only fingers flex.
     seek = document.seek
-    if palms_of(feedback.source) is not None and seek is not None and seek.until is not None:
+    of_palms = normals_of(feedback) is Normals.PALMS
+    if of_palms and seek is not None and seek.until is not None:
         yield Misplaced(("seek", "until"), "forces of fingers", instead)
 
 
@@ -85,19 +87,17 @@ def check_options(
         details = {"name": option.path[-1], "purpose": option.purpose, "instead": option.instead}
         diagnostics.add("CB513", place, **details)
     check_settings(_task(document, feedback), context.source, steps, diagnostics, of_tips=True)
-    if isinstance(feedback.source, FingerForces) and document.seek is not None:
-        _check_end(context, (*steps, "seek", "until"), feedback.source, diagnostics)
+    if normals_of(feedback) is Normals.FINGERS and document.seek is not None:
+        _check_end(context, (*steps, "seek", "until"), owner_of(feedback.source), diagnostics)
 
 
-def _check_end(
-    context: ProgramContext, steps: Steps, source: FingerForces, diagnostics: Diagnostics
-) -> None:
+def _check_end(context: ProgramContext, steps: Steps, hand: str, diagnostics: Diagnostics) -> None:
     """Check that the end of a search has the unit of the joints that close the fingers."""
     model, robot = context.body.model, context.body.document
     if model is None or not context.source.holds(*steps):
         return
     node = context.source.node(steps)
-    for cell in robot.load_cells[source.hand].values():
+    for cell in robot.load_cells[hand].values():
         joint = model.joints.get(cell.joint)
         if joint is not None and is_of_another_kind(node.value, joint.unit):
             diagnostics.add("CB590", node.place, name=cell.joint, unit=joint.unit)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from cbdsl.checking.controller.controller_options import ControllerSettings
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.types.resource import FingerLoad, NetForces, NetLoad, Resource
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import is_pressed, owner_of, record_of
 from cbdsl.types.unit import QuantityError, parse_quantity
 
 # Dimension of each setting in the units of a moved tip.
@@ -48,11 +49,9 @@ def in_task_units(
 
 def _stiffness(robot: RobotDocument, feedback: Resource) -> float:
     """Return the change of a force per tip displacement, N/m; each fingertip is a spring."""
-    match feedback.source:
-        case NetLoad(hand=name) | NetForces(group=name):
-            fingers = len(robot.load_cells[robot.members(name)[0]])
-        case _:
-            fingers = 1
+    source, fingers = feedback.source, 1
+    if record_of(source).sums:
+        fingers = len(robot.load_cells[robot.members(owner_of(source))[0]])
     # Fingers are springs in parallel, whose stiffnesses add up.
     return fingers * robot.control.contact_stiffness
 
@@ -71,9 +70,7 @@ def _of_tips(context: ProgramContext, steps: Steps, key: str) -> str | None:
 
 def _problem(feedback: Resource, effector: Resource) -> str:
     """Return why a force does not change as a tip moves, as a clause; empty if it does."""
-    if feedback.type.name != "force" or not isinstance(
-        feedback.source, (FingerLoad, NetLoad, NetForces)
-    ):
+    if feedback.type.name != "force" or not is_pressed(feedback.source):
         return f"'{feedback.name}' is not a force of a finger or a hand that an arm presses with"
     if effector.type.name != "position":
         return f"'{effector.name}' is a {effector.type}, and moves in {effector.type.unit}"

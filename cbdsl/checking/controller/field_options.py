@@ -12,7 +12,8 @@ from cbdsl.diagnostics.counting import count
 from cbdsl.documents import program as written
 from cbdsl.program.controller import Ball, Box, Field, Literal, Reference
 from cbdsl.types.potential import PotentialType
-from cbdsl.types.resource import EffectorConfiguration, Resource, StereoPosition
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import configured, is_located
 from cbdsl.types.unit import QuantityError, dimensions_of, read_quantity
 from cbdsl.yaml_text.source_map import Step
 
@@ -166,9 +167,8 @@ class _Field:
 
     def _moves_between_limits(self) -> bool:
         """Return whether the feedback is the effector's joints, so that their limits bound it."""
-        source = self._wish.feedback.source
-        own = isinstance(source, EffectorConfiguration)
-        return own and len(self._wish.joints) == self._size
+        own = configured(self._wish.feedback.source)
+        return bool(own) and len(self._wish.joints) == self._size
 
     def _fit(self, steps: tuple[Step, ...], lower: Corner, upper: Corner) -> bool:
         """Return whether the corners of the workspace or a box have one number per component."""
@@ -222,7 +222,7 @@ class _Field:
             }
             self._add("CB522", *steps, name=resource.name, feedback=feedback.name, **kinds)
         # Only a seen object has a radius that the robot measures.
-        elif radius is None and not isinstance(resource.source, StereoPosition):
+        elif radius is None and not is_located(resource.source):
             self._add("CB523", *steps, name=resource.name)
         return Ball(resource, radius)
 

@@ -7,7 +7,8 @@ import math
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.program.controller import Literal
-from cbdsl.types.resource import Centroid, Resource, Separation, Tip
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import Carrier, Combination, owner_of, record_of
 
 # Angles that are periodic: a whole turn more is the same orientation.
 _TURNED = ("orientation", "heading")
@@ -48,13 +49,14 @@ def farthest_tip(body: CheckedRobot) -> float | None:
 
 def _farthest(body: CheckedRobot, feedback: Resource) -> float | None:
     """Return a bound on the norm of a position that joints determine, m, or ``None``."""
-    match feedback.source:
-        case Tip(effector=name) | Centroid(group=name):
-            reaches = _reaches(body, name)
-            return max(reaches) if reaches else None
-        case Separation(group=name):
-            return sum(_reaches(body, name)) or None
-    return None
+    source = feedback.source
+    record = record_of(source)
+    if Carrier.TIPS not in record.carriers:
+        return None
+    reaches = _reaches(body, owner_of(source))
+    if record.combines is Combination.DIFFERENCE:
+        return sum(reaches) or None
+    return max(reaches, default=None)
 
 
 # By the triangle inequality, no posture moves a tip farther from the base than the sum of the link

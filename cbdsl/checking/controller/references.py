@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from cbdsl.diagnostics.counting import count
 from cbdsl.program.controller import AlongNormals, Literal
-from cbdsl.types.resource import FingerForces, NetForces, Resource, palms_of
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import normals_of
 from cbdsl.types.unit import QuantityError, dimensions_of, is_quantity, read_quantity
 
 #: The feedback of a controller at its activation.
@@ -137,7 +138,7 @@ def _places(axes: tuple[int, ...], factors: int) -> list[int]:
 
 
 def _along_normals(force: str, feedback: Resource) -> AlongNormals:
-    if not isinstance(feedback.source, FingerForces) and palms_of(feedback.source) is None:
+    if normals_of(feedback) is None:
         details = {"name": feedback.name, "feedback": feedback.type}
         raise LiteralError("CB512", dict(details))
     return AlongNormals(_quantity(force, ("force",), None))
@@ -171,7 +172,7 @@ def _wrong_count(number: int, feedback: Resource, axes: tuple[int, ...] | None) 
     if axes is not None:
         named = ", ".join("xyz"[axis] for axis in axes)
         wanted = f"{count(len(axes) * kind.factors, 'component')} along axes [{named}]"
-    if isinstance(feedback.source, (FingerForces, NetForces)):
+    if normals_of(feedback) is not None and kind.factors > 1:
         wanted += "; '2 N along normals' gives each a force along its own normal"
     details = {"found": given, "feedback": kind, "wanted": wanted}
     return LiteralError("CB505", dict(details))

@@ -13,7 +13,8 @@ from cbdsl.diagnostics.counting import count
 from cbdsl.documents import program as written
 from cbdsl.program.controller import AlongNormals, Literal, Reference
 from cbdsl.types.modifier import declared
-from cbdsl.types.resource import EffectorConfiguration, Resource
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import configured
 
 
 def check_numbers(
@@ -40,8 +41,8 @@ def check_reference(
         context.add("CB208", place, problem="a finger can press along its normal, and cannot pull")
     if isinstance(reference, Literal):
         check_reach(context, steps, reference, feedback)
-    if isinstance(reference, Literal) and isinstance(feedback.source, EffectorConfiguration):
-        joints = context.body.document.joints(feedback.source.effector)
+    if isinstance(reference, Literal) and (effector := configured(feedback.source)):
+        joints = context.body.document.joints(effector)
         limits = context.body.limits(joints)
         for i, (joint, angle, span) in enumerate(
             zip(joints, reference.values, limits, strict=True)
@@ -75,15 +76,16 @@ def _problems(
 ) -> Iterator[str]:
     if document.potential == "localizability":
         yield from _sight(context)
-    if not isinstance(feedback.source, EffectorConfiguration):
+    own = configured(feedback.source)
+    if not own:
         return
     moved = context.body.effector_joints(effector)
     if document.potential == "range":
-        yield from _ranges(context, feedback.source.effector, moved)
+        yield from _ranges(context, own, moved)
     # The measure of manipulability is sqrt(det(J J^T)) (Eq 3.5). With more rows than joints, J J^T
     # is singular in every posture, and the measure is 0 everywhere.
     if document.potential == "manipulability":
-        members = context.body.document.members(feedback.source.effector)
+        members = context.body.document.members(own)
         rows = len(members) * (6 if document.manipulator == "pose" else 3)
         if rows > len(moved):
             tip = f"{count(len(moved), 'joint')} cannot move {count(rows, 'component')} of a tip"

@@ -32,7 +32,8 @@ from cbdsl.program.controller import (
 from cbdsl.robot.resources import configuration_of
 from cbdsl.types.modifier import declared
 from cbdsl.types.potential import POTENTIALS, PotentialType
-from cbdsl.types.resource import Headings, Origin, Resource
+from cbdsl.types.resource import Origin, Resource
+from cbdsl.types.source_record import record_of
 
 
 def check_triple(
@@ -167,7 +168,7 @@ class _Triple:
 
     def _has_rigid_cameras(self, feedback: Resource) -> bool:
         """Return whether two headings determine a position, with no joint between the cameras."""
-        if not isinstance(feedback.source, Headings) or self._context.body.has_rigid_cameras():
+        if not record_of(feedback.source).stereo or self._context.body.has_rigid_cameras():
             return True
         self._context.add("CB516", self._place("feedback"), robot=self._context.body.document.name)
         return False

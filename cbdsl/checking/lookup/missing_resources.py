@@ -10,7 +10,8 @@ from cbdsl.checking.lookup.scope import Scope, parameters_in
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.nearest import nearest_name
-from cbdsl.robot.resources import CYCLOPEAN, NOVEL
+from cbdsl.robot.resources import NOVEL
+from cbdsl.types.resource import CYCLOPEAN
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]

@@ -9,18 +9,14 @@ from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.casts import RIGID_HOLD, Chain
-from cbdsl.types.resource import (
-    EffectorConfiguration,
-    FingerLoad,
-    Resource,
-    SensorSignal,
-    Source,
-)
+from cbdsl.types.resource import Resource, Source
 from cbdsl.types.source_record import (
     Carrier,
     compares,
+    configured,
     declaration_of,
     is_visual,
+    links_of,
     owner_of,
     record_of,
 )
@@ -76,8 +72,8 @@ class CheckedRobot(NamedTuple):
         Returns:
             One value a joint; none for a resource of another type, and without a model.
         """
-        source, robot = resource.source, self.document
-        if not isinstance(source, EffectorConfiguration) or self.model is None:
+        own, robot = configured(resource.source), self.document
+        if not own or self.model is None:
             return ()
         counted = {
             joint
@@ -85,7 +81,7 @@ class CheckedRobot(NamedTuple):
             if effector.count_turns
             for joint in effector.joints
         }
-        joints, known = robot.joints(source.effector), self.model.joints
+        joints, known = robot.joints(own), self.model.joints
         return tuple(
             joint in known and known[joint].endless and joint not in counted for joint in joints
         )
@@ -123,8 +119,8 @@ class CheckedRobot(NamedTuple):
     def influence(self, resource: Resource) -> frozenset[str] | None:
         """Return the actuated joints that a resource depends on, or ``None`` if unknown."""
         source = resource.source
-        if isinstance(source, EffectorConfiguration):
-            return frozenset(self.document.joints(source.effector))
+        if own := configured(source):
+            return frozenset(self.document.joints(own))
         if self.model is None:
             return None
         record, links = record_of(source), self._links(source)
@@ -162,9 +158,9 @@ class CheckedRobot(NamedTuple):
 
     def has_tip(self, resource: Resource) -> bool:
         """Return whether an effector, or each member of a group, has a tip."""
-        source = resource.source
-        return isinstance(source, EffectorConfiguration) and all(
-            self.document.effectors[name].tip for name in self.document.members(source.effector)
+        own = configured(resource.source)
+        return bool(own) and all(
+            self.document.effectors[name].tip for name in self.document.members(own)
         )
 
     def _links(self, source: Source) -> list[str]:
@@ -178,17 +174,17 @@ class CheckedRobot(NamedTuple):
         match carrier:
             case Carrier.TIPS:
                 return self._tip_links(owner_of(source))
-            case Carrier.CELL if isinstance(source, FingerLoad):
-                return [self.document.load_cells[source.hand][source.finger].link]
+            case Carrier.CELL:
+                _, hand, finger = declaration_of(source)
+                return [self.document.load_cells[hand][finger].link]
             case Carrier.CELLS:
                 return self._cell_links(self.document.members(owner_of(source)))
             case Carrier.CAMERAS:
                 return self._camera_links(source)
             case Carrier.HOLD:
                 return self._holding_links()
-            case Carrier.LINKS if isinstance(source, SensorSignal):
-                return list(source.links)
-        return []
+            case Carrier.LINKS:
+                return list(links_of(source))
 
     def _camera_links(self, source: Source) -> list[str]:
         cameras = self.document.cameras

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.robot.resources import CAMERAS, CYCLOPEAN, STEREO
+from cbdsl.robot.resources import CAMERAS, STEREO
+from cbdsl.types.resource import CYCLOPEAN
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 

@@ -15,7 +15,7 @@ from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.dry_run import StackLevel, levels
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
-from cbdsl.types.source_record import is_visual
+from cbdsl.types.source_record import is_visual, key_of
 from cbdsl.types.state import ANY
 
 # Rounding of half a turn and of a whole turn in rad.
@@ -126,7 +126,7 @@ class _ControllerCheck:
 
 def _are_same(one: Resource, other: Resource) -> bool:
     """Return whether two names mean the same signal; equal fields of different sources do not."""
-    return type(one.source) is type(other.source) and one.source == other.source
+    return key_of(one.source) == key_of(other.source)
 
 
 def _is_zero(controller: Controller) -> bool:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from cbdsl.program.controller import Onset
 from cbdsl.types.modifier import Call, ModifierType
-from cbdsl.types.resource import FingerLoad, NetLoad, Tip
+from cbdsl.types.resource import Tip
 from cbdsl.types.resource_type import TYPES
+from cbdsl.types.source_record import owner_of
 
 if TYPE_CHECKING:
     from cbdsl.control.plan import SlotForm
@@ -24,9 +25,8 @@ def bind(form: SlotForm, onset: Onset, setting: SlotSetting) -> SlotForm:
     """Return the slot of a controller that waits for a load change along its displacement."""
     from cbdsl.control.conditions.onset import OnsetForm
 
-    source, signals = setting.controller.feedback.source, setting.signals
-    assert isinstance(source, (NetLoad, FingerLoad))
-    carrier = signals.touch.carriers.get(source.hand)
+    signals = setting.signals
+    carrier = signals.touch.carriers.get(owner_of(setting.controller.feedback.source))
     tip = -1
     if carrier is not None:
         tip = signals.kinematic_rows.tip_off(Tip(carrier, "position"), -1, (0.0, 0.0, 0.0))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from cbdsl.program.controller import Seek
 from cbdsl.types.modifier import Call, ModifierType
 from cbdsl.types.resource import FingerForces, NetForces, NetLoad
+from cbdsl.types.source_record import owner_of
 
 if TYPE_CHECKING:
     from cbdsl.control.plan import SlotForm
@@ -25,9 +26,8 @@ def bind(form: SlotForm, seek: Seek, setting: SlotSetting) -> SlotForm:
 
     search = Search(seek.once is not None, seek.within, math.nan, ())
     if seek.until is not None:
-        source, touch = setting.controller.feedback.source, setting.signals.touch
-        assert isinstance(source, FingerForces)
-        joints, closing = touch.flexing[source.hand].tolist(), touch.closing[source.hand]
+        hand, touch = owner_of(setting.controller.feedback.source), setting.signals.touch
+        joints, closing = touch.flexing[hand].tolist(), touch.closing[hand]
         search = Search(search.follows, seek.within, seek.until, joints, closing)
     return form._replace(search=search)
 

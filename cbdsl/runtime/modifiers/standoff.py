@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from cbdsl.program.controller import Standoff
 from cbdsl.types.modifier import Call, ModifierType, OptionFault
 from cbdsl.types.resource import Tip
+from cbdsl.types.source_record import owner_of
 
 if TYPE_CHECKING:
     from cbdsl.control.plan import SlotForm
@@ -27,9 +28,8 @@ def _fault(section: StandoffSection) -> OptionFault | None:
 
 def bind(form: SlotForm, standoff: Standoff, setting: SlotSetting) -> SlotForm:
     """Return the slot of a controller whose feedback is the control point."""
-    source = setting.controller.feedback.source
-    assert isinstance(source, Tip)
-    row = setting.signals.kinematic_rows.tip_off(source, form.reference, standoff)
+    tip = Tip(owner_of(setting.controller.feedback.source), "position")
+    row = setting.signals.kinematic_rows.tip_off(tip, form.reference, standoff)
     return form._replace(feedback=row)
 
 

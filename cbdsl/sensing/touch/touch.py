@@ -211,19 +211,23 @@ class Touch:
             )
         return parts, self._flexions[hand]
 
-    def contact_parts(self, source: FingerLoad | NetLoad | NetForces) -> list[RowPart]:
-        """Return the fingertips as parts of a row of forces; torques have none."""
-        if isinstance(source, NetForces):
-            hands = self.hands(source.group)
-            return [
-                part._replace(shift=3 * place)
-                for place, hand in enumerate(hands)
-                for part in self._force_parts(hand, self._fingers(hand))
-            ]
-        if source.part == "torque":
-            return []
-        only = [source.finger] if isinstance(source, FingerLoad) else self._fingers(source.hand)
-        return self._force_parts(source.hand, only)
+    def finger_parts(self, source: FingerLoad) -> list[RowPart]:
+        """Return the fingertip as the part of a row of its force; a torque has none."""
+        own = () if source.part == "torque" else (source.finger,)
+        return self._force_parts(source.hand, own)
+
+    def hand_parts(self, source: NetLoad) -> list[RowPart]:
+        """Return the fingertips of a hand as parts of a row of their force; a torque has none."""
+        own = () if source.part == "torque" else self._fingers(source.hand)
+        return self._force_parts(source.hand, own)
+
+    def group_parts(self, source: NetForces) -> list[RowPart]:
+        """Return the fingertips of each hand of a group as parts of a row of forces."""
+        return [
+            part._replace(shift=3 * place)
+            for place, hand in enumerate(self.hands(source.group))
+            for part in self._force_parts(hand, self._fingers(hand))
+        ]
 
     def palm_parts(self, source: NetForces) -> list[RowPart]:
         """Return the fingertips as parts of a row of forces along palms' normals."""

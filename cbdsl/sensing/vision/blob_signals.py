@@ -24,6 +24,7 @@ from cbdsl.types.resource import (
     StereoOffset,
     StereoSignal,
 )
+from cbdsl.types.source_record import sources_of
 
 
 class _Motion(NamedTuple):
@@ -54,9 +55,9 @@ class BlobSignals:
     ) -> None:
         self._robot, self._vision, self._sight = robot, vision, sight
         self._followed = {
-            (each.source.camera, each.source.channel, each.source.instance)
-            for each in resources
-            if isinstance(each.source, BlobSignal) and each.source.part == "velocity"
+            (source.camera, source.channel, source.instance)
+            for source in sources_of(resources, BlobSignal)
+            if source.part == "velocity"
         }
         self.reset()
 

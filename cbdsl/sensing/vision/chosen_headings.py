@@ -14,6 +14,7 @@ from cbdsl.sensing.table.reading import CameraHeading, Reading, mean
 from cbdsl.sensing.vision.camera import heading, heading_jacobian
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.types.resource import MarkHeading, NovelHeading, Resource
+from cbdsl.types.source_record import sources_of
 
 Chosen = TypeVar("Chosen", NovelHeading, MarkHeading)
 
@@ -51,8 +52,7 @@ class ChosenHeadings(ABC, Generic[Chosen]):
         resources: Iterable[Resource],
     ) -> None:
         self._robot, self._kinematics, self._vision = robot, kinematics, vision
-        sources = dict.fromkeys(each.source for each in resources)
-        self._sources: list[Chosen] = [each for each in sources if isinstance(each, self.kind)]
+        self._sources: tuple[Chosen, ...] = sources_of(resources, self.kind)
         self._linger = robot.vision.regions.linger
         self._places = {name: place for place, name in enumerate(robot.cameras)}
         self.reset()

@@ -16,7 +16,7 @@ from cbdsl.kinematics.forward import rotation_of
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.vision.camera import heading, heading_jacobian, sight
 from cbdsl.sensing.vision.chosen_headings import ChosenHeadings
-from cbdsl.types.resource import GaussianSample, NovelHeading
+from cbdsl.types.resource import NovelHeading
 
 # Distance in standard deviations beyond which the background's density is negligible.
 _FAR = 3.0
@@ -117,11 +117,7 @@ def is_novel(source: NovelHeading, posture: Floats) -> bool:
         source: Heading source with the background's density.
         posture: Joint positions, rad, shape (n,).
     """
-    density = source.expected
-    if isinstance(density, GaussianSample):
-        centres, spread = np.array([density.mean]), np.array(density.deviation)
-    else:
-        centres, spread = np.array(density.samples), np.array(density.bandwidth)
+    centres, spread = np.array(source.expected.centres), np.array(source.expected.spread)
     squares = (((posture - centres) / spread) ** 2).sum(axis=1)
     return bool(squares.min() > _FAR**2)
 

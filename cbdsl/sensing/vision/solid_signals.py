@@ -14,6 +14,7 @@ from cbdsl.sensing.touch.touch import Touch
 from cbdsl.sensing.vision.solid import Silhouette, Solid
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.types.resource import Resource, SolidSignal
+from cbdsl.types.source_record import sources_of
 
 
 class SolidSignals:
@@ -30,8 +31,7 @@ class SolidSignals:
         self, robot: RobotDocument, vision: Vision, touch: Touch, resources: Iterable[Resource]
     ) -> None:
         self._robot, self._vision, self._touch = robot, vision, touch
-        pairs = [e.source.pair for e in resources if isinstance(e.source, SolidSignal)]
-        self._solids = {pair: Solid() for pair in pairs}
+        self._solids = {source.pair: Solid() for source in sources_of(resources, SolidSignal)}
 
     def reset(self) -> None:
         """Forget the previous episode."""

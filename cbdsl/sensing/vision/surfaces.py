@@ -9,6 +9,7 @@ from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.vision.surface import LevelSurface, SurfaceView
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.types.resource import Resource, SurfacePoint
+from cbdsl.types.source_record import sources_of
 
 
 class Surfaces:
@@ -27,10 +28,8 @@ class Surfaces:
         resources: Iterable[Resource],
     ) -> None:
         self._robot, self._vision = robot, vision
-        sources = [each.source for each in resources]
-        self.by_channel = {
-            source.channel: LevelSurface() for source in sources if isinstance(source, SurfacePoint)
-        }
+        sources = sources_of(resources, SurfacePoint)
+        self.by_channel = {source.channel: LevelSurface() for source in sources}
 
     def reset(self) -> None:
         """Forget the previous episode."""

@@ -10,7 +10,6 @@ import numpy as np
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.sensing.table.chain import MANIPULATOR, carry
 from cbdsl.sensing.table.reading import CameraHeading, Reading, mean, stacked
 from cbdsl.sensing.table.table import RowPart, records_of
@@ -28,7 +27,7 @@ from cbdsl.sensing.vision.memory import PositionMemory
 from cbdsl.sensing.vision.stereo import Ray, triangulate
 from cbdsl.sensing.vision.vision import SeenHeading, Vision
 from cbdsl.types.casts import CAMERA, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
-from cbdsl.types.resource import Heading, Headings, StereoPosition
+from cbdsl.types.resource import CYCLOPEAN, Heading, Headings, StereoPosition
 
 Step = Callable[[Any], Any]
 Thing = tuple[str, int]

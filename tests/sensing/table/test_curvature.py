@@ -65,7 +65,7 @@ class Robot:
             self.look[camera] = target - frame.position
         for resource in self.resources.values():
             if isinstance(resource.source, MarkHeading):
-                self.signals.marks._kept[resource.source] = _Lines(self.look, 1, 0.0)
+                self.signals.sensors.marks._kept[resource.source] = _Lines(self.look, 1, 0.0)
 
     def place(self, q: np.ndarray, load: float = 5.0) -> None:
         loads = {cell: np.full(6, load) for cell in self.cells}

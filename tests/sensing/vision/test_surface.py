@@ -135,7 +135,7 @@ def test_points_are_on_the_table(
 ) -> None:
     backend = embody("bullet", dexter, urdf, cameras=cameras)
     signals = Signals(dexter, kinematics, [resources(dexter)["surface.green"]])
-    (surface,) = signals.surfaces.by_channel.values()
+    (surface,) = signals.sensors.surfaces.by_channel.values()
     known = 0
     for seed in range(12):
         signals.reset()

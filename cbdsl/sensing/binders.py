@@ -1,0 +1,162 @@
+"""Binders: functions that bind the rows of the signal table, one for each type of source."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from cbdsl.sensing.predicted_signals import PredictedSignals
+from cbdsl.sensing.sensors import Sensors
+from cbdsl.sensing.table.kinematic_rows import KinematicRows
+from cbdsl.sensing.table.reading import Reading
+from cbdsl.sensing.table.refresh import CONTACT, HEADING, WRITTEN
+from cbdsl.sensing.table.signal_rows import Reader, SignalRows
+from cbdsl.sensing.table.table import Form, RowPart
+from cbdsl.types.casts import Chain
+from cbdsl.types.resource import (
+    AffordanceProbability,
+    BlobSignal,
+    Centroid,
+    ConstellationSignal,
+    EffectorConfiguration,
+    FingerForces,
+    FingerLoad,
+    GraspCentre,
+    Heading,
+    Headings,
+    InstanceCount,
+    MarkHeading,
+    NetForces,
+    NetLoad,
+    NovelHeading,
+    ObjectDistance,
+    Opening,
+    PairLikeness,
+    Posture,
+    Resource,
+    SensorSignal,
+    Separation,
+    SolidSignal,
+    StereoOffset,
+    StereoPosition,
+    StereoSignal,
+    Tip,
+)
+from cbdsl.types.resource_type import ORIENTATION
+
+Binder = Callable[[Resource, tuple[Chain, ...]], int]
+"""Function that binds a row of a resource with chains of its Jacobian, and returns its number."""
+
+
+class Binders:
+    """Binders of rows by the type of their sources.
+
+    Args:
+        rows: Rows of the signal table.
+        kinematic_rows: Factory of the rows that follow from joint positions alone.
+        sensors: Readers of the sensors.
+        predicted: Reader of predicted signals.
+        declared: Function of a declared sensor's signal and its size that returns its reader.
+    """
+
+    def __init__(
+        self,
+        rows: SignalRows,
+        kinematic_rows: KinematicRows,
+        sensors: Sensors,
+        predicted: PredictedSignals,
+        declared: Callable[[SensorSignal, int], Reader],
+    ) -> None:
+        self._rows, self._sight = rows, sensors.sight
+        touch, sight, blobs = sensors.touch, sensors.sight, sensors.blobs
+        self._by_type: Mapping[type, Binder] = {
+            EffectorConfiguration: _compiled(kinematic_rows.configuration),
+            Posture: _compiled(kinematic_rows.posture),
+            Tip: _compiled(kinematic_rows.tip),
+            Centroid: _compiled(kinematic_rows.centroid),
+            Separation: _compiled(kinematic_rows.separation),
+            GraspCentre: _compiled(kinematic_rows.grasp_centre),
+            Opening: _compiled(kinematic_rows.opening),
+            FingerLoad: self._load(touch.finger_load, touch.finger_parts),
+            NetLoad: self._load(touch.net_load, touch.hand_parts),
+            NetForces: self._load(touch.net_forces, touch.group_parts),
+            FingerForces: self._read_by(touch.finger_forces),
+            Heading: self._seen_by(sight.heading, self._heading()),
+            Headings: self._seen_by(sight.headings, self._heading(shift=2)),
+            StereoPosition: self._seen_by(sight.position),
+            BlobSignal: self._read_by(blobs.blob),
+            StereoSignal: self._read_by(blobs.feature),
+            ObjectDistance: self._read_by(sensors.distances.read),
+            NovelHeading: self._read_by(sensors.novelty.heading, self._heading()),
+            MarkHeading: self._read_by(sensors.marks.heading, self._heading()),
+            ConstellationSignal: self._read_by(blobs.constellation),
+            StereoOffset: self._read_by(blobs.offset),
+            SolidSignal: self._read_by(sensors.solids.read),
+            InstanceCount: self._read_by(blobs.count),
+            AffordanceProbability: self._read_by(predicted.affordance),
+            PairLikeness: self._read_by(predicted.likeness),
+            SensorSignal: self._declared(declared),
+        }
+
+    def bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
+        """Bind a row of a resource with chains of its Jacobian; return the row's number."""
+        return self._by_type[type(resource.source)](resource, chains)
+
+    def _read_by(
+        self, read: Callable[[Any], Reading | None], form: Callable[[int], Form] | None = None
+    ) -> Binder:
+        """Return a binder of rows that Python reads; without chains, by ``_seen_by``."""
+        return self._seen_by(lambda source, _: read(source), form)
+
+    def _seen_by(
+        self,
+        read: Callable[[Any, tuple[Chain, ...]], Reading | None],
+        form: Callable[[int], Form] | None = None,
+    ) -> Binder:
+        """Return a binder of rows that Python reads.
+
+        Args:
+            read: Function of a source and of the chains of its Jacobian.
+            form: Function of a row's size, for a row whose Jacobian bends.
+        """
+
+        def bind(resource: Resource, chains: tuple[Chain, ...]) -> int:
+            source, size = resource.source, _size_of(resource)
+            return self._rows.bind_read(
+                size, lambda: read(source, chains), None if form is None else form(size)
+            )
+
+        return bind
+
+    def _load(
+        self, read: Callable[[Any], Reading | None], parts_of: Callable[[Any], list[RowPart]]
+    ) -> Binder:
+        """Return a binder of rows of contact loads, whose forces are compiled from fingertips."""
+
+        def bind(resource: Resource, chains: tuple[Chain, ...]) -> int:
+            source, size = resource.source, _size_of(resource)
+            parts = parts_of(source)
+            form = Form(CONTACT if parts else WRITTEN, size, size, parts)
+            return self._rows.bind_read(size, lambda: read(source), form)
+
+        return bind
+
+    def _declared(self, reader_of: Callable[[Any, int], Reader]) -> Binder:
+        def bind(resource: Resource, chains: tuple[Chain, ...]) -> int:
+            size = resource.type.size
+            return self._rows.bind_read(size, reader_of(resource.source, size))
+
+        return bind
+
+    def _heading(self, shift: int = 0) -> Callable[[int], Form]:
+        return lambda size: Form(HEADING, size, size, self._sight.camera_parts(shift))
+
+
+def _compiled(bind: Callable[[Any], int]) -> Binder:
+    """Return a binder of rows that are compiled from their parts."""
+    return lambda resource, chains: bind(resource.source)
+
+
+def _size_of(resource: Resource) -> int:
+    """Return the number of components of a row; an orientation is a matrix."""
+    return 9 if resource.type == ORIENTATION else resource.type.size
