@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from cbdsl.sensing.predicted_signals import PredictedSignals
-from cbdsl.sensing.sensors import Sensors
+from cbdsl.sensing.sensor_readers import SensorReaders
 from cbdsl.sensing.table.kinematic_rows import KinematicRows
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.sensing.table.refresh import CONTACT, HEADING, WRITTEN
@@ -63,7 +63,7 @@ class Binders:
         self,
         rows: SignalRows,
         kinematic_rows: KinematicRows,
-        sensors: Sensors,
+        sensors: SensorReaders,
         predicted: PredictedSignals,
         declared: Callable[[SensorSignal, int], Reader],
     ) -> None:

@@ -16,7 +16,7 @@ from cbdsl.sensing.density import Sampler, joint_sampler
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.predicted_signals import PredictedSignals
 from cbdsl.sensing.sensor_faults import require_finite
-from cbdsl.sensing.sensors import Sensors
+from cbdsl.sensing.sensor_readers import SensorReaders
 from cbdsl.sensing.signal_arrays import SensedArrays, SignalArrays, TableArrays, TreeArrays
 from cbdsl.sensing.table.chain import require_executed
 from cbdsl.sensing.table.kinematic_rows import KinematicRows
@@ -74,7 +74,7 @@ class Signals:
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
         self.kinematic_rows = KinematicRows(robot, kinematics, self.tips, self._rows)
-        self.sensors = Sensors(robot, kinematics, self.tips, tuple(_with_features(resources)))
+        self.sensors = SensorReaders(robot, kinematics, self.tips, tuple(_with_features(resources)))
         self.touch, self.strain = self.sensors.touch, self.sensors.strain
         self.vision, self.sight = self.sensors.vision, self.sensors.sight
         predicted = PredictedSignals(self.read, self.clock, self.vision)

@@ -1,4 +1,4 @@
-"""Sensors: touch and vision of one robot, updated in the order of their dependence."""
+"""Sensor readers: touch and vision of one robot, updated in the order of their dependence."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from cbdsl.types.resource import Resource
 from cbdsl.types.source_record import channels_of
 
 
-class Sensors:
+class SensorReaders:
     """Readers of one robot's sensors, with the memories of its objects.
 
     Args:
         robot: Robot document with the sensors.
         kinematics: Kinematics of the same robot.
-        tips: Tips of its effectors.
+        tips: Tips of the effectors.
         resources: Resources with the channels that the cameras look for.
     """
 
@@ -58,11 +58,11 @@ class Sensors:
         self.touch.reset()
         self._forget()
 
-    def resume(self, before: Sensors) -> None:
+    def resume(self, before: SensorReaders) -> None:
         """Begin an episode at the end of another one; see ``Touch.resume``.
 
         Args:
-            before: Sensors of that episode; may be this object.
+            before: Readers of that episode; may be this object.
         """
         self.touch.resume(before.touch)
         self._forget()
@@ -80,7 +80,7 @@ class Sensors:
 
         Args:
             observation: Observation of the tick.
-            wrenches: Its loads from ``Touch.gathered``, N and N m, world frame, shape (cells, 6).
+            wrenches: Loads from ``Touch.gathered``, N and N m, world frame, shape (cells, 6).
         """
         self.strain.update(observation)
         if self._robot.load_cells:
