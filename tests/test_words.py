@@ -20,6 +20,11 @@ PACKAGES = ("cbdsl", "reproduction/cbdsl_reproduction")
 WORDS = tomllib.loads((ROOT / "tests" / "banned_words.toml").read_text("utf-8"))
 #: No function takes more positional parameters, unless it is compiled.
 PARAMETERS = 8
+#: Names of tests with fewer than three words, or with a clause or pronoun instead of a unit.
+_RIDDLE = re.compile(
+    r"test_[^_]+(_[^_]+)?|test_(it|its|they|what|who|where|then|of|there|those)_.*"
+    r"|.*_(what|who|whatever|whoever|told|nobody|somebody)(_.*)?"
+)
 _COMPILED = ("njit", "jit", "compiled", "compiled_once", "compiled_sum", "potential")
 
 
@@ -119,6 +124,12 @@ def shared_names(sources: Mapping[str, str]) -> dict[str, list[str]]:
     return {name: files for name, files in owners.items() if len(files) > 1}
 
 
+def riddles(source: str) -> list[str]:
+    """Return the names of tests that do not name a unit, a condition and an expected result."""
+    names = (node.name for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef))
+    return [name for name in names if name.startswith("test_") and _RIDDLE.fullmatch(name)]
+
+
 def sources() -> dict[str, str]:
     files = (path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py")))
     return {path.relative_to(ROOT).as_posix(): path.read_text("utf-8") for path in files}
@@ -128,6 +139,20 @@ def sources() -> dict[str, str]:
 def test_module_has_no_banned_words(file: str) -> None:
     faults = diagnostics((ROOT / file).read_text("utf-8"))
     assert [f"{file}:{line}: {message}" for line, message in faults] == []
+
+
+@pytest.mark.parametrize("folder", ["tests", "reproduction/tests"])
+def test_names_of_tests_state_a_unit_and_a_result(folder: str) -> None:
+    files = sorted((ROOT / folder).rglob("test_*.py"))
+    found = {file.name: riddles(file.read_text("utf-8")) for file in files}
+    assert {name: names for name, names in found.items() if names} == {}
+
+
+@pytest.mark.parametrize(
+    "name", ["modes", "it_is_listed", "what_rests_stays", "finds_what_is_there"]
+)
+def test_riddles_finds_a_name_without_a_unit(name: str) -> None:
+    assert riddles(f"def test_{name}(): ...") == [f"test_{name}"]
 
 
 @pytest.mark.parametrize("file", files())
