@@ -135,14 +135,17 @@ class Library:
 
         Returns:
             True if no cached robot can have changed. False if the file was or becomes a robot or
-            a calibration, if its kind changed, or if it is new, so that a name may refer to it.
+            a calibration, or if it is new, so that a name may refer to it.
         """
         key = self.real(path)
         before = self._given.get(key)
         self._given[key] = data
         self._read.pop(key, None)
         kinds = {declared_kind((each or b"").decode("utf-8", "replace")) for each in (before, data)}
-        return before is not None and len(kinds) == 1 and kinds.isdisjoint(("robot", "calibration"))
+        if len(kinds) > 1:
+            # A name refers to a file of one kind alone.
+            self._files_by_name.clear()
+        return before is not None and kinds.isdisjoint(("robot", "calibration"))
 
     def locate(self, kind: type[Document], name: str | Path) -> Path:
         """Return the file for a path, or for a name as a document in this folder would use it.

@@ -41,7 +41,8 @@ def _edits(data: bytes) -> None:
     """Edit a shipped document; each five bytes give the place, the deleted length and the text."""
     buffers = _buffers()
     path = _PROGRAMS[data[0] % len(_PROGRAMS) if data else 0]
-    text, path = path.read_text("utf-8")[:4000], Path("/nowhere") / path.name
+    text, path = _text(path), Path("/nowhere") / path.name
+    at = where = 0
     for start in range(1, min(len(data), 1 + _EDITS * _EDIT), _EDIT):
         high, low, length, piece, where = data[start : start + _EDIT].ljust(_EDIT, b"\0")
         at = (256 * high + low) % (len(text) + 1)
@@ -49,7 +50,14 @@ def _edits(data: bytes) -> None:
         elsewhere = 16 * where
         new = PIECES[piece] if piece < len(PIECES) else text[elsewhere : elsewhere + piece]
         text = text[:at] + new + text[at + length % 64 :]
-        _ask(buffers, path, text, at + where % 8, rename=where % 16 == 0)
+        buffers.change(path, text)
+    # Requests follow the last edit alone: a prefix of the input asks after an earlier one.
+    _ask(buffers, path, text, at + where % 8, rename=where % 16 == 0)
+
+
+@cache
+def _text(path: Path) -> str:
+    return path.read_text("utf-8")[:4000]
 
 
 def _ask(buffers: Buffers, path: Path, text: str, at: int, *, rename: bool) -> None:

@@ -95,5 +95,20 @@ def test_replace_of_a_file_returns_whether_parsed_documents_stay_valid(
     text = f"cbdsl: 1\nkind: {kind}\n".encode()
     assert not library.replace(path, text), "it may be found by a name from now on"
     assert library.replace(path, text + b"name: own\n") == goes_on
-    assert not library.replace(path, b"kind: stage\n"), "it is of another kind"
+    assert library.replace(path, b"kind: stage\n") == goes_on
     assert library.text(path) == "kind: stage\n"
+
+
+def test_replace_with_another_kind_forgets_the_file_of_a_name(tmp_path: Path) -> None:
+    library, path = Library(tmp_path), tmp_path / "programs" / "own.yaml"
+    path.parent.mkdir()
+    path.write_text("cbdsl: 1\nkind: program\n", encoding="utf-8")
+    beside = path.with_name("other.yaml")
+    library.replace(path, path.read_bytes())
+    assert library.find(ProgramDocument, "own", beside) == path
+    path.write_text("cbdsl: 1\nkind: stage\n", encoding="utf-8")
+    assert library.replace(path, path.read_bytes())
+    (tmp_path / "programs" / "programs").mkdir()
+    own = tmp_path / "programs" / "programs" / "own.yaml"
+    own.write_text("cbdsl: 1\nkind: program\n", encoding="utf-8")
+    assert library.find(ProgramDocument, "own", beside) == own
