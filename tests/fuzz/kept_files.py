@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import tempfile
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -17,6 +16,7 @@ from cbdsl.reporting.recorded import read_recording
 from cbdsl.storage.journal import JournalError, require_same, rows_of
 from cbdsl.training.exploration_phases import open_journal
 from tests.fuzz.entry_point import EntryPoint
+from tests.fuzz.scratch import scratch
 
 #: Three ticks of a recorded episode.
 RECORDING = Path(__file__).parent / "recording" / "episode_25.json"
@@ -64,10 +64,9 @@ def _exploration_journal(data: bytes) -> None:
 @cache
 def _copy() -> Path:
     """Return a copy of the recording in a folder where it may be overwritten."""
-    folder = Path(tempfile.mkdtemp(prefix="fuzz"))
     for suffix in (".json", ".npz"):
-        shutil.copy(RECORDING.with_suffix(suffix), folder)
-    return folder / RECORDING.name
+        shutil.copy(RECORDING.with_suffix(suffix), scratch())
+    return scratch() / RECORDING.name
 
 
 def _replay(suffix: str, data: bytes) -> None:

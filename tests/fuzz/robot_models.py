@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 
 from cbdsl.robot.package_folders import PackageFolders
@@ -13,6 +11,7 @@ from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import parse_urdf
 from tests.conftest import ROOT
 from tests.fuzz.entry_point import EntryPoint
+from tests.fuzz.scratch import scratch
 
 _FILE = Path("any.urdf")
 _LARGEST = 8000
@@ -33,15 +32,10 @@ def _srdf(data: bytes) -> None:
         assert "any.urdf" in str(error)
 
 
-@cache
-def _folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="fuzz"))
-
-
 def _xacro(data: bytes) -> None:
     from cbdsl.robot.xacro.expansion import expand_xacro
 
-    file = _folder() / "any.xacro"
+    file = scratch() / "any.xacro"
     file.write_bytes(data)
     try:
         text = expand_xacro(file, {"side": "left"}, PackageFolders({}, [], file))
@@ -78,7 +72,7 @@ def _xacro_expression(data: bytes) -> None:
 def _mjcf(data: bytes) -> None:
     from cbdsl.robot.mjcf.conversion import convert_mjcf
 
-    file = _folder() / "any.xml"
+    file = scratch() / "any.xml"
     file.write_bytes(data)
     try:
         converted = convert_mjcf(file, "any")
