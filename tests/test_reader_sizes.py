@@ -20,6 +20,7 @@ from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.language.parser import parse
 from cbdsl.reporting import recorded
 from cbdsl.reporting.recorded import read_recording
+from cbdsl.robot.meshes import mesh_damage
 from cbdsl.robot.meshes.triangles import MOST, read_triangles
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.srdf import parse_srdf
@@ -64,6 +65,13 @@ def mesh(folder: Path, name: str, text: str | bytes) -> object:
     return read_triangles(folder / name)
 
 
+def damage(folder: Path, name: str, text: str | bytes) -> object:
+    data = text.encode() if isinstance(text, str) else text
+    (folder / name).write_bytes(data)
+    mesh_damage._damage.cache_clear()
+    return mesh_damage.mesh_damage(folder / name)
+
+
 def stl(count: int) -> bytes:
     return bytes(80) + count.to_bytes(4, "little") + bytes(range(50)) * count
 
@@ -101,6 +109,28 @@ READERS: dict[str, tuple[int, Read]] = {
     "obj": (30_000, lambda folder, n: mesh(folder, "a.obj", "v 0 0 0\n" * n + "f 1 2 3\n" * n)),
     "stl text": (60_000, lambda folder, n: mesh(folder, "a.stl", "solid\n" + "vertex 0 1 2\n" * n)),
     "stl bytes": (40_000, lambda folder, n: mesh(folder, "a.stl", stl(n))),
+    "robot mesh obj": (
+        40_000,
+        lambda folder, n: damage(folder, "a.obj", "v 0 0 0\n" * n + "f 1 2 3\n" * n + "f 1\n"),
+    ),
+    "robot mesh obj digits": (
+        200_000, lambda folder, n: damage(folder, "a.obj", f"v {'1' * n} {'1.' * n}\nf {'1' * n}x")
+    ),
+    "robot mesh obj corners": (40_000, lambda folder, n: damage(folder, "a.obj", "f" + " 1" * n)),
+    "robot mesh stl text": (
+        40_000,
+        lambda folder, n: damage(folder, "a.stl", "solid\n" + "vertex 0 1 2\n" * n + " " * n),
+    ),
+    "robot mesh stl bytes": (40_000, lambda folder, n: damage(folder, "a.stl", stl(n))),
+    "robot mesh collada": (
+        60_000,
+        lambda folder, n: damage(
+            folder, "a.dae", f'<COLLADA><float_array count="{n}">{"0 " * n}</float_array></COLLADA>'
+        ),
+    ),
+    "robot mesh collada elements": (
+        60_000, lambda folder, n: damage(folder, "a.dae", f"<COLLADA>{'<p>0</p>' * n}</COLLADA>")
+    ),
     "policy key": (450, lambda folder, n: checked(folder, "p.yaml", policy_key("*" * n))),
     "policy keys": (
         400, lambda folder, n: checked(folder, "p.yaml", policy_key(*map(str, range(n))))

@@ -48,8 +48,9 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_SIZES}test_urdf_beyond_its_bounds_is_refused",
         f"{_HERE}test_semantic_groups_with_entities_are_refused",
     ),
-    "`cb validate` opens no mesh that a URDF names": (
-        f"{_HERE}test_validate_of_any_document_writes_runs_and_connects_nothing",
+    "`cb validate` searches their bytes for damage, without a native reader": (
+        "backends/test_damaged_meshes.py:test_robot_with_damaged_mesh_is_refused_by_the_checker_and_each_engine",
+        f"{_HERE}test_validate_of_a_mesh_of_a_robot_loads_no_native_reader",
     ),
     "a file is xacro only by its name (`.xacro`) or by `--xacro`": (
         f"{_SOURCE}test_new_robot_from_xacro_by_another_name_needs_the_option",
@@ -128,6 +129,12 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         _BOUNDS,
         f"{_SIZES}test_mesh_of_too_many_triangles_is_refused_while_it_is_read",
         f"{_SIZES}test_sparse_mesh_is_refused_before_it_is_read",
+    ),
+    "100 MB each, and the smallest of 100 MB together are read": (
+        _BOUNDS,
+        "robot/meshes/test_mesh_damage.py:test_mesh_damage_of_file_that_is_too_large_opens_nothing",
+        "robot/meshes/test_mesh_damage.py:"
+        "test_damaged_meshes_of_large_model_reads_the_smallest_files",
     ),
     "10 s of processor time, 3 GB": (
         _BOUNDS,
@@ -273,17 +280,37 @@ def audited(folder: Path, *words: str) -> list[tuple[str, str]]:
 
 def test_validate_of_any_document_writes_runs_and_connects_nothing(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "tests" / "checking" / "bad", tmp_path / "bad")
-    mesh = '<mesh filename="secret.stl"/>'
+    write_robot_with_mesh(tmp_path)
+    events = audited(tmp_path, "validate", ".")
+    assert any(file.endswith("panda.urdf") for event, file in events if event == "read")
+    assert [each for each in events if each[0] != "read"] == []
+
+
+def write_robot_with_mesh(folder: Path) -> None:
+    """Write the shipped Panda with a mesh of no triangles."""
+    mesh = '<mesh filename="tip.stl"/>'
     urdf = (ROOT / "robots" / "panda.urdf").read_text("utf-8")
     urdf = urdf.replace("</link>", f"<visual><geometry>{mesh}</geometry></visual></link>")
-    (tmp_path / "panda.urdf").write_text(urdf, encoding="utf-8")
-    (tmp_path / "secret.stl").write_bytes(bytes(84))
-    shutil.copy(ROOT / "robots" / "panda.yaml", tmp_path)
-    events = audited(tmp_path, "validate", ".")
-    files = [detail for event, detail in events if event == "read"]
-    assert any(file.endswith("panda.urdf") for file in files)
-    assert not [file for file in files if file.endswith("secret.stl")]
-    assert [each for each in events if each[0] != "read"] == []
+    (folder / "panda.urdf").write_text(urdf, encoding="utf-8")
+    (folder / "tip.stl").write_bytes(bytes(84))
+    shutil.copy(ROOT / "robots" / "panda.yaml", folder)
+
+
+_VALIDATE = "import sys; sys.argv[1:] = ['validate', '.']; from cbdsl.cli.main import main; main()"
+
+
+def test_validate_of_a_mesh_of_a_robot_loads_no_native_reader(tmp_path: Path) -> None:
+    write_robot_with_mesh(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-B", "-X", "importtime", "-c", _VALIDATE],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    assert done.returncode == 1 and "CB366 mesh 'tip.stl'" in done.stdout
+    assert "cbdsl.robot.meshes.mesh_damage" in imported
+    assert imported.isdisjoint({"numpy", "coal", "pinocchio", "pybullet", "mujoco"})
 
 
 def test_commands_without_a_network_listen_nowhere(tmp_path: Path) -> None:
@@ -386,7 +413,7 @@ def test_module_of_the_live_page_writes_no_file() -> None:
 def test_bounds_on_the_page_are_those_of_the_readers() -> None:
     from cbdsl.reporting import recorded
     from cbdsl.robot import robot_xml, urdf_reader
-    from cbdsl.robot.meshes import triangles
+    from cbdsl.robot.meshes import mesh_damage, model_meshes, triangles
     from cbdsl.robot.mjcf import bounded_conversion
     from cbdsl.robot.xacro import budget
 
@@ -398,6 +425,8 @@ def test_bounds_on_the_page_are_those_of_the_readers() -> None:
         f"{urdf_reader._DEEPEST:,} joints",
         f"{budget._MOST_STEPS // 10**6} million steps, values of {budget.MOST_PARTS:,} parts",
         f"{triangles.MOST_BYTES // 10**6} MB, {triangles.MOST:,} triangles",
+        f"{mesh_damage.MOST_BYTES // 10**6} MB each, and the smallest of "
+        f"{model_meshes.MOST_BYTES // 10**6} MB together",
         f"{bounded_conversion._MOST_SECONDS} s of processor time, "
         f"{bounded_conversion._MOST_BYTES // 10**9} GB",
         f"{recorded._MOST_ARRAY_BYTES // 10**9} GB of arrays",

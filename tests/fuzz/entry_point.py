@@ -30,7 +30,7 @@ MODULES: Mapping[str, str] = {
         "documents",
     ),
     **dict.fromkeys(("composition", "quantity", "scalar", "pattern", "layout"), "language"),
-    **dict.fromkeys(("urdf", "srdf", "xacro", "xacro_expression", "mjcf"), "robot_models"),
+    **dict.fromkeys(("urdf", "srdf", "xacro", "xacro_expression", "mjcf", "mesh"), "robot_models"),
     **dict.fromkeys(("journal", "exploration_journal", "recording", "arrays"), "kept_files"),
     **dict.fromkeys(("edits", "page_request", "command_line"), "clients"),
 }

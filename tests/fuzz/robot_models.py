@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from cbdsl.robot.meshes.mesh_damage import _damage, mesh_damage
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.srdf import parse_srdf
 from cbdsl.robot.urdf import UrdfError
@@ -12,9 +13,11 @@ from cbdsl.robot.urdf_reader import parse_urdf
 from tests.conftest import ROOT
 from tests.fuzz.entry_point import EntryPoint
 from tests.fuzz.scratch import scratch
+from tests.robot.meshes.samples import DAMAGED, SOUND
 
 _FILE = Path("any.urdf")
 _LARGEST = 8000
+MESHES = (".stl", ".obj", ".dae", ".ply", ".glb", ".gltf", ".xyz")
 
 
 def _urdf(data: bytes) -> None:
@@ -82,6 +85,23 @@ def _mjcf(data: bytes) -> None:
     parse_urdf(converted.urdf, file)
 
 
+def _mesh(data: bytes) -> None:
+    """Search for the damage of a mesh; the first byte chooses its format."""
+    file = scratch() / f"any{MESHES[data[0] % len(MESHES)] if data else '.stl'}"
+    file.write_bytes(data[1:])
+    _damage.cache_clear()
+    damage = mesh_damage(file)
+    damage.encode()
+    assert "\n" not in damage and len(damage) < 300
+
+
+def _meshes() -> Iterator[bytes]:
+    for name, data in SOUND.items():
+        yield bytes([MESHES.index(Path(name).suffix)]) + data
+    for (name, _), data in DAMAGED.items():
+        yield bytes([MESHES.index(Path(name).suffix)]) + data
+
+
 def _urdfs() -> Iterator[bytes]:
     folders = (ROOT / "robots", ROOT / "tests" / "checking" / "bad")
     for folder in folders:
@@ -137,4 +157,5 @@ ENTRY_POINTS = {
     "xacro": EntryPoint(_xacro, lambda: iter([_XACRO, _ARM])),
     "xacro_expression": EntryPoint(_xacro_expression, lambda: iter(_EXPRESSIONS)),
     "mjcf": EntryPoint(_mjcf, lambda: iter([_MJCF])),
+    "mesh": EntryPoint(_mesh, _meshes),
 }

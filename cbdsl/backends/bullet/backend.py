@@ -11,7 +11,7 @@ from cbdsl.backends.bullet.engine import BulletEngine
 from cbdsl.backends.bullet.tiny import TinyRenderer
 from cbdsl.backends.cameras.selection import make_cameras
 from cbdsl.backends.simulated_backend import SimulatedBackend
-from cbdsl.backends.staging.fit import physics_steps, read_fitting
+from cbdsl.backends.staging.fit import physics_steps, read_fitting, require_meshes
 from cbdsl.documents.robot import RobotDocument
 
 
@@ -36,6 +36,7 @@ class BulletBackend(SimulatedBackend[BulletEngine]):
             # The simulator would end the process.
             raise BackendError("the simulator's window needs a screen, but DISPLAY is not set")
         model, substeps = read_fitting(robot, urdf), physics_steps(robot)
+        require_meshes(model, model.meshes)
         engine = BulletEngine(robot, model, 1 / robot.control.rate / substeps, gui=gui)
         try:
             own = {"tiny": lambda: TinyRenderer(engine.client)}

@@ -9,6 +9,7 @@ import numpy as np
 import pybullet as p
 
 from cbdsl.backends.backend import BackendError
+from cbdsl.backends.bullet.meshes import require_collisions, require_known_endings
 from cbdsl.backends.staging.links import matching_links
 from cbdsl.documents.robot import RobotDocument, Simulation
 from cbdsl.kinematics.quaternion import rotations
@@ -57,6 +58,7 @@ class BulletRobot:
     ) -> None:
         self._client, self._document, self._model = client, robot, model
         self._joints = joints = Joints(robot)
+        require_known_endings(model)
         try:
             self.id: int = p.loadURDF(
                 str(model.path), useFixedBase=True, flags=_FLAGS, physicsClientId=client
@@ -73,6 +75,7 @@ class BulletRobot:
             )
         rows = [p.getJointInfo(self.id, index, physicsClientId=client) for index in range(count)]
         self.links = {robot.base: -1} | {row[12].decode(): row[0] for row in rows}
+        require_collisions(client, self.id, model, self.links)
         numbers = {row[1].decode(): row[0] for row in rows}
         self._indices = [numbers[name] for name in joints.all]
         self._actuated = self._indices[: len(joints)]

@@ -9,7 +9,7 @@ from cbdsl.backends.mujoco.engine import MujocoEngine
 from cbdsl.backends.mujoco.own_renderer import MujocoRenderer
 from cbdsl.backends.mujoco.window import Window
 from cbdsl.backends.simulated_backend import SimulatedBackend
-from cbdsl.backends.staging.fit import physics_steps, read_fitting
+from cbdsl.backends.staging.fit import physics_steps, read_fitting, require_meshes
 from cbdsl.documents.robot import RobotDocument
 
 
@@ -32,6 +32,8 @@ class MujocoBackend(SimulatedBackend[MujocoEngine]):
     ) -> None:
         window = Window() if gui else None
         model, substeps = read_fitting(robot, urdf), physics_steps(robot)
+        bodies = model.bodies.values()
+        require_meshes(model, {shape.file for body in bodies for shape in body.collisions})
         own = {"mujoco": lambda: MujocoRenderer(robot, model)}
         eyes = make_cameras(cameras, robot, model, own)
         engine = MujocoEngine(robot, model, 1 / robot.control.rate / substeps, window)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.chains import root
+from cbdsl.robot.meshes.model_meshes import damaged_meshes, missing_meshes
 from cbdsl.robot.urdf import UrdfError, UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
 
@@ -16,7 +17,8 @@ def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
     """Read the model of a robot.
 
     Raises:
-        BackendError: The model cannot be read, or lacks a part that the robot file names.
+        BackendError: The model cannot be read, has a damaged mesh, or lacks a part that the robot
+            file names.
     """
     try:
         model = read_urdf(urdf)
@@ -25,6 +27,7 @@ def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
     aimless = [joint.name for joint in model.joints.values() if not joint.directed]
     if aimless:
         raise BackendError(f"{urdf.name} gives joint '{aimless[0]}' an axis without a direction")
+    _require_sound_meshes(model)
     base = root(model)
     if base != robot.base:
         raise BackendError(
@@ -44,6 +47,33 @@ def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
                 f"{urdf.name} has no link '{link}', which robot '{robot.name}' names"
             )
     return model
+
+
+def require_meshes(model: UrdfModel, needed: Collection[str]) -> None:
+    """Check that the files of the meshes that an engine needs exist.
+
+    Args:
+        model: Model of the robot.
+        needed: Files of meshes, as the model names them.
+
+    Raises:
+        BackendError: One is missing.
+    """
+    for fault in missing_meshes(model):
+        if fault.file in needed:
+            raise BackendError(
+                f"{model.path.name}: mesh '{fault.file}' of link '{fault.link}' does not exist; "
+                f"put it there, or use the engine kinematic, which reads no mesh"
+            )
+
+
+def _require_sound_meshes(model: UrdfModel) -> None:
+    # Documents are checked in the same way when they are read; robots of other sources are not.
+    for fault in damaged_meshes(model):
+        raise BackendError(
+            f"{model.path.name}: mesh '{fault.file}' of link '{fault.link}' is damaged: "
+            f"{fault.damage}; export it or download it again"
+        )
 
 
 def physics_steps(robot: RobotDocument) -> int:

@@ -32,21 +32,6 @@ def check_speeds(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> Non
             diagnostics.add("CB740", loaded.source.place(*steps), **details)
 
 
-def check_meshes(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics) -> None:
-    """Warn of missing mesh files; engines that draw meshes refuse such a model."""
-    meshes = model.meshes
-    if not meshes:
-        return
-    from cbdsl.robot.meshes.mesh_file import find_mesh  # most robots of a check have none
-
-    folder = model.path.parent
-    missing = [name for name in meshes if find_mesh(name, folder) is None]
-    if missing:
-        more = f", and {len(missing) - 1} more" if len(missing) > 1 else ""
-        details = {"file": missing[0], "link": meshes[missing[0]], "more": more}
-        diagnostics.add("CB741", loaded.source.place("model"), **details)
-
-
 def note_assumptions(
     loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics
 ) -> None:
