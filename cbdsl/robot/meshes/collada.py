@@ -19,7 +19,7 @@ class ColladaError(ValueError):
 
 
 def collada_damage(data: bytes) -> str:
-    """Return the damage of a COLLADA file as a clause; empty if none is found."""
+    """Return the damage of a COLLADA file as a clause; empty if none is token."""
     reader = _Reader()
     parser = expat.ParserCreate()
     parser.buffer_text, parser.buffer_size = True, 1 << 16
@@ -81,9 +81,9 @@ class _Reader:
 
     @staticmethod
     def _require_none(wrong: re.Pattern[str], text: str, kind: str) -> None:
-        found = wrong.search(text)
-        if found is not None:
-            raise ColladaError(f"'{legible(found[0][:40])}' is {kind}")
+        token = wrong.search(text)
+        if token is not None:
+            raise ColladaError(f"'{legible(token[0][:40])}' is {kind}")
 
     def _require_declared(self, numbers: int) -> None:
         declared = self._declared.strip()

@@ -45,10 +45,10 @@ _INDEX = re.compile(rb"[ \t](-?\d+)")
 
 
 def mesh_damage(file: Path) -> str:
-    """Return the damage of a mesh file as a clause; empty if none is found.
+    """Return the damage of a mesh file as a clause; empty without one.
 
-    The ending of the name tells the format. Formats that have no check of their own here are sound
-    unless they are empty.
+    The format follows from the ending of the name. A file of another format is only damaged if it
+    is empty.
     """
     try:
         status = file.stat()

@@ -40,20 +40,20 @@ def damaged_meshes(model: UrdfModel) -> list[FaultyMesh]:
 
     Of files that exceed the bound together, the largest are not read.
     """
-    found = dict(_found(model))
-    ordered = sorted(set(found.values()), key=lambda file: (_size(file), file))
+    files = dict(_files(model))
+    ordered = sorted(set(files.values()), key=lambda file: (_size(file), file))
     totals = accumulate(map(_size, ordered))
     # The sizes are sorted, and thus their sums, too.
     within = {file for file, total in zip(ordered, totals, strict=True) if total <= MOST_BYTES}
     faults = (
         FaultyMesh(name, model.meshes[name], mesh_damage(file))
-        for name, file in found.items()
+        for name, file in files.items()
         if file in within or _size(file) > MOST_BYTES
     )
     return [fault for fault in faults if fault.damage]
 
 
-def _found(model: UrdfModel) -> Iterator[tuple[str, Path]]:
+def _files(model: UrdfModel) -> Iterator[tuple[str, Path]]:
     for name in model.meshes:
         file = find_mesh(name, model.path.parent)
         if file is not None:
