@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
-    from cbdsl.diagnostics.diagnostics import Diagnostics
     from cbdsl.program.checked import CheckedProgram
 
 
@@ -54,18 +52,12 @@ def exchanged(request: RunRequest, member: str, program: str) -> CheckedProgram:
         UsageError: The program cannot take the place of the member.
     """
     from cbdsl.checking.member_exchange import MemberExchange
-    from cbdsl.checking.program import examine_program
+    from cbdsl.checking.program import examiner
     from cbdsl.checking.session import Session
     from cbdsl.diagnostics.errors import UsageError
 
     session = Session(request.library)
-
-    def examine(
-        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
-    ) -> CheckedProgram | None:
-        return examine_program(file, with_, session, diagnostics)
-
-    exchange = MemberExchange(request.program_file, session, examine)
+    exchange = MemberExchange(request.program_file, session, examiner(session))
     changed, refusal = exchange.exchanged(request.program, member, program)
     if changed is None:
         raise UsageError(f"'{program}' cannot take the place of '{member}': {refusal}")

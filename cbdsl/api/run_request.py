@@ -233,11 +233,12 @@ def _as_schema(
     """Return a program that is allocated by a schema."""
     from cbdsl.api.clean import require_clean
     from cbdsl.checking.cause_order import causes_first
-    from cbdsl.checking.program import examine_program
+    from cbdsl.checking.program import examiner
     from cbdsl.checking.schema import checked_schema
     from cbdsl.checking.session import Session
     from cbdsl.diagnostics.diagnostics import Diagnostics
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+    from cbdsl.diagnostics.outcome import Unknown
     from cbdsl.documents.schema import SchemaDocument
 
     file = _locate(SchemaDocument, name, program_file, library)
@@ -249,12 +250,8 @@ def _as_schema(
             f"{file}: this schema is of program '{loaded.document.program}', not '{program.name}'"
         )
     session = Session(library)
-
-    def examine(path: Path, with_: Mapping[str, str], own: Diagnostics) -> CheckedProgram | None:
-        return examine_program(path, with_, session, own)
-
-    checked = checked_schema(loaded, session, diagnostics, examine, values)
-    if checked is None:
+    checked = checked_schema(loaded, session, diagnostics, examiner(session), values)
+    if isinstance(checked, Unknown):
         raise DiagnosticsError(causes_first(diagnostics.sorted(), library))
     return checked
 

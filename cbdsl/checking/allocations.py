@@ -7,15 +7,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from cbdsl.checking.member_exchange import MemberExchange, OpenMember
-from cbdsl.checking.program import examine_program
+from cbdsl.checking.program import examine_program, examiner
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation, substitutes
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.types.allotment import CHANNEL, PROGRAM, WHOLE, Allotment, allotment
 
@@ -38,8 +38,8 @@ def allocations(
     """
     document = session.library.read(path, ProgramDocument).document
     file = session.library.find(RobotDocument, document.robot, path)
-    robot = session.body(file, Diagnostics())
-    if robot is None:
+    robot = session.body(file or UNKNOWN, Diagnostics())
+    if isinstance(robot, Unknown):
         return []
     groups = {
         name: list(_choices({key: allotment(text) for key, text in group.items()}, robot))
@@ -55,12 +55,7 @@ def allocations(
         _allocation(path, session, values or {}, dict(zip(groups, choice, strict=True)), robot)
         for choice in itertools.product(*groups.values())
     ]
-
-    def examine(
-        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
-    ) -> CheckedProgram | None:
-        return examine_program(file, with_, session, diagnostics)
-
+    examine = examiner(session)
     members, exchange = _open_members(document), MemberExchange(path, session, examine)
     exchanged = [
         each for base in own for member in members for each in exchange.allocations(base, member)
@@ -136,7 +131,7 @@ def _allocation(
     diagnostics = Diagnostics()
     program = examine_program(path, {**values, **chosen}, session, diagnostics)
     errors = [each for each in diagnostics.sorted() if each.is_error]
-    if program is None or errors:
+    if isinstance(program, Unknown) or errors:
         return Allocation(chosen, choices, None, errors[0].message if errors else "has findings")
     return Allocation(chosen, choices, program, "")
 

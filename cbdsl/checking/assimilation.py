@@ -8,12 +8,13 @@ from pathlib import Path
 from cbdsl.checking.allocations import allocations
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.prior_looks import derived_looks
-from cbdsl.checking.program import examine_program
+from cbdsl.checking.program import examiner
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -57,24 +58,18 @@ def program_to_assimilate(
     }
     base = next(iter(variants.values()))
     robot = _robot(base, path, session)
-    features = {} if robot is None else _features(base, robot.resources)
+    features = {} if isinstance(robot, Unknown) else _features(base, robot.resources)
     places = _places(features)
-    if robot is not None and len(places) == 1:
+    if not isinstance(robot, Unknown) and len(places) == 1:
         (only,) = places.values()
         features |= _distances(only, variants.values(), robot)
     if not features:
         raise UsageError(f"{path}: no controller goes by a seen position, so there is no context")
-
-    def examine(
-        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
-    ) -> CheckedProgram | None:
-        return examine_program(file, with_, session, diagnostics)
-
     worth = state_values(policy.document.policy, policy.document.transitions)
     allotted = {name: values for name, (_, values) in fitting.items()}
     # The program looks for the last object first: that is the object it takes first.
     last_first = dict(reversed(places.items()))
-    looks = derived_looks(base, last_first, path, session, examine)
+    looks = derived_looks(base, last_first, path, session, examiner(session))
     schema = Schema(
         policy.document.name, features, allotted, otherwise=tuple(variants), worth=worth
     )
@@ -111,8 +106,9 @@ def _is_default(allocation: Allocation, path: Path, session: Session) -> bool:
     return all(own.get(name) == value for name, value in allocation.values.items())
 
 
-def _robot(program: CheckedProgram, path: Path, session: Session) -> CheckedRobot | None:
-    return session.body(session.library.find(RobotDocument, program.robot, path), Diagnostics())
+def _robot(program: CheckedProgram, path: Path, session: Session) -> Outcome[CheckedRobot]:
+    file = session.library.find(RobotDocument, program.robot, path)
+    return session.body(file or UNKNOWN, Diagnostics())
 
 
 def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[str, Resource]:

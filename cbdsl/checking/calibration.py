@@ -5,10 +5,10 @@ from __future__ import annotations
 from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
 from cbdsl.documents.calibration import CalibrationDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.yaml_text.loaded import Loaded
-from cbdsl.yaml_text.unknown import UNKNOWN
 
 
 def examine_calibration(
@@ -18,7 +18,7 @@ def examine_calibration(
     name, source = loaded.document.robot, loaded.source
     path = find_document(RobotDocument, name, source.place("robot"), session.library, diagnostics)
     body = session.body(path, diagnostics)
-    if body is None:
+    if isinstance(body, Unknown):
         return
     cameras = body.document.cameras
     for camera in loaded.document.cameras:
@@ -32,11 +32,11 @@ def check_own_calibration(
 ) -> None:
     """Check that the calibration that a robot refers to is its own."""
     name, robot = loaded.document.calibration, loaded.document.name
-    path = None
-    if name is not None and name is not UNKNOWN:
-        path = session.library.find(CalibrationDocument, name, loaded.path)
-    calibration = session.read(path, CalibrationDocument, diagnostics)
-    if calibration is not None and calibration.document.robot != robot:
+    if name is None or isinstance(name, Unknown):
+        return
+    path = session.library.find(CalibrationDocument, name, loaded.path)
+    calibration = session.read(path or UNKNOWN, CalibrationDocument, diagnostics)
+    if not isinstance(calibration, Unknown) and calibration.document.robot != robot:
         other = calibration.document.robot
         place = loaded.source.place("calibration")
         diagnostics.add("CB603", place, name=name, other=other, robot=robot, hint="")

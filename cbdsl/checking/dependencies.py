@@ -12,6 +12,7 @@ from cbdsl.checking.program_context import Steps
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.model import ModelDocument
@@ -21,7 +22,6 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.resources import NOVEL
 from cbdsl.types.resource import LIKENESS_OF, Resource
 from cbdsl.yaml_text.loaded import Loaded
-from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
 
 _KINDS: dict[str, type[Document]] = {
     "stage": StageDocument,
@@ -40,7 +40,7 @@ class Dependencies:
         diagnostics: Diagnostics so far.
 
     Attributes:
-        robot: Robot's file, or ``None`` if there is none.
+        robot: Robot's file.
     """
 
     def __init__(
@@ -49,13 +49,13 @@ class Dependencies:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
         self._session, self._diagnostics = session, diagnostics
         self._others: set[str] = set()
-        self._models: dict[str, tuple[Resource, ...] | Unknown] = {}
-        self._body: CheckedRobot | None = None
+        self._models: dict[str, Outcome[tuple[Resource, ...]]] = {}
+        self._body: Outcome[CheckedRobot] = UNKNOWN
         # First parts of names that a document with errors would define.
         self._unread: set[str] = set()
         self.robot = self._find_robot()
 
-    def _find_robot(self) -> Path | None:
+    def _find_robot(self) -> Outcome[Path]:
         place, library = self._source.place("robot"), self._session.library
         return find_document(RobotDocument, self._document.robot, place, library, self._diagnostics)
 
@@ -66,13 +66,13 @@ class Dependencies:
             return
         path = self.find(StageDocument, name, ("stage",))
         stage = self._session.read(path, StageDocument, self._diagnostics)
-        if stage is not None:
+        if not isinstance(stage, Unknown):
             self.is_for_the_robot(stage.document.robot, name, ("stage",))
 
-    def find(self, kind: type[Document], name: str, steps: Steps) -> Path | None:
+    def find(self, kind: type[Document], name: str, steps: Steps) -> Outcome[Path]:
         """Return the file of a document, or propose documents for the robot if there is none."""
         place, library = self._source.place(*steps), self._session.library
-        robot = None if self.robot is None else self._document.robot
+        robot = None if self.robot is UNKNOWN else self._document.robot
         own = self._document.name if kind is ProgramDocument else ""
         return find_document(kind, name, place, library, self._diagnostics, robot, own)
 
@@ -85,7 +85,7 @@ class Dependencies:
             steps: Path of the reference to it.
         """
         robot, source = self._document.robot, self._source
-        if self.robot is None or robot in (other, UNKNOWN) or other is UNKNOWN:
+        if self.robot is UNKNOWN or robot in (other, UNKNOWN) or other is UNKNOWN:
             return True
         # Suggest only documents for this robot: any other name would be the same mistake again.
         kind, library = _KINDS[str(steps[0])], self._session.library
@@ -110,23 +110,26 @@ class Dependencies:
             models.get(last) is UNKNOWN
             or first in self._unread
             or (first == NOVEL and any(each is UNKNOWN for each in self._models.values()))
-            or (self._body is not None and not self._body.missed.isdisjoint((first, last)))
+            or (
+                not isinstance(self._body, Unknown)
+                and not self._body.missed.isdisjoint((first, last))
+            )
             or any(name in self._resources(other) for other in self._others)
         )
 
     def _resources(self, robot: str) -> Collection[str]:
         path = self._session.library.find(RobotDocument, robot, self._loaded.path)
-        body = self._session.body(path, Diagnostics())
-        return () if body is None else body.resources
+        body = self._session.body(path or UNKNOWN, Diagnostics())
+        return () if isinstance(body, Unknown) else body.resources
 
-    def body(self) -> CheckedRobot | None:
+    def body(self) -> Outcome[CheckedRobot]:
         """Return the robot with the internal models that the program draws from."""
         body = self._body = self._session.body(self.robot, self._diagnostics)
-        if body is None:
-            return None
+        if isinstance(body, Unknown):
+            return UNKNOWN
         for alias, name in self._document.models.items():
-            self._models[alias] = self._model(alias, name, body) or UNKNOWN
-        known = [each for each in self._models.values() if isinstance(each, tuple)]
+            self._models[alias] = self._model(alias, name, body)
+        known = [each for each in self._models.values() if not isinstance(each, Unknown)]
         named = {resource.name: resource for each in known for resource in each}
         named |= self._pairs(body)
         return body._replace(resources={**body.resources, **named}) if named else body
@@ -138,7 +141,7 @@ class Dependencies:
             return {}
         path = self.find(MetaCatalogDocument, name, ("meta_catalog",))
         catalog = self._session.read(path, MetaCatalogDocument, self._diagnostics)
-        if catalog is None:
+        if isinstance(catalog, Unknown):
             self._unread.add(LIKENESS_OF.rstrip("."))
             return {}
         self.is_for_the_robot(catalog.document.robot, name, ("meta_catalog",))
@@ -146,15 +149,17 @@ class Dependencies:
         made = (likeness_resource(catalog.document, pair, body.resources) for pair in pairs)
         return {each.name: each for each in made if each is not None}
 
-    def _model(self, alias: str, name: str, body: CheckedRobot) -> tuple[Resource, ...]:
+    def _model(self, alias: str, name: str, body: CheckedRobot) -> Outcome[tuple[Resource, ...]]:
         steps: Steps = ("models", alias)
         path = self.find(ModelDocument, name, steps)
         model = self._session.read(path, ModelDocument, self._diagnostics)
-        if model is None:
-            return ()
+        if isinstance(model, Unknown):
+            return UNKNOWN
         self.is_for_the_robot(model.document.robot, name, steps)
         resources = model_resources(alias, model, body, self._diagnostics)
-        before = [each for each in self._models.values() if isinstance(each, tuple)]
+        if isinstance(resources, Unknown):
+            return UNKNOWN
+        before = [each for each in self._models.values() if not isinstance(each, Unknown)]
         taken = {*body.resources, *(each.name for some in before for each in some)}
         twice = next((each.name for each in resources if each.name in taken), None)
         if twice is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,17 +12,16 @@ from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.outcome import UNKNOWN
 from cbdsl.documents.contents import is_file
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
 from cbdsl.yaml_text.loaded import Loaded
-from cbdsl.yaml_text.unknown import UNKNOWN
 
 if TYPE_CHECKING:
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.schema import SchemaDocument
-    from cbdsl.program.checked import CheckedProgram
 
 
 def check_document(path: Path, session: Session | None = None) -> list[Diagnostic]:
@@ -72,13 +70,10 @@ def check_schema(
     loaded: Loaded[SchemaDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check a schema and the program that it allocates."""
-    from cbdsl.checking.program import examine_program
+    from cbdsl.checking.program import examiner
     from cbdsl.checking.schema import checked_schema
 
-    def examine(path: Path, values: Mapping[str, str], own: Diagnostics) -> CheckedProgram | None:
-        return examine_program(path, values, session, own)
-
-    checked_schema(loaded, session, diagnostics, examine)
+    checked_schema(loaded, session, diagnostics, examiner(session))
 
 
 def _named_like_its_file(loaded: Loaded[Document], diagnostics: Diagnostics) -> None:

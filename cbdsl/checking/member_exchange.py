@@ -10,6 +10,7 @@ from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation, Examine
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
@@ -51,7 +52,7 @@ class MemberExchange:
 
     def __init__(self, path: Path, session: Session, examine: Examine) -> None:
         self._path, self._library, self._examine = path, session.library, examine
-        self._checked: dict[tuple[str, tuple[tuple[str, str], ...]], CheckedProgram | None] = {}
+        self._checked: dict[tuple[str, tuple[tuple[str, str], ...]], Outcome[CheckedProgram]] = {}
 
     def allocations(self, base: Allocation, member: OpenMember) -> Iterator[Allocation]:
         """Yield an allocation for each program of the library with a reward of the same kind.
@@ -133,9 +134,9 @@ class MemberExchange:
             if key not in self._checked:
                 diagnostics = Diagnostics()
                 other = self._examine(file, values, diagnostics)
-                self._checked[key] = None if diagnostics.failed else other
+                self._checked[key] = UNKNOWN if diagnostics.failed else other
             checked = self._checked[key]
-            if checked is not None:
+            if not isinstance(checked, Unknown):
                 yield checked
 
     def _effectors(self, robot: str) -> Collection[str]:

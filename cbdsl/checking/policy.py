@@ -7,6 +7,7 @@ from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.yaml_text.loaded import Loaded
@@ -20,6 +21,8 @@ def examine_policy(
     path = find_document(
         ProgramDocument, name, source.place("program"), session.library, diagnostics
     )
-    program = None if path is None else examine_program(path, {}, session, diagnostics)
-    if path is not None and program is not None:
+    if isinstance(path, Unknown):
+        return
+    program = examine_program(path, {}, session, diagnostics)
+    if not isinstance(program, Unknown):
         check_policy(loaded, program, path, session, diagnostics)

@@ -10,6 +10,7 @@ from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.program.checked import CheckedProgram, PriorLook
@@ -40,7 +41,7 @@ def look_of(
         if key not in known:
             return f"it has no parameter '{key}'"
     program = examine(path, values, diagnostics)
-    if program is not None and use.policy is not None and not diagnostics.failed:
+    if not isinstance(program, Unknown) and use.policy is not None and not diagnostics.failed:
         file = library.find(PolicyDocument, use.policy, beside)
         if file is None:
             return f"unknown policy '{use.policy}'"
@@ -52,7 +53,7 @@ def look_of(
             return f"policy '{use.policy}' is one of '{loaded.document.program}'"
         check_policy(loaded, program, path, session, diagnostics)
         program = with_policy(program, loaded, library)
-    if program is None or diagnostics.failed:
+    if isinstance(program, Unknown) or diagnostics.failed:
         fault = next((each for each in diagnostics.sorted() if each.is_error), None)
         return fault.message if fault else "it has findings"
     return PriorLook(program, use.program, use.policy, dict(values))
@@ -83,8 +84,8 @@ def derived_looks(
         return {}
     for file, use in _uses(path, session, set()):
         looking = session.library.find(ProgramDocument, use.program, file)
-        plain = None if looking is None else examine(looking, {}, Diagnostics())
-        parameter = None if plain is None else _looked_for(plain)
+        plain = UNKNOWN if looking is None else examine(looking, {}, Diagnostics())
+        parameter = None if isinstance(plain, Unknown) else _looked_for(plain)
         if parameter is None:
             continue
         looks: dict[str, PriorLook] = {}

@@ -19,10 +19,12 @@ from cbdsl.checking.rules.outcome_states import check_ends, read_ends
 from cbdsl.checking.rules.suspicious import check_suspicious
 from cbdsl.checking.rules.unused import check_unused
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Examine
 from cbdsl.checking.used_programs import Budget, UsedPrograms
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.nearest import suggestion
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents import program as written
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import Action, CheckedProgram, Guards
@@ -56,7 +58,7 @@ def check_program(
         if name not in known:
             raise UsageError(f"{path}: {_no_parameter(name, list(known))}")
     checked = examine_program(path, values, session, diagnostics)
-    if checked is None or diagnostics.failed:
+    if isinstance(checked, Unknown) or diagnostics.failed:
         raise DiagnosticsError(causes_first(diagnostics.sorted(), session.library))
     return checked
 
@@ -72,7 +74,7 @@ def examine_program(
     session: Session,
     diagnostics: Diagnostics,
     budget: Budget | None = None,
-) -> CheckedProgram | None:
+) -> Outcome[CheckedProgram]:
     """Check a program, and collect its diagnostics.
 
     Args:
@@ -83,7 +85,7 @@ def examine_program(
         budget: Budget of nested programs, shared with the programs above.
 
     Returns:
-        Checked program, or ``None`` if it cannot run.
+        Checked program; unknown if it cannot run.
     """
     known = session.recall(path, values)
     if known is None:
@@ -95,13 +97,18 @@ def examine_program(
     return checked
 
 
+def examiner(session: Session) -> Examine:
+    """Return the check of programs in a session."""
+    return lambda path, values, diagnostics: examine_program(path, values, session, diagnostics)
+
+
 def _examine(
     path: Path,
     values: Mapping[str, str],
     session: Session,
     diagnostics: Diagnostics,
     budget: Budget,
-) -> CheckedProgram | None:
+) -> Outcome[CheckedProgram]:
     budget.depth += 1
     budget.count += 1
     try:
@@ -110,7 +117,7 @@ def _examine(
         return _ProgramCheck(loaded, values, session, diagnostics, budget).check()
     except DiagnosticsError as error:
         diagnostics.extend(error.diagnostics)
-        return None
+        return UNKNOWN
     finally:
         budget.depth -= 1
 
@@ -134,7 +141,7 @@ class _ProgramCheck:
 
         def examine(
             path: Path, with_: Mapping[str, str], own: Diagnostics
-        ) -> CheckedProgram | None:
+        ) -> Outcome[CheckedProgram]:
             return examine_program(path, with_, session, own, budget)
 
         used = UsedPrograms(
@@ -155,7 +162,7 @@ class _ProgramCheck:
         # Terms of the background, as written.
         self._below: frozenset[str] = frozenset()
 
-    def check(self) -> CheckedProgram | None:
+    def check(self) -> Outcome[CheckedProgram]:
         context, actions = self._context, self._actions
         background = self._background()
         check_guards(context)
@@ -164,7 +171,7 @@ class _ProgramCheck:
         are_shown = not (are_complete and actions.only_composed())
         policy = actions.policy()
         is_known = actions.are_read and are_shown and not actions.lack_a_member
-        members = actions.members if is_known else None
+        members = actions.members if is_known else UNKNOWN
         check_states(policy, members, context.source, context.diagnostics)
         ends = read_ends(context, members)
         # Taken before all controllers are checked, because this visits unused ones as well.
@@ -173,14 +180,14 @@ class _ProgramCheck:
         self._compositions.check_rewards()
         check_allotments(context)
         running = _running(checked, background)
-        is_sound = background is not None or self._document.background is None
-        complete = are_complete and are_shown and is_sound and None not in checked
+        is_sound = UNKNOWN not in (background, *checked)
+        complete = are_complete and are_shown and is_sound
         # A background with a fault may run the controllers that seem to be missing.
-        if context.source.is_whole("background"):
+        if context.source.known(self._document.background, "background") is not UNKNOWN:
             self._conditions(running, complete)
         self._used.report_values(context.wrong_parameters)
         if context.diagnostics.failed:
-            return None
+            return UNKNOWN
         # The checks below need a sound program. A part with errors may be the use or the end that
         # another part seems to lack.
         check_unused(context, used)
@@ -188,13 +195,13 @@ class _ProgramCheck:
         check_ends(context, program, ends)
         check_contradictions(context, program, self._actions.places)
         check_suspicious(context, program, self._compositions.checked(), actions.places)
-        return None if context.diagnostics.failed else program
+        return UNKNOWN if context.diagnostics.failed else program
 
     def _program(
         self,
-        actions: list[Action | None],
+        actions: list[Outcome[Action]],
         policy: dict[str, str],
-        background: Composition | None,
+        background: Outcome[Composition | None],
     ) -> CheckedProgram:
         document = self._document
         return CheckedProgram(
@@ -204,9 +211,9 @@ class _ProgramCheck:
             parameters=dict(self._scope.values),
             members=self._actions.members,
             primitives=_primitives(actions),
-            actions=tuple(action for action in actions if action is not None),
+            actions=tuple(action for action in actions if not isinstance(action, Unknown)),
             policy=policy,
-            background=background,
+            background=None if isinstance(background, Unknown) else background,
             transitions=document.limits.transitions,
             transition_time=document.limits.transition_time,
             idle_time=document.limits.idle_time,
@@ -223,14 +230,14 @@ class _ProgramCheck:
             ),
         )
 
-    def _background(self) -> Composition | None:
+    def _background(self) -> Outcome[Composition | None]:
         text = self._document.background
         if text is None:
             return None
         steps: Steps = ("background",)
         expression = self._context.parse(text, steps)
-        if expression is None:
-            return None
+        if isinstance(expression, Unknown):
+            return UNKNOWN
         self._below = frozenset(map(str, expression.terms))
         return self._compositions.composition(expression, steps)
 
@@ -243,7 +250,7 @@ class _ProgramCheck:
         """
         for steps, text in _named(self._document):
             condition = self._context.parse(text, steps)
-            if condition is None or str(condition) in names:
+            if isinstance(condition, Unknown) or str(condition) in names:
                 continue
             missed = {term.name for term in condition.terms} <= self._compositions.missing
             is_declared = self._actions.is_declared(condition) or str(condition) in self._below
@@ -263,19 +270,19 @@ def _named(document: ProgramDocument) -> Iterator[tuple[Steps, str]]:
             yield ("controllers", key, "requires"), controller.requires
 
 
-def _running(actions: list[Action | None], background: Composition | None) -> list[str]:
+def _running(actions: list[Outcome[Action]], background: Outcome[Composition | None]) -> list[str]:
     """Return the names of the controllers that some action or the background runs."""
     own = _primitives(actions).values()
-    below = background.primitives if background is not None else ()
+    below = background.primitives if isinstance(background, Composition) else ()
     return [each.name for primitive in (*own, *below) for each in primitive.controllers]
 
 
-def _primitives(actions: list[Action | None]) -> dict[str, Primitive]:
+def _primitives(actions: list[Outcome[Action]]) -> dict[str, Primitive]:
     """Return the actions that are single primitives, by name."""
     return {
         action.name: action.composition.primitives[0]
         for action in actions
-        if action is not None
+        if not isinstance(action, Unknown)
         and action.composition is not None
         and len(action.composition.primitives) == 1
     }

@@ -12,6 +12,7 @@ from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.sound_controllers import SoundControllers
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.language.expression import Expression, Span
 from cbdsl.robot.instance_names import (
@@ -34,7 +35,7 @@ class ProgramContext:
 
     Args:
         loaded: Program's document.
-        body: Robot, or ``None`` if it cannot be used.
+        body: Robot.
         scope: Values of its parameters.
         diagnostics: Diagnostics so far.
         is_unknown: Predicate of names of resources that an error elsewhere makes unknown.
@@ -55,21 +56,21 @@ class ProgramContext:
     def __init__(
         self,
         loaded: Loaded[ProgramDocument],
-        body: CheckedRobot | None,
+        body: Outcome[CheckedRobot],
         scope: Scope,
         diagnostics: Diagnostics,
         is_unknown: Callable[[str], bool],
         sound: SoundControllers,
     ) -> None:
         self.loaded = loaded
-        self.has_body = body is not None
+        self.has_body = body is not UNKNOWN
         self._body = body
         self.scope = scope
         self.diagnostics = diagnostics
         self.controllers = loaded.source.declared(loaded.document.controllers, "controllers")
         self.programs = loaded.source.declared(loaded.document.use, "use")
         self.used: set[str] = set()
-        robot, known = loaded.document.robot, {} if body is None else body.resources
+        robot, known = loaded.document.robot, {} if isinstance(body, Unknown) else body.resources
         self._missing = MissingResources(robot, known, loaded.source, diagnostics)
         self._is_unknown = is_unknown
         self.sound = sound
@@ -77,7 +78,7 @@ class ProgramContext:
     @property
     def body(self) -> CheckedRobot:
         """Program's robot, which has to exist."""
-        assert self._body is not None, "without a robot nothing asks for its resources"
+        assert not isinstance(self._body, Unknown), "without a robot nothing asks for its resources"
         return self._body
 
     @property
@@ -99,26 +100,26 @@ class ProgramContext:
         """Add a diagnostic."""
         self.diagnostics.add(code, place, **details)
 
-    def parse(self, text: str, steps: Steps) -> Expression | None:
-        """Return the composition at a path, or ``None`` if the text is not valid."""
+    def parse(self, text: str, steps: Steps) -> Outcome[Expression]:
+        """Return the composition at a path; unknown if the text is not valid."""
         return parse_at(text, self.source, steps, self.diagnostics)
 
     def at(self, steps: Steps, span: Span) -> Place:
         """Return the place of a span of a composition."""
         return self.source.inside(steps, span.start, span.end)
 
-    def substitute(self, text: str, steps: Steps, scope: Scope, offset: int = 0) -> str | None:
-        """Return a text at a path with its parameters replaced, or ``None``."""
+    def substitute(self, text: str, steps: Steps, scope: Scope, offset: int = 0) -> Outcome[str]:
+        """Return a text at a path with its parameters replaced."""
         return scope.substitute(text, self.source, steps, self.diagnostics, offset)
 
-    def resource(self, text: str, steps: Steps, scope: Scope) -> Resource | None:
-        """Return the resource that a text at a path names, or ``None``."""
+    def resource(self, text: str, steps: Steps, scope: Scope) -> Outcome[Resource]:
+        """Return the resource that a text at a path names."""
         name = self.substitute(text, steps, scope)
-        if name is None:
-            return None
+        if isinstance(name, Unknown):
+            return UNKNOWN
         resource = self.body.resources.get(name)
         if resource is not None or self._is_unknown(name):
-            return resource
+            return resource or UNKNOWN
         pair = parse_pair(name, self.body.resources)
         if pair is not None:
             return self._pair(name, pair, steps)
@@ -128,26 +129,26 @@ class ProgramContext:
         instance = parse_instance(name, self.body.resources)
         if instance is None or not is_meant_as_instance(instance.instance):
             self._missing.report(text, name, steps, scope)
-            return None
+            return UNKNOWN
         return self._instance(name, instance, steps)
 
-    def _pair(self, name: str, pair: PairName, steps: Steps) -> Resource | None:
-        """Return the resource of a pair of channels, or ``None`` if both are the same."""
+    def _pair(self, name: str, pair: PairName, steps: Steps) -> Outcome[Resource]:
+        """Return the resource of a pair of channels, unless both are the same."""
         if pair.is_of_one:
             self.add("CB566", self.source.place(*steps), name=name)
-            return None
+            return UNKNOWN
         return pair.resource(name)
 
-    def _mark(self, name: str, parsed: MarkName, steps: Steps) -> Resource | None:
+    def _mark(self, name: str, parsed: MarkName, steps: Steps) -> Outcome[Resource]:
         """Return the heading to a mark of one hue, if its object can have such a mark."""
         robot, place = self.body.document, self.source.place(*steps)
         resource = parsed.resource(name, robot)
         if resource is None:
             details = {"name": parsed.base.name, "hue": parsed.hue}
             self.add("CB567", place, names=parsed.hues(robot), given=parsed.hue, **details)
-        return resource
+        return resource or UNKNOWN
 
-    def _instance(self, name: str, parsed: InstanceName, steps: Steps) -> Resource | None:
+    def _instance(self, name: str, parsed: InstanceName, steps: Steps) -> Outcome[Resource]:
         """Return the resource of an instance of a channel, if there can be such an instance."""
         robot, given = self.body.document, parsed.instance
         allowed, base = instance_names(robot), parsed.base.name
@@ -161,4 +162,4 @@ class ProgramContext:
         place = self.source.place(*steps)
         details = {"name": base, "instance": given, "hint": hint}
         self.add("CB565", place, names=allowed, given=given, **details)
-        return None
+        return UNKNOWN

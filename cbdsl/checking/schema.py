@@ -14,6 +14,7 @@ from cbdsl.checking.question_tree import QuestionTrees
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine, stand_in
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
@@ -41,8 +42,8 @@ def checked_schema(
     diagnostics: Diagnostics,
     examine: Examine,
     values: Mapping[str, str] | None = None,
-) -> CheckedProgram | None:
-    """Return the program of a schema with all its allocations, or ``None`` if it does not fit.
+) -> Outcome[CheckedProgram]:
+    """Return the program of a schema with all its allocations; unknown if it does not fit.
 
     Args:
         loaded: Schema's document.
@@ -70,27 +71,27 @@ class _SchemaCheck:
         #: Features that count objects, with the number that can be distinguished.
         self._counts: dict[str, int] = {}
 
-    def check(self) -> CheckedProgram | None:
+    def check(self) -> Outcome[CheckedProgram]:
         # Diagnostics of this schema are collected apart, since earlier ones must not make it fail.
         own = Diagnostics()
         outer, self._diagnostics = self._diagnostics, own
         program = self._check()
         outer.extend(own.sorted())
-        return None if own.failed else program
+        return UNKNOWN if own.failed else program
 
-    def _check(self) -> CheckedProgram | None:
+    def _check(self) -> Outcome[CheckedProgram]:
         document, library = self._document, self._session.library
         path = library.find(ProgramDocument, document.program, self._loaded.path)
         policy = self._policy()
-        if path is None or policy is None:
-            return None
+        if path is None or isinstance(policy, Unknown):
+            return UNKNOWN
         variants = {
             name: variant
             for name, values in document.allocations.items()
-            if (variant := self._variant(name, values, path, policy)) is not None
+            if not isinstance(variant := self._variant(name, values, path, policy), Unknown)
         }
         if len(variants) < len(document.allocations):
-            return None
+            return UNKNOWN
         self._unchanged(path)
         base = next(iter(variants.values()))
         self._actions(base)
@@ -132,7 +133,7 @@ class _SchemaCheck:
                 looks[name] = look
         return looks
 
-    def _policy(self) -> Loaded[PolicyDocument] | None:
+    def _policy(self) -> Outcome[Loaded[PolicyDocument]]:
         place, library = self._source.place("policy"), self._session.library
         path = find_document(
             PolicyDocument, self._document.policy, place, library, self._diagnostics
@@ -159,7 +160,7 @@ class _SchemaCheck:
 
     def _variant(
         self, name: str, values: Mapping[str, str], path: Path, policy: Loaded[PolicyDocument]
-    ) -> CheckedProgram | None:
+    ) -> Outcome[CheckedProgram]:
         """Return the program under one allocation and the declarative policy."""
         library = self._session.library
         document = library.read(path, ProgramDocument).document
@@ -170,19 +171,19 @@ class _SchemaCheck:
                 details = {"name": key, "program": self._document.program}
                 names = [*known, *sorted(programs)]
                 self._diagnostics.add("CB606", place, names=names, **details)
-                return None
+                return UNKNOWN
         program, problem = self._allocated({**self._values, **values}, path)
         if program is None:
             place = self._source.key("allocations", name)
             self._diagnostics.add("CB634", place, name=name, problem=problem)
-            return None
+            return UNKNOWN
         if policy.document.program != program.name:
             details = {"name": self._document.policy, "other": policy.document.program}
             place = self._source.place("policy")
             self._diagnostics.add("CB626", place, program=program.name, **details)
-            return None
+            return UNKNOWN
         check_policy(policy, program, path, self._session, self._diagnostics)
-        return None if self._diagnostics.failed else with_policy(program, policy, library)
+        return UNKNOWN if self._diagnostics.failed else with_policy(program, policy, library)
 
     def _allocated(
         self, values: Mapping[str, str], path: Path
@@ -198,14 +199,15 @@ class _SchemaCheck:
             return stand_in(values[WHOLE], path, own, self._session, self._examine)
         faults = Diagnostics()
         program = self._examine(path, own, faults)
-        if program is None or faults.failed:
+        if isinstance(program, Unknown) or faults.failed:
             fault = next((each for each in faults.sorted() if each.is_error), None)
             return None, fault.message if fault else "it has findings"
-        exchange, refusal = MemberExchange(path, self._session, self._examine), ""
+        exchange = MemberExchange(path, self._session, self._examine)
         for member, name in members.items():
-            program, refusal = exchange.exchanged(program, member, name)
-            if program is None:
+            exchanged, refusal = exchange.exchanged(program, member, name)
+            if exchanged is None:
                 return None, refusal
+            program = exchanged
         return program, ""
 
     def _actions(self, program: CheckedProgram) -> None:
@@ -222,8 +224,8 @@ class _SchemaCheck:
 
     def _features(self, program: CheckedProgram) -> dict[str, Resource]:
         robot = self._session.library.find(RobotDocument, program.robot, self._loaded.path)
-        body = self._session.body(robot, Diagnostics())
-        resources = {} if body is None else body.resources
+        body = self._session.body(robot or UNKNOWN, Diagnostics())
+        resources = {} if isinstance(body, Unknown) else body.resources
         features = {}
         for name, text in self._document.features.items():
             wanted = text
@@ -231,7 +233,8 @@ class _SchemaCheck:
                 wanted = wanted.replace(f"${key}", value)
             if wanted.startswith(AFFORDS) and self._document.catalog is not None:
                 self._dimensions[name] = ""
-                if (made := self._affordance(name, wanted, resources)) is not None:
+                made = self._affordance(name, wanted, resources)
+                if not isinstance(made, Unknown):
                     features[name] = made
                 continue
             if wanted not in resources:
@@ -240,7 +243,7 @@ class _SchemaCheck:
                 continue
             features[name] = resources[wanted]
             is_count = resources[wanted].type == COUNT and is_visual(resources[wanted].source)
-            if body is not None and is_count:
+            if is_count and not isinstance(body, Unknown):
                 self._counts[name] = body.document.vision.regions.instances
             for component in components(name, resources[wanted]):
                 self._dimensions[component] = resources[wanted].type.unit
@@ -248,7 +251,7 @@ class _SchemaCheck:
 
     def _affordance(
         self, name: str, wanted: str, resources: Mapping[str, Resource]
-    ) -> Resource | None:
+    ) -> Outcome[Resource]:
         """Return the probability of reward of a catalog's action, ``affords.<action>``."""
         assert self._document.catalog is not None
         place, library = self._source.place("catalog"), self._session.library
@@ -256,19 +259,20 @@ class _SchemaCheck:
             CatalogDocument, self._document.catalog, place, library, self._diagnostics
         )
         loaded = self._session.read(path, CatalogDocument, self._diagnostics)
-        if loaded is None:
-            return None
+        if isinstance(loaded, Unknown):
+            return UNKNOWN
         action, catalog = wanted.removeprefix(AFFORDS), loaded.document
         if action not in catalog.affordances:
             at, names = self._source.place("features", name), list(catalog.affordances)
             self._diagnostics.add("CB655", at, names=names, name=action, catalog=catalog.name)
-            return None
+            return UNKNOWN
         from cbdsl.program.catalog_models import affordance_resource  # imports numpy
 
         made = affordance_resource(catalog, action, resources)
         if made is None:
             at = self._source.place("features", name)
             self._diagnostics.add("CB656", at, name=action, catalog=catalog.name)
+            return UNKNOWN
         return made
 
     @property

@@ -12,6 +12,7 @@ from cbdsl.checking.robot.robot import examine_robot
 from cbdsl.checking.sound_controllers import SoundControllers
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.yaml_text.library import Library
@@ -39,27 +40,30 @@ class Session:
     ) -> None:
         self.library, self.values = library or Library(), values or {}
         self.uses = Uses(self.library)
-        self._bodies: dict[Path, tuple[CheckedRobot | None, Diagnostics]] = {}
-        self._programs: dict[_Key, tuple[CheckedProgram | None, Diagnostics]] = {}
+        self._bodies: dict[Path, tuple[Outcome[CheckedRobot], Diagnostics]] = {}
+        self._programs: dict[_Key, tuple[Outcome[CheckedProgram], Diagnostics]] = {}
         self._sound: dict[Path, SoundControllers] = {}
 
-    def read(self, path: Path | None, kind: type[D], diagnostics: Diagnostics) -> Loaded[D] | None:
-        """Return a file's document, or ``None`` without one; add its errors to the diagnostics."""
+    def read(
+        self, path: Outcome[Path], kind: type[D], diagnostics: Diagnostics
+    ) -> Outcome[Loaded[D]]:
+        """Return a file's document; add its errors to the diagnostics."""
+        if isinstance(path, Unknown):
+            return UNKNOWN
         try:
-            return None if path is None else self.library.read(path, kind)
+            return self.library.read(path, kind)
         except DiagnosticsError as error:
             diagnostics.extend(error.diagnostics)
-            return None
+            return UNKNOWN
 
-    def body(self, path: Path | None, diagnostics: Diagnostics) -> CheckedRobot | None:
+    def body(self, path: Outcome[Path], diagnostics: Diagnostics) -> Outcome[CheckedRobot]:
         """Return the robot of a file, and add its own diagnostics.
 
         Returns:
-            Robot, or ``None`` without a file or if its resources are unknown, because parts of
-            its document had to be left out.
+            Robot; unknown also if parts of its document had to be left out.
         """
-        if path is None:
-            return None
+        if isinstance(path, Unknown):
+            return UNKNOWN
         key = self.library.real(path)
         if key not in self._bodies:
             own = Diagnostics()
@@ -68,15 +72,15 @@ class Session:
         diagnostics.extend(own.sorted())
         return body
 
-    def _examine_robot(self, path: Path, diagnostics: Diagnostics) -> CheckedRobot | None:
+    def _examine_robot(self, path: Path, diagnostics: Diagnostics) -> Outcome[CheckedRobot]:
         try:
             loaded = self.library.read_sound_parts(path, RobotDocument)
         except DiagnosticsError as error:
             diagnostics.extend(error.diagnostics)
-            return None
+            return UNKNOWN
         diagnostics.extend(loaded.diagnostics)
         body = examine_robot(loaded, diagnostics)
-        return None if loaded.diagnostics else body
+        return UNKNOWN if loaded.diagnostics else body
 
     def sound(self, path: Path) -> SoundControllers:
         """Return the controllers of a program's file that had no diagnostics in earlier checks."""
@@ -99,7 +103,7 @@ class Session:
 
     def recall(
         self, path: Path, values: Mapping[str, str]
-    ) -> tuple[CheckedProgram | None, Diagnostics] | None:
+    ) -> tuple[Outcome[CheckedProgram], Diagnostics] | None:
         """Return the result of the last check of a program with these values of its parameters."""
         return self._programs.get((self.library.real(path), frozenset(values.items())))
 
@@ -107,7 +111,7 @@ class Session:
         self,
         path: Path,
         values: Mapping[str, str],
-        checked: CheckedProgram | None,
+        checked: Outcome[CheckedProgram],
         diagnostics: Diagnostics,
     ) -> None:
         """Keep the result of a program's check, so that it is checked once for all its uses."""

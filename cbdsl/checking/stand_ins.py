@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from cbdsl.checking.program import examine_program
+from cbdsl.checking.program import examine_program, examiner
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import examined
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.stand_in import StandIn, stand_ins
@@ -23,7 +24,7 @@ def stand_ins_of(path: Path, session: Session, values: Mapping[str, str]) -> lis
         values: Values of its parameters; other programs take over the values of common parameters.
     """
     program = examine_program(path, values, session, Diagnostics())
-    if program is None:
+    if isinstance(program, Unknown):
         return []
     all_of_them = [
         each for other in _others(path, session, values) for each in stand_ins(program, other)
@@ -33,16 +34,10 @@ def stand_ins_of(path: Path, session: Session, values: Mapping[str, str]) -> lis
 
 def _others(path: Path, session: Session, values: Mapping[str, str]) -> Iterator[CheckedProgram]:
     library = session.library
-    document = library.read(path, ProgramDocument).document
-
-    def examine(
-        file: Path, with_: Mapping[str, str], diagnostics: Diagnostics
-    ) -> CheckedProgram | None:
-        return examine_program(file, with_, session, diagnostics)
-
+    document, examine = library.read(path, ProgramDocument).document, examiner(session)
     for name in library.names(ProgramDocument, path):
         file = library.find(ProgramDocument, name, path)
         if file is not None and library.real(file) != library.real(path):
             other = examined(file, document, values, session, examine)
-            if other is not None:
+            if not isinstance(other, Unknown):
                 yield other

@@ -9,12 +9,13 @@ from typing import NamedTuple
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.correspondence import affordances, correspondence, in_place_of
 from cbdsl.types.allotment import PROGRAM, WHOLE, allotment
 
-Examine = Callable[[Path, Mapping[str, str], Diagnostics], CheckedProgram | None]
+Examine = Callable[[Path, Mapping[str, str], Diagnostics], Outcome[CheckedProgram]]
 """Check of a program with values of its parameters, which adds to the given diagnostics."""
 
 
@@ -51,12 +52,14 @@ def substitutes(
     if not wanted:
         return
     program = examine(path, values, Diagnostics())
-    for name in library.names(ProgramDocument, path) if program is not None else ():
+    if isinstance(program, Unknown):
+        return
+    for name in library.names(ProgramDocument, path):
         file = library.find(ProgramDocument, name, path)
-        if program is None or file is None or library.real(file) == library.real(path):
+        if file is None or library.real(file) == library.real(path):
             continue
         other = examined(file, document, values, session, examine)
-        if other is not None and affordances(other) & wanted:
+        if not isinstance(other, Unknown) and affordances(other) & wanted:
             yield _substitute(program, other)
 
 
@@ -76,8 +79,8 @@ def stand_in(
     document = session.library.read(path, ProgramDocument).document
     own = {key: value for key, value in values.items() if key in document.parameters}
     program = examine(path, own, Diagnostics())
-    other = None if file is None else examined(file, document, values, session, examine)
-    if program is None or other is None:
+    other = UNKNOWN if file is None else examined(file, document, values, session, examine)
+    if isinstance(program, Unknown) or isinstance(other, Unknown):
         return None, f"no valid program '{name}' for robot '{document.robot}'"
     substitute = _substitute(program, other)
     return substitute.program, substitute.refusal
@@ -95,19 +98,19 @@ def examined(
     values: Mapping[str, str],
     session: Session,
     examine: Examine,
-) -> CheckedProgram | None:
-    """Return a program for the same robot with the values of common parameters, or ``None``."""
+) -> Outcome[CheckedProgram]:
+    """Return a program for the same robot with the values of common parameters."""
     try:
         other = session.library.read(file, ProgramDocument).document
     except DiagnosticsError:
-        return None
+        return UNKNOWN
     if other.robot != document.robot:
-        return None
+        return UNKNOWN
     given = {**document.parameters, **values}
     shared = {key: given[key] for key in other.parameters if key in given}
     diagnostics = Diagnostics()
     program = examine(file, shared, diagnostics)
-    return None if diagnostics.failed else program
+    return UNKNOWN if diagnostics.failed else program
 
 
 def _substitute(program: CheckedProgram, other: CheckedProgram) -> Allocation:

@@ -15,6 +15,7 @@ from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.program.checked import CheckedProgram
@@ -79,22 +80,22 @@ class UsedPrograms:
         self._budget, self._examine = budget, examine
         self._unsuitable: list[tuple[str, Path, str, Diagnostics]] = []
 
-    def check(self) -> dict[str, CheckedProgram | None]:
-        """Return the used programs by their names here, with ``None`` for one that cannot run."""
+    def check(self) -> dict[str, Outcome[CheckedProgram]]:
+        """Return the used programs by their names here; one that cannot run is unknown."""
         return {name: self._use(name, use) for name, use in self._loaded.document.use.items()}
 
-    def _use(self, name: str, use: Use) -> CheckedProgram | None:
+    def _use(self, name: str, use: Use) -> Outcome[CheckedProgram]:
         steps: Steps = ("use", name, "program")
         path = self._find(use, steps)
-        if path is None:
-            return None
+        if isinstance(path, Unknown):
+            return UNKNOWN
         try:
             used = self._session.library.read_sound_parts(path, ProgramDocument)
         except DiagnosticsError as error:
             self._diagnostics.extend(error.diagnostics)
-            return None
+            return UNKNOWN
         if not self._dependencies.is_for_the_robot(used.document.robot, use.program, steps):
-            return None
+            return UNKNOWN
         values = self._values(name, use, used)
         faults = Diagnostics()
         program = self._examine(path, values, faults)
@@ -106,20 +107,29 @@ class UsedPrograms:
             self._examine(path, {}, own)
             if not own.failed:
                 # A value that is missing because of its own error may be needed to run.
-                if len(values) == len(use.with_) and self._source.is_whole("use", name, "with"):
+                given = self._source.known(use.with_, "use", name, "with")
+                if not isinstance(given, Unknown) and len(values) == len(given):
                     # Each value is tried alone beside the defaults. If only their combination
                     # fails, the first value is reported.
                     wrong = [key for key in values if not self._runs(path, {key: values[key]})]
                     self._unsuitable.append((name, path, (*wrong, *values)[0], faults))
-                return None
+                return UNKNOWN
             faults = own  # errors with its own values, too
         self._diagnostics.extend(faults.sorted())
         if use.schema_ is not None and use.policy is not None:
             details = {"name": name, "schema": use.schema_, "policy": use.policy}
             self._diagnostics.add("CB649", self._source.key("use", name, "policy"), **details)
-        if program is not None and use.schema_ is not None:
+        if isinstance(program, Unknown):
+            return UNKNOWN
+        return self._decided(name, use, program, path, values)
+
+    def _decided(
+        self, name: str, use: Use, program: CheckedProgram, path: Path, values: Mapping[str, str]
+    ) -> Outcome[CheckedProgram]:
+        """Return a used program under the schema or the policy that its use names."""
+        if use.schema_ is not None:
             return self._allocated(use.schema_, program, values, ("use", name, "schema"))
-        if program is None or use.policy is None:
+        if use.policy is None:
             return program
         return self._learned(use.policy, program, path, ("use", name, "policy"))
 
@@ -155,22 +165,22 @@ class UsedPrograms:
                 problem=fault.message,
             )
 
-    def _find(self, use: Use, steps: Steps) -> Path | None:
+    def _find(self, use: Use, steps: Steps) -> Outcome[Path]:
         """Return the file of a program that can be used here."""
         source = self._source
         path = self._dependencies.find(ProgramDocument, use.program, steps)
-        if path is None:
-            return None
+        if isinstance(path, Unknown):
+            return UNKNOWN
         path_back = self._session.uses.find_path(path, self._loaded.path)
         if path_back:
             cycle = " → ".join(file.stem for file in (path_back[-1], *path_back))
             self._diagnostics.add(
                 "CB605", source.place(*steps), name=path_back[-1].stem, cycle=cycle
             )
-            return None
+            return UNKNOWN
         if self._budget.ended:
             self._diagnostics.add("CB610", source.place(*steps), depth=_DEEPEST, bound=_MOST)
-            return None
+            return UNKNOWN
         return path
 
     def _values(self, name: str, use: Use, used: Loaded[ProgramDocument]) -> dict[str, str]:
@@ -186,44 +196,46 @@ class UsedPrograms:
                 )
                 continue
             value = self._scope.substitute(text, source, steps, self._diagnostics)
-            if value is not None:
+            if not isinstance(value, Unknown):
                 values[key] = value
         return values
 
     def _allocated(
         self, name: str, program: CheckedProgram, values: Mapping[str, str], steps: Steps
-    ) -> CheckedProgram | None:
-        """Return a used program that a schema allocates, or ``None`` if the schema does not fit."""
+    ) -> Outcome[CheckedProgram]:
+        """Return a used program that a schema allocates; unknown if the schema does not fit."""
         # Few programs use schemas, and their module takes a fiftieth of cb validate's time.
         from cbdsl.checking.schema import checked_schema
         from cbdsl.documents.schema import SchemaDocument
 
         loaded = self._knowledge(SchemaDocument, name, program, steps)
-        if loaded is None:
-            return None
+        if isinstance(loaded, Unknown):
+            return UNKNOWN
         return checked_schema(loaded, self._session, self._diagnostics, self._examine, values)
 
     def _learned(
         self, name: str, program: CheckedProgram, path: Path, steps: Steps
-    ) -> CheckedProgram | None:
-        """Return a used program under its own policy, or ``None`` if the policy does not fit."""
+    ) -> Outcome[CheckedProgram]:
+        """Return a used program under its own policy; unknown if the policy does not fit."""
         loaded = self._knowledge(PolicyDocument, name, program, steps)
-        if loaded is None:
-            return None
+        if isinstance(loaded, Unknown):
+            return UNKNOWN
         diagnostics = Diagnostics()
         check_policy(loaded, program, path, self._session, diagnostics)
         self._diagnostics.extend(diagnostics.sorted())
-        return None if diagnostics.failed else with_policy(program, loaded, self._session.library)
+        if diagnostics.failed:
+            return UNKNOWN
+        return with_policy(program, loaded, self._session.library)
 
     def _knowledge(
         self, kind: type[K], name: str, program: CheckedProgram, steps: Steps
-    ) -> Loaded[K] | None:
-        """Return a used program's policy or schema, or ``None`` if there is no matching one."""
+    ) -> Outcome[Loaded[K]]:
+        """Return a used program's policy or schema, if it is for this program."""
         place, library = self._source.place(*steps), self._session.library
         file = find_document(kind, name, place, library, self._diagnostics)
         loaded = self._session.read(file, kind, self._diagnostics)
-        if loaded is None or loaded.document.program == program.name:
+        if isinstance(loaded, Unknown) or loaded.document.program == program.name:
             return loaded
         details = {"name": name, "other": loaded.document.program, "program": program.name}
         self._diagnostics.add("CB626", place, **details)
-        return None
+        return UNKNOWN

@@ -10,6 +10,7 @@ from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.ownership import is_own
 from cbdsl.types.resource import Resource
@@ -87,7 +88,7 @@ class Buffers:
     def resources(self, robot: Path) -> Mapping[str, Resource]:
         """Return the resources of the robot in a file; empty if its document has faults."""
         body = self._session.body(robot, Diagnostics())
-        return {} if body is None else body.resources
+        return {} if isinstance(body, Unknown) else body.resources
 
     def _new_session(self) -> Session:
         given = {path: text.encode("utf-8", "surrogatepass") for path, text in self._texts.items()}

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome
 from cbdsl.yaml_text.broken import Broken
+from cbdsl.yaml_text.declared import Declared
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.unknown import Declared
 
 Step = str | int
 T = TypeVar("T")
@@ -35,9 +36,9 @@ class SourceMap(NamedTuple):
     root: Node
     broken: Broken = _NOTHING
 
-    def is_whole(self, *steps: Step) -> bool:
-        """Return whether no part at, above or below a path was left out."""
-        return not self.broken.touches(steps)
+    def known(self, value: T, *steps: Step) -> Outcome[T]:
+        """Return the value of a path; unknown if a part at, above or below it was left out."""
+        return UNKNOWN if self.broken.touches(steps) else value
 
     def declared(self, entries: Mapping[str, T], *section: Step) -> Declared[T]:
         """Return the entries of a section, including the omitted ones as unknown."""

@@ -9,6 +9,7 @@ from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Outcome, Unknown
 from cbdsl.documents import program as written
 from cbdsl.program.controller import Reference
 from cbdsl.types.casts import FEATURES
@@ -31,9 +32,9 @@ class Agreement:
         context: Program context.
         steps: Path of the controller.
         document: Controller section.
-        potential: Potential, or ``None`` if it is unknown.
+        potential: Potential.
         comparison: Reference, which is empty if the potential takes none.
-        effector: Effector, or ``None`` if it is unknown.
+        effector: Effector.
 
     Attributes:
         holds: True if all parts agree; set by the check.
@@ -44,9 +45,9 @@ class Agreement:
         context: ProgramContext,
         steps: Steps,
         document: written.ControllerSection,
-        potential: PotentialType | None,
+        potential: Outcome[PotentialType],
         comparison: Comparison,
-        effector: Resource | None,
+        effector: Outcome[Resource],
     ) -> None:
         self._context, self._steps, self._document = context, steps, document
         self._potential, self._comparison, self._effector = potential, comparison, effector
@@ -66,15 +67,18 @@ class Agreement:
             return None
         context, document, effector = self._context, self._document, self._effector
         of = {part: Diagnostics() for part in ("potential", "reference", "effector", "options")}
-        if self._potential is None or self._accepts(self._potential, feedback, of["potential"]):
+        if isinstance(self._potential, Unknown) or self._accepts(
+            self._potential, feedback, of["potential"]
+        ):
             self._wants_reference(of["potential"])
         as_compared = compared_with(self._potential, feedback)
-        reference = compare(context, self._steps, self._comparison, as_compared, of["reference"])
-        if effector is not None:
+        compared = compare(context, self._steps, self._comparison, as_compared, of["reference"])
+        reference = None if isinstance(compared, Unknown) else compared
+        if not isinstance(effector, Unknown):
             self._moves(effector, feedback, of["effector"])
         check_options(context, self._steps, document, feedback, of["options"])
         self._conclude(feedback, of)
-        wanted = self._potential is not None and self._potential.reference
+        wanted = not isinstance(self._potential, Unknown) and self._potential.reference
         self.holds &= wanted == (reference is not None)
         return reference
 
@@ -102,10 +106,11 @@ class Agreement:
         return [resource.name for resource in known if self._suits(resource)]
 
     def _suits(self, feedback: Resource) -> bool:
+        effector = self._effector
         return (
-            (self._potential is None or accepts(self._potential, feedback))
+            (isinstance(self._potential, Unknown) or accepts(self._potential, feedback))
             and self._comparison.suits(compared_with(self._potential, feedback))
-            and (self._effector is None or moves(self._context.body, self._effector, feedback))
+            and (isinstance(effector, Unknown) or moves(self._context.body, effector, feedback))
             and not any(misplaced(self._document, feedback))
         )
 
@@ -115,7 +120,7 @@ class Agreement:
     def _is_exchanged(self, feedback: Resource) -> bool:
         """Report an effector that is not movable if it seems to be exchanged with the feedback."""
         effector = self._effector
-        if effector is None or effector.movable or not is_measured(effector):
+        if isinstance(effector, Unknown) or effector.movable or not is_measured(effector):
             return False
         if not (moves(self._context.body, feedback, effector) and self._comparison.suits(effector)):
             return False
@@ -167,7 +172,7 @@ class Agreement:
 
     def _wants_reference(self, diagnostics: Diagnostics) -> None:
         potential, given = self._potential, self._document.reference is not None
-        if potential is None or potential.reference == given:
+        if isinstance(potential, Unknown) or potential.reference == given:
             return
         if potential.reference:
             key = self._context.source.key(*self._steps)

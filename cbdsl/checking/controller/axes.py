@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from cbdsl.checking.knowledge.impossible import is_always_defined
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
+from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents import program as written
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
@@ -44,12 +45,13 @@ def fill_axes(
     for place, text in enumerate(document.axes):
         at = (*steps, "axes", place)
         value = context.substitute(text, at, scope)
-        if value is not None and value not in AXES:
+        is_unknown = isinstance(value, Unknown)
+        if not is_unknown and value not in AXES:
             problem = f"unknown axis '{value}'; allowed are x, y and z"
             context.add("CB580", context.source.place(*at), problem=problem)
         # A replacement keeps the number of axes, so that the components of the reference can be
         # checked.
-        if value is None or value not in AXES:
+        if is_unknown or value not in AXES:
             value = next((axis for axis in AXES if axis not in (*document.axes, *filled)), AXES[-1])
         filled.append(value)
     return document.model_copy(update={"axes": tuple(filled)})
@@ -74,7 +76,7 @@ def check_axes(
     key = context.source.key(*steps, "axes")
     along_normals = isinstance(document.reference, str) and "along normals" in document.reference
     if document.potential not in POTENTIALS:
-        return True  # reported elsewhere; an unknown potential says nothing about axes
+        return True  # an unknown potential says nothing about axes
     if document.potential not in _BY_COMPONENTS:
         problem = f"a {document.potential} potential is a function of its whole feedback"
     elif feedback.type.name not in SPATIAL:

@@ -16,6 +16,7 @@ from cbdsl.checking.controller.references import (
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown, all_known
 from cbdsl.program.controller import AlongNormals, Literal, Reference, Relative
 from cbdsl.types.potential import PotentialType
 from cbdsl.types.resource import Resource
@@ -28,7 +29,7 @@ class Comparison(NamedTuple):
     """Reference as written in the document.
 
     Attributes:
-        resource: Resource that it names, or ``None`` if unknown.
+        resource: Resource that it names, or ``None`` for a literal or an unknown reference.
         literal: Quantities, if there are any; for a relative reference, its displacement.
         relative: Parts of a relative reference.
         axes: Axes along which the feedback is compared; ``None`` for all.
@@ -54,9 +55,9 @@ class Comparison(NamedTuple):
         return True
 
 
-def compared_with(potential: PotentialType | None, feedback: Resource) -> Resource:
+def compared_with(potential: Outcome[PotentialType], feedback: Resource) -> Resource:
     """Return a feedback as its potential compares it, with the type that its reference needs."""
-    if potential is None or potential.compares is None:
+    if isinstance(potential, Unknown) or potential.compares is None:
         return feedback
     return feedback._replace(type=TYPES[potential.compares])
 
@@ -79,30 +80,35 @@ def read_comparison(
     """
     if isinstance(value, tuple):
         items = [_item(context, (*steps, i), item, scope) for i, item in enumerate(value)]
-        known = tuple(item for item in items if item is not None)
-        return Comparison(literal=known, axes=axes) if len(known) == len(value) else Comparison()
+        known: Outcome[list[str | float]] = all_known(items)
+        if isinstance(known, Unknown):
+            return Comparison()
+        return Comparison(literal=tuple(known), axes=axes)
     if not isinstance(value, str):
         return Comparison(literal=value, axes=axes)
     text = context.substitute(value, steps, scope)
-    if text is None:
+    if isinstance(text, Unknown):
         return Comparison()
     if is_literal(text):
         return Comparison(literal=text, axes=axes)
     relative = read_relative(text)
     if relative is None:
-        return Comparison(context.resource(value, steps, scope), axes=axes)
+        named = context.resource(value, steps, scope)
+        return Comparison(None if isinstance(named, Unknown) else named, axes=axes)
     if relative.base == HERE:
         return Comparison(None, relative.offset, relative, axes)
     written = read_relative(value)
     base = context.resource(written.base if written else relative.base, steps, scope)
     # An unknown base leaves the reference unknown.
-    return Comparison() if base is None else Comparison(base, relative.offset, relative, axes)
+    if isinstance(base, Unknown):
+        return Comparison()
+    return Comparison(base, relative.offset, relative, axes)
 
 
 def _item(
     context: ProgramContext, steps: Steps, item: str | float, scope: Scope
-) -> str | float | None:
-    """Return a component with its parameters substituted, or ``None`` if one is unknown."""
+) -> Outcome[str | float]:
+    """Return a component with its parameters substituted."""
     return context.substitute(item, steps, scope) if isinstance(item, str) else item
 
 
@@ -112,7 +118,7 @@ def compare(
     comparison: Comparison,
     feedback: Resource,
     diagnostics: Diagnostics,
-) -> Reference | None:
+) -> Outcome[Reference | None]:
     """Return a reference of the feedback's type, or ``None`` if there is none.
 
     Args:
@@ -124,13 +130,13 @@ def compare(
     """
     base = comparison.resource
     if base is not None:
-        base = _of_its_type(context, steps, base, feedback, diagnostics)
-        if base is None or comparison.relative is None:
-            return base
+        typed = _of_its_type(context, steps, base, feedback, diagnostics)
+        if isinstance(typed, Unknown) or comparison.relative is None:
+            return typed
     if comparison.literal is None:
         return None
     literal = _in_its_units(context, steps, comparison, feedback, diagnostics)
-    if comparison.relative is None or literal is None:
+    if comparison.relative is None or isinstance(literal, Unknown):
         return literal
     assert isinstance(literal, Literal)
     sign = comparison.relative.sign
@@ -143,7 +149,7 @@ def _of_its_type(
     reference: Resource,
     feedback: Resource,
     diagnostics: Diagnostics,
-) -> Resource | None:
+) -> Outcome[Resource]:
     if reference.type == feedback.type:
         return reference
     body, source = context.body, context.source
@@ -159,7 +165,7 @@ def _of_its_type(
             reference_type=reference.type.apart_from(feedback.type),
             wanted=feedback.type.apart_from(reference.type),
         )
-        return None
+        return UNKNOWN
     others = (resource for resource in body.resources.values() if resource != feedback)
     diagnostics.add(
         "CB504",
@@ -177,7 +183,7 @@ def _of_its_type(
         feedback=feedback.name,
         feedback_type=feedback.type.apart_from(reference.type),
     )
-    return None
+    return UNKNOWN
 
 
 def _in_its_units(
@@ -186,7 +192,7 @@ def _in_its_units(
     comparison: Comparison,
     feedback: Resource,
     diagnostics: Diagnostics,
-) -> Literal | AlongNormals | None:
+) -> Outcome[Literal | AlongNormals]:
     source, steps = context.source, (*steps, "reference")
     assert comparison.literal is not None
     try:
@@ -197,8 +203,8 @@ def _in_its_units(
         comma = decimal_comma(source.node(steps))
         if comma is not None and error.code == "CB505":
             diagnostics.add("CB506", source.place(*steps), problem=comma)
-            return None
+            return UNKNOWN
         whole = error.item is None or comparison.relative is not None
         item = () if whole else (error.item,)
         diagnostics.add(error.code, source.place(*steps, *item), **error.details)
-        return None
+        return UNKNOWN

@@ -9,6 +9,7 @@ from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.robot.limits import is_of_another_kind
 from cbdsl.checking.robot.settings import check_settings
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome
 from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
 from cbdsl.program.controller import Quiescence
@@ -106,12 +107,10 @@ def _check_end(context: ProgramContext, steps: Steps, hand: str, diagnostics: Di
 
 def settings_of(
     context: ProgramContext, steps: Steps, document: written.ControllerSection, feedback: Resource
-) -> ControllerSettings | None:
-    """Return the controller's settings, completed by the robot's; ``None`` if some are missing."""
-    if feedback.type.name in FEATURES:
-        return None  # not a feedback, as reported elsewhere
-    if document.potential not in POTENTIALS:
-        return None  # unknown task, as reported elsewhere
+) -> Outcome[ControllerSettings]:
+    """Return the controller's settings, completed by the robot's; unknown if some are missing."""
+    if feedback.type.name in FEATURES or document.potential not in POTENTIALS:
+        return UNKNOWN
     robot = context.body.document
     task = _task(document, feedback).name
     general = robot.control.tasks.get(task)
@@ -123,12 +122,12 @@ def settings_of(
     quiescence = _first(settings.quiescence for settings in candidates)
     if gain is None or quiescence is None:
         if not TYPES.keys() >= robot.control.tasks.keys():
-            return None  # one of the tasks is misspelt, as reported elsewhere
+            return UNKNOWN  # a misspelt task may be the one
         lacking = {"a gain": gain, "a quiescence": quiescence}
         setting = " and ".join(name for name, value in lacking.items() if value is None)
         details = {"robot": robot.name, "setting": setting, "task": task}
         context.add("CB511", context.source.key(*steps), **details)
-        return None
+        return UNKNOWN
     return ControllerSettings(
         gain,
         _first(settings.speed for settings in candidates),

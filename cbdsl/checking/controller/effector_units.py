@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cbdsl.checking.controller.controller_options import ControllerSettings
 from cbdsl.checking.program_context import ProgramContext, Steps
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.types.resource import Resource
 from cbdsl.types.source_record import is_pressed, owner_of, record_of
@@ -21,8 +22,8 @@ def in_task_units(
     settings: ControllerSettings,
     feedback: Resource,
     effector: Resource,
-) -> ControllerSettings | None:
-    """Return the settings in the units of the task, or ``None`` if their units are invalid.
+) -> Outcome[ControllerSettings]:
+    """Return the settings in the units of the task; unknown if their units are invalid.
 
     A tip that moves by dx changes its force by K dx, with the stiffness K of the robot's document.
     For the force of a hand, K is multiplied by the number of fingers. A spring moves by half its
@@ -40,7 +41,7 @@ def in_task_units(
             place = context.source.place(*steps, key)
             context.add("CB594", place, value=value, problem=problem)
     if problem:
-        return None
+        return UNKNOWN
     stiffness = _stiffness(context.body.document, feedback)
     if "gain" in written:
         settings = settings._replace(gain=2.0 * stiffness * settings.gain)
@@ -64,7 +65,7 @@ def _of_tips(context: ProgramContext, steps: Steps, key: str) -> str | None:
     try:
         unit = parse_quantity(value)[1] if isinstance(value, str) else None
     except QuantityError:
-        return None  # reported elsewhere
+        return None
     return str(value) if unit is not None and unit.dimension == _OF_TIPS[key] else None
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.counting import count
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents import program as written
 from cbdsl.program.controller import Ball, Box, Field, Literal, Reference
 from cbdsl.types.potential import PotentialType
@@ -45,7 +46,7 @@ def check_field(
     field: written.FieldSection | None,
     spec: ControllerSpec,
     scope: Scope,
-) -> Field | None:
+) -> Outcome[Field | None]:
     """Check the field of one controller.
 
     Args:
@@ -57,24 +58,25 @@ def check_field(
         scope: Values of the program's and the controller's parameters.
 
     Returns:
-        Checked field, or ``None`` if there is none or it does not suit the controller.
+        Checked field, or ``None`` if there is none; unknown if it does not suit the controller.
     """
     source = context.source
     if field is None:
         if potential.field:
             context.add("CB520", source.key(*steps), potential=potential.name)
+            return UNKNOWN
         return None
     steps = (*steps, "field")
     if not potential.field:
         context.add("CB521", source.key(*steps), potential=potential.name, setting="field")
-        return None
+        return UNKNOWN
     kind = spec.feedback.type
     if kind.name not in potential.accepts or kind.factors != potential.factors:
-        return None  # reported elsewhere
+        return UNKNOWN
     if kind.size > _MOST_DIMENSIONS:
         details = {"name": spec.feedback.name, "size": count(kind.size, "dimension")}
         context.add("CB529", source.key(*steps), **details)
-        return None
+        return UNKNOWN
     return _Field(context, steps, field, spec, scope).check()
 
 
@@ -99,8 +101,8 @@ class _Field:
         self._units()
         bounds = self._bounds()
         obstacles = tuple(self._obstacles())
-        if bounds is not None and not self._has_room(*bounds):
-            bounds = None
+        if not isinstance(bounds, Unknown) and not self._has_room(*bounds):
+            bounds = UNKNOWN
         if isinstance(self._wish.reference, Literal):
             self._goal(self._wish.reference.values, bounds, obstacles)
         return Field(
@@ -144,25 +146,25 @@ class _Field:
         for path, corner in corners:
             yield from ((*path, i) for i in range(len(corner or ())))
 
-    def _bounds(self) -> tuple[Corner, Corner] | None:
-        """Return the corners of the workspace, or ``None`` if they are unknown or invalid."""
+    def _bounds(self) -> Outcome[tuple[Corner, Corner]]:
+        """Return the corners of the workspace."""
         lower, upper = self._field.lower, self._field.upper
         if lower is not None and upper is not None:
-            return (lower, upper) if self._fit((), lower, upper) else None
+            return (lower, upper) if self._fit((), lower, upper) else UNKNOWN
         if lower is not None or upper is not None or not self._moves_between_limits():
             problem = f"a {self._wish.feedback.type.name} needs both lower and upper"
             self._add("CB524", problem=problem)
-            return None
+            return UNKNOWN
         model = self._context.body.model
         joints = [] if model is None else [model.joints.get(name) for name in self._wish.joints]
         known = [joint for joint in joints if joint is not None]
         if len(known) != self._size:
-            return None  # the robot has faults
+            return UNKNOWN  # the robot has faults
         endless = next((joint.name for joint in known if joint.endless), None)
         if endless is not None:
             problem = f"joint '{endless}' has no limits: the field needs both lower and upper"
             self._add("CB524", problem=problem)
-            return None
+            return UNKNOWN
         return tuple(joint.lower for joint in known), tuple(joint.upper for joint in known)
 
     def _moves_between_limits(self) -> bool:
@@ -207,13 +209,13 @@ class _Field:
             else:
                 yield from self._box(i, obstacle)
                 continue
-            if ball is not None:
+            if not isinstance(ball, Unknown):
                 yield ball
 
-    def _ball(self, text: str, radius: float | None, steps: tuple[Step, ...]) -> Ball | None:
+    def _ball(self, text: str, radius: float | None, steps: tuple[Step, ...]) -> Outcome[Ball]:
         resource = self._context.resource(text, (*self._steps, *steps), self._scope)
-        if resource is None:
-            return None
+        if isinstance(resource, Unknown):
+            return UNKNOWN
         feedback = self._wish.feedback
         if resource.type != feedback.type:
             kinds = {
@@ -245,12 +247,12 @@ class _Field:
     def _goal(
         self,
         goal: Corner,
-        bounds: tuple[Corner, Corner] | None,
+        bounds: Outcome[tuple[Corner, Corner]],
         obstacles: tuple[Box | Ball, ...],
     ) -> None:
         """Check that a constant goal is inside the workspace and clear of the boxes."""
         place = self._context.source.place(*self._steps[:-1], "reference")
-        if bounds is not None and len(goal) == self._size:
+        if not isinstance(bounds, Unknown) and len(goal) == self._size:
             lower, upper = bounds
             # Whole turns of joints without limits do not count.
             circular = self._context.body.circular(self._wish.feedback)

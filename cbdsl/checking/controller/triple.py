@@ -23,6 +23,7 @@ from cbdsl.checking.controller.soundness import check_numbers, check_reference, 
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents import program as written
 from cbdsl.program.controller import (
     Controller,
@@ -38,7 +39,7 @@ from cbdsl.types.source_record import record_of
 
 def check_triple(
     context: ProgramContext, key: str, name: str, document: written.ControllerSection, scope: Scope
-) -> Controller | None:
+) -> Outcome[Controller]:
     """Check one controller.
 
     Args:
@@ -49,7 +50,7 @@ def check_triple(
         scope: Values of the program's and the controller's parameters.
 
     Returns:
-        Typed controller, or ``None`` if it has errors.
+        Typed controller; unknown if it has errors.
     """
     return _Triple(context, key, name, document, scope).check()
 
@@ -69,46 +70,60 @@ class _Triple:
         self._document = document
         self._scope = scope
 
-    def check(self) -> Controller | None:
+    def check(self) -> Outcome[Controller]:
         document = fill_axes(self._context, self._steps, self._document, self._scope)
         self._document = document
         potential = self._potential()
         # Without a robot no resource is known, and only the potential can be checked.
         if not self._context.has_body:
-            return None
+            return UNKNOWN
         feedback = self._resource(document.feedback, "feedback")
         effector = self._resource(document.effector, "effector")
         steps = (*self._steps, "reference")
         # A reference that the potential does not read is an error, regardless of its value.
-        is_read = potential is None or potential.reference
+        is_read = isinstance(potential, Unknown) or potential.reference
         value = document.reference if is_read else None
-        has_axes = feedback is None or check_axes(self._context, self._steps, document, feedback)
+        at = (self._context, self._steps, document)
+        has_axes = isinstance(feedback, Unknown) or check_axes(*at, feedback)
         axes = read_axes(document)
         comparison = read_comparison(self._context, steps, value, self._scope, axes)
         if not has_axes:
             comparison = Comparison()
         agreement = Agreement(self._context, self._steps, document, potential, comparison, effector)
-        if feedback is None:
+        if isinstance(feedback, Unknown):
             agreement.check_without_feedback()
-            return None
+            return UNKNOWN
         reference = agreement.check(feedback)
         check_numbers(self._context, self._steps, document)
         # ``look_at`` has a reference of another type, to which the bounds of its feedback do not
         # apply.
-        if potential is None or potential.compares is None:
+        if isinstance(potential, Unknown) or potential.compares is None:
             check_reference(self._context, self._steps, reference, feedback)
         if not check_relative(self._context, self._steps, document, reference, feedback):
-            return None
+            return UNKNOWN
         if not self._has_tip(feedback) or not self._has_rigid_cameras(feedback):
-            return None
+            return UNKNOWN
         settings = settings_of(self._context, self._steps, document, feedback)
-        if potential is None or effector is None or settings is None or not agreement.holds:
-            return None
+        if isinstance(potential, Unknown) or isinstance(effector, Unknown):
+            return UNKNOWN
+        if isinstance(settings, Unknown) or not agreement.holds:
+            return UNKNOWN
+        return self._fitted(potential, feedback, reference, effector, settings)
+
+    def _fitted(
+        self,
+        potential: PotentialType,
+        feedback: Resource,
+        reference: Reference | None,
+        effector: Resource,
+        settings: ControllerSettings,
+    ) -> Outcome[Controller]:
+        """Return the controller in the units of its task, if it suits the robot's joints."""
         in_units = in_task_units(self._context, self._steps, settings, feedback, effector)
-        if in_units is None:
-            return None
-        if not suits_body(self._context, self._steps, document, feedback, effector):
-            return None
+        if isinstance(in_units, Unknown):
+            return UNKNOWN
+        if not suits_body(self._context, self._steps, self._document, feedback, effector):
+            return UNKNOWN
         return self._controller(potential, feedback, reference, effector, in_units)
 
     def _controller(
@@ -146,12 +161,18 @@ class _Triple:
         )
 
     def _field(self, potential: PotentialType, wish: ControllerSpec) -> Field | None:
-        field, source = self._document.field, self._context.source
+        field = self._document.field
+        self._check_residuals(potential)
+        checked = check_field(self._context, self._steps, potential, field, wish, self._scope)
+        return None if isinstance(checked, Unknown) else checked
+
+    def _check_residuals(self, potential: PotentialType) -> None:
+        """Report modifiers of a residual, which a potential with a field has not."""
+        source = self._context.source
         for modifier, _ in declared(self._document):
             if potential.field and modifier.residual:
                 details = {"potential": potential.name, "setting": modifier.name}
                 self._context.add("CB521", source.key(*self._steps, modifier.name), **details)
-        return check_field(self._context, self._steps, potential, field, wish, self._scope)
 
     def _manipulator(self) -> str | None:
         is_manipulability = self._document.potential == MANIPULABILITY
@@ -185,19 +206,20 @@ class _Triple:
     def _call(self, modifier: str, text: str | None, option: str) -> str | None:
         """Return another controller's name, written as the actions call it."""
         steps = (*self._steps, modifier, option) if option else (*self._steps, modifier)
-        parsed = None if text is None else self._context.parse(text, steps)
-        return None if parsed is None else str(parsed)
+        parsed = UNKNOWN if text is None else self._context.parse(text, steps)
+        return None if isinstance(parsed, Unknown) else str(parsed)
 
     def _place(self, *steps: str | int) -> Place:
         return self._context.source.place(*self._steps, *steps)
 
-    def _potential(self) -> PotentialType | None:
+    def _potential(self) -> Outcome[PotentialType]:
         name = self._document.potential
         potential = POTENTIALS.get(name)
         if potential is None:
             place = self._place("potential")
             self._context.add("CB502", place, names=list(POTENTIALS), name=name)
+            return UNKNOWN
         return potential
 
-    def _resource(self, text: str, key: str) -> Resource | None:
+    def _resource(self, text: str, key: str) -> Outcome[Resource]:
         return self._context.resource(text, (*self._steps, key), self._scope)

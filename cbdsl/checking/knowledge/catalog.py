@@ -9,6 +9,7 @@ from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Outcome, Unknown
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.program import ProgramDocument
@@ -42,7 +43,7 @@ def check_affordance(
     steps: tuple[Step, ...],
     affordance: AffordanceSection,
     session: Session,
-    body: CheckedRobot | None,
+    body: Outcome[CheckedRobot],
     diagnostics: Diagnostics,
 ) -> None:
     """Check the data of one action: its program, its signals and its models.
@@ -52,11 +53,11 @@ def check_affordance(
         steps: Path of the action.
         affordance: Data of the action.
         session: Session that finds programs.
-        body: Robot, or ``None`` if it cannot be used.
+        body: Robot.
         diagnostics: Diagnostics so far.
     """
     _check_program(loaded.source, steps, affordance, session, diagnostics)
-    if body is not None:
+    if not isinstance(body, Unknown):
         _check_signals(loaded, steps, affordance, body, diagnostics)
     for key, model in (
         ("with_reward", affordance.with_reward),
@@ -77,7 +78,7 @@ def _check_program(
     place = source.place(*steps, "program")
     path = find_document(ProgramDocument, affordance.program, place, session.library, diagnostics)
     read = session.read(path, ProgramDocument, diagnostics)
-    if read is None:
+    if isinstance(read, Unknown):
         return
     known = read.document.parameters
     for key in affordance.with_:

@@ -11,6 +11,7 @@ from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.language.parser import CompositionError, parse
@@ -64,8 +65,8 @@ class _PolicyCheck:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
         self._program, self._session, self._diagnostics = program, session, diagnostics
         self._actions = [action.name for action in program.actions]
-        is_known = self._source.is_whole("predicates")
-        self._members = self._document.predicates if is_known else program.members
+        predicates = self._source.known(self._document.predicates, "predicates")
+        self._members = program.members if isinstance(predicates, Unknown) else predicates
 
     def check(self, program_file: Path) -> None:
         self._unchanged(program_file)
@@ -154,7 +155,7 @@ class _PolicyCheck:
             ModelDocument, model, place, library, self._diagnostics, self._program.robot
         )
         loaded = self._session.read(path, ModelDocument, self._diagnostics)
-        if loaded is None:
+        if isinstance(loaded, Unknown):
             return
         examine_model(loaded, self._session, self._diagnostics)
         document, effector = loaded.document, name.partition(".")[0]

@@ -7,6 +7,7 @@ from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Outcome, Unknown
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.meta_catalog import KnownThing, MetaCatalogDocument
 from cbdsl.documents.robot import RobotDocument
@@ -41,12 +42,12 @@ def _check_thing(
     name: str,
     thing: KnownThing,
     session: Session,
-    body: CheckedRobot | None,
+    body: Outcome[CheckedRobot],
     diagnostics: Diagnostics,
 ) -> None:
     """Check that the robot has a thing's channel, and that the thing's catalog has the same one."""
     source = loaded.source
-    if body is not None:
+    if not isinstance(body, Unknown):
         channels = body.document.vision.channels
         known = [*channel_names(channels), *channels.aliases]
         if thing.feature not in known:
@@ -59,14 +60,14 @@ def _check_thing(
     place = source.place("things", name, "catalog")
     path = find_document(CatalogDocument, thing.catalog, place, session.library, diagnostics)
     read = session.read(path, CatalogDocument, diagnostics)
-    if read is not None and not _same(read.document.feature, thing.feature, body):
+    if not isinstance(read, Unknown) and not _same(read.document.feature, thing.feature, body):
         details = {"found": read.document.feature, "wanted": thing.feature}
         diagnostics.add("CB665", place, name=thing.catalog, **details)
 
 
-def _same(one: str, other: str, body: CheckedRobot | None) -> bool:
+def _same(one: str, other: str, body: Outcome[CheckedRobot]) -> bool:
     """Return whether two names mean the same channel."""
-    aliases = {} if body is None else body.document.vision.channels.aliases
+    aliases = {} if isinstance(body, Unknown) else body.document.vision.channels.aliases
     return aliases.get(one, one) == aliases.get(other, other)
 
 

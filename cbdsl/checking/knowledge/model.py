@@ -7,6 +7,7 @@ from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.binding import density_source
@@ -27,20 +28,20 @@ def examine_model(
     name, place = loaded.document.robot, loaded.source.place("robot")
     path = find_document(RobotDocument, name, place, session.library, diagnostics)
     body = session.body(path, diagnostics)
-    if body is not None and loaded.document.effector not in body.missed:
+    if not isinstance(body, Unknown) and loaded.document.effector not in body.missed:
         _fits(loaded, body, diagnostics)
 
 
 def model_resources(
     alias: str, loaded: Loaded[ModelDocument], body: CheckedRobot, diagnostics: Diagnostics
-) -> tuple[Resource, ...]:
-    """Return the resources of a model for a program; none if the model does not fit.
+) -> Outcome[tuple[Resource, ...]]:
+    """Return the resources of a model for a program; unknown if the model does not fit.
 
     They are ``<effector>.<alias>`` and, for the background of a channel, ``novel.<channel>``, also
     under the other names of the channel.
     """
     if not _fits(loaded, body, diagnostics):
-        return ()
+        return UNKNOWN
     document, effector = loaded.document, loaded.document.effector
     is_place = document.space == "position"
     kind = POSITION if is_place else configuration_of(body.document.joints(effector), body.model)

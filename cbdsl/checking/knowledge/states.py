@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Outcome, Unknown
 from cbdsl.types.state import ANY, PREDICATES, matches, overlap, split
 from cbdsl.yaml_text.source_map import SourceMap
 
@@ -27,7 +28,7 @@ _MOST_LETTERS = 1_000_000
 
 def check_states(
     policy: Mapping[str, str],
-    members: Sequence[str] | None,
+    members: Outcome[Sequence[str]],
     source: SourceMap,
     diagnostics: Diagnostics,
 ) -> None:
@@ -35,7 +36,7 @@ def check_states(
 
     Args:
         policy: Canonical action by pattern.
-        members: Predicates that the letters of a state stand for; ``None`` if unknown.
+        members: Predicates that the letters of a state stand for.
         source: Source map of the policy.
         diagnostics: Diagnostics so far.
     """
@@ -45,8 +46,8 @@ def check_states(
         if is_sound(pattern, members, source.key("policy", pattern), diagnostics)
     }
     # A pattern that was left out, or is invalid, may decide between others.
-    is_whole = source.is_whole("policy") and len(sound) == len(policy)
-    if members is None or not is_whole:
+    known = source.known(policy, "policy")
+    if isinstance(members, Unknown) or isinstance(known, Unknown) or len(sound) < len(known):
         return
     patience, contradict = _Patience(_MOST_SPLITS), False
     for other, one, example in _contradictions(sound, patience):
@@ -97,13 +98,13 @@ def _idle(sound: Mapping[str, str], patience: _Patience) -> Iterator[str]:
 
 
 def is_sound(
-    pattern: str, members: Sequence[str] | None, place: Place, diagnostics: Diagnostics
+    pattern: str, members: Outcome[Sequence[str]], place: Place, diagnostics: Diagnostics
 ) -> bool:
     """Return whether a pattern has a known letter for each member, and report errors.
 
     Args:
         pattern: Pattern of states.
-        members: Predicates that the letters stand for; ``None`` if unknown.
+        members: Predicates that the letters stand for.
         place: Place of the pattern.
         diagnostics: Diagnostics so far.
     """
@@ -113,7 +114,7 @@ def is_sound(
         hint = f"; did you mean '{suggestion}'?" if suggestion else ""
         diagnostics.add("CB612", place, letter=wrong[0], meant=hint)
         return False
-    if members is not None and len(pattern) != len(members):
+    if not isinstance(members, Unknown) and len(pattern) != len(members):
         counts = {
             "found": count(len(pattern), "letter"),
             "wanted": count(len(members), "predicate"),

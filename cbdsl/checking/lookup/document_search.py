@@ -7,10 +7,10 @@ from pathlib import Path
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_name, kind_of
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.unknown import UNKNOWN
 
 
 def find_document(
@@ -21,7 +21,7 @@ def find_document(
     diagnostics: Diagnostics,
     robot: str | None = None,
     own: str = "",
-) -> Path | None:
+) -> Outcome[Path]:
     """Return the file of a document, or report it as missing unless its name is unknown.
 
     Args:
@@ -34,8 +34,10 @@ def find_document(
         own: Name of the referring document, if it cannot be meant.
     """
     beside = Path(place.file)
-    path = None if name is UNKNOWN else library.find(kind, name, beside)
-    if path is not None or name is UNKNOWN:
+    if isinstance(name, Unknown):
+        return UNKNOWN
+    path = library.find(kind, name, beside)
+    if path is not None:
         return path
     names = (
         library.names(kind, beside) if robot is None else for_robot(kind, robot, beside, library)
@@ -44,7 +46,7 @@ def find_document(
     names = [each for each in names if each != own]
     hint = "" if robot is None or names else first_stage(kind, robot)
     diagnostics.add(kind_of(kind).unknown, place, names=names, name=name, hint=hint)
-    return None
+    return UNKNOWN
 
 
 def first_stage(kind: type[Document], robot: str) -> str:

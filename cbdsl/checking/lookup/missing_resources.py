@@ -10,6 +10,7 @@ from cbdsl.checking.lookup.scope import Scope, parameters_in
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.nearest import nearest_name
+from cbdsl.diagnostics.outcome import UNKNOWN
 from cbdsl.robot.resources import NOVEL
 from cbdsl.types.resource import CYCLOPEAN
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -94,7 +95,8 @@ class MissingResources:
         siblings = [known for known in self._known if known.split(".")[0] == first]
         channel = name.partition(".")[2]
         if first == NOVEL and f"{CYCLOPEAN}.{channel}" in self._known:
-            if self._source.is_whole("models"):  # otherwise an invalid model may be of this channel
+            # An unknown model may be of this channel.
+            if self._source.known(name, "models") is not UNKNOWN:
                 self._diagnostics.add("CB674", place, names=siblings, name=name, channel=channel)
             return
         # An effector without load cells, as in ``right_arm.net.force``: another spelling does not

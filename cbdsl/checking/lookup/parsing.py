@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome
 from cbdsl.language.expression import Expression
 from cbdsl.language.parser import CompositionError, LookAlikeError, parse
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -13,8 +14,8 @@ _CALLED = ("controllers", "use")
 
 def parse_at(
     text: str, source: SourceMap, steps: tuple[Step, ...], diagnostics: Diagnostics
-) -> Expression | None:
-    """Return the composition at a path, or ``None`` if the text is not valid."""
+) -> Outcome[Expression]:
+    """Return the composition at a path; unknown if the text is not valid."""
     try:
         return parse(text)
     except LookAlikeError as error:
@@ -22,12 +23,12 @@ def parse_at(
         diagnostics.add("CB408", place, sign=error.sign, suggestion=error.suggestion)
     except CompositionError as error:
         if _is_of_a_faulty_name(text, source):
-            return None
+            return UNKNOWN
         place = source.inside(steps, error.span.start, error.span.end)
         is_cut = ends_within_a_call(text) and _is_before_a_comma(source, steps)
         cut = "; YAML ends it at the ',', so quote the whole call" if is_cut else ""
         diagnostics.add("CB401", place, problem=f"{error}{cut}")
-    return None
+    return UNKNOWN
 
 
 def ends_within_a_call(text: str) -> bool:
@@ -41,5 +42,5 @@ def _is_before_a_comma(source: SourceMap, steps: tuple[Step, ...]) -> bool:
 
 
 def _is_of_a_faulty_name(text: str, source: SourceMap) -> bool:
-    """Return whether a text mentions an invalid key such as ``track-it``, reported elsewhere."""
+    """Return whether a text mentions an invalid key such as ``track-it``."""
     return any(key in text and not key.isidentifier() for key in source.broken.keys(_CALLED))

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome
+from cbdsl.yaml_text.declared import Declared
 from cbdsl.yaml_text.source_map import SourceMap, Step
-from cbdsl.yaml_text.unknown import UNKNOWN, Declared
 
 # Values that refer to values could double in length from program to program.
 _LONGEST = 1_000
@@ -58,7 +59,7 @@ class Scope:
         steps: tuple[Step, ...],
         diagnostics: Diagnostics,
         offset: int = 0,
-    ) -> str | None:
+    ) -> Outcome[str]:
         """Return a text with ``$name`` replaced by values.
 
         Args:
@@ -69,7 +70,7 @@ class Scope:
             offset: Index in that value at which the text begins, from 0.
 
         Returns:
-            Text, or ``None`` if a parameter is unknown or the text would be too long.
+            Text; unknown if a parameter is, or if the text would be too long.
         """
         known, length = True, 0
         for match in _PARAMETER.finditer(text):
@@ -87,7 +88,7 @@ class Scope:
             diagnostics.add("CB409", source.place(*steps), bound=_LONGEST)
             known = False
         if not known:
-            return None
+            return UNKNOWN
         text = _NEGATED.sub(self._negated, text)
         return _PARAMETER.sub(lambda match: self.values[match[1]], text)
 

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Iterator
 from cbdsl.checking.robot.limits import is_of_another_kind
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.outcome import UNKNOWN, Unknown, all_known
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.driver_addresses import addresses
@@ -105,16 +106,22 @@ class _DriverCheck:
         self, driver: str, steps: Steps, name: str, names: Collection[str], what: str
     ) -> None:
         source, path = self._source, ("drivers", driver, *steps)
-        # Skip names of a section that has diagnostics of its own.
-        if name not in names and all(source.is_whole(section) for section in _SECTIONS[steps[0]]):
+        if name not in names and self._are_known(*_SECTIONS[steps[0]]):
             place = source.place(*path) if isinstance(steps[-1], int) else source.key(*path)
             self._diagnostics.add("CB308", place, names=list(names), name=name, what=what)
 
+    def _are_known(self, *sections: str) -> bool:
+        """Return whether no part of some sections is unknown."""
+        robot = self._robot
+        parts = (self._source.known(getattr(robot, name), name) for name in sections)
+        return all_known(parts) is not UNKNOWN
+
     def _times(self, name: str, driver: Driver) -> None:
         """Report times that are shorter than a control period."""
-        if not self._source.is_whole("control"):
+        control = self._source.known(self._robot.control, "control")
+        if isinstance(control, Unknown):
             return
-        period = 1.0 / self._robot.control.rate
+        period = 1.0 / control.rate
         times = {"deadline": driver.deadline, "horizon": driver.horizon}
         for key, value in times.items():
             if value is not None and value < 1.5 * period:
@@ -160,7 +167,7 @@ class _DriverCheck:
     def _cover(self) -> None:
         """Report effectors that no driver moves, or that several move."""
         robot = self._robot
-        if not all(self._source.is_whole(part) for part in ("drivers", "effectors", "groups")):
+        if not self._are_known("drivers", "effectors", "groups"):
             return
         named = {effector for driver in robot.drivers.values() for effector in driver.moves}
         if not named <= {*robot.effectors, *robot.groups}:

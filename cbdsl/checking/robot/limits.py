@@ -10,7 +10,7 @@ def is_of_another_kind(written: object, unit: str) -> bool:
     try:
         given = parse_quantity(written)[1] if isinstance(written, str) else None
     except QuantityError:
-        return False  # reported elsewhere
+        return False
     return given is not None and given.dimension != UNITS[unit].dimension
 
 

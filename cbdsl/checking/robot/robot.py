@@ -19,6 +19,7 @@ from cbdsl.checking.robot.taken_names import check_names
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
 from cbdsl.documents.contents import is_file
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.robot.chains import root
@@ -31,7 +32,6 @@ from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.types.resource_type import TYPES
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
-from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
 
 Steps = tuple[Step, ...]
 
@@ -183,10 +183,13 @@ class _RobotCheck:
                 self._diagnostics.add("CB307", place, name=joint, other=masters[joint])
 
     def _couplings(self) -> None:
-        actuated = [j for e in self._robot.effectors.values() for j in e.joints]
+        effectors = self._source.known(self._robot.effectors, "effectors")
+        if isinstance(effectors, Unknown):
+            return
+        actuated = [joint for effector in effectors.values() for joint in effector.joints]
         for joint, coupling in self._robot.couplings.items():
             steps: Steps = ("couplings", joint, "follows")
-            if self._source.is_whole("effectors") and coupling.follows not in self._unclaimed:
+            if coupling.follows not in self._unclaimed:
                 self._known(coupling.follows, actuated, steps, "actuated joint")
 
     def _load_cells(self) -> None:
@@ -215,9 +218,9 @@ class _RobotCheck:
                 )
 
     def _aliases(self) -> None:
-        if not self._source.is_whole("vision", "channels"):
+        channels = self._source.known(self._robot.vision.channels, "vision", "channels")
+        if isinstance(channels, Unknown):
             return
-        channels = self._robot.vision.channels
         names = list(channel_names(channels))
         for alias, channel in channels.aliases.items():
             steps = ("vision", "channels", "aliases", alias)

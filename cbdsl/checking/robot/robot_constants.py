@@ -7,6 +7,7 @@ from typing import Any
 
 from cbdsl.checking.robot.pace import check_gain, check_window
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, all_known
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfModel
@@ -57,7 +58,8 @@ def check_constants(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> 
         place = source.place("vision", "latency")
         problem = f"a latency of {robot.vision.latency:g} s is too long for control"
         diagnostics.add("CB208", place, problem=f"{problem}; it must be at most {_LATEST:g} s")
-    if all(source.is_whole(*rate) for rate in _RATES):
+    rates = (source.known(reduce(_part, rate, robot), *rate) for rate in _RATES)
+    if all_known(rates) is not UNKNOWN:
         _rates(robot, source, diagnostics)
         _tasks(robot, source, diagnostics)
 
@@ -139,7 +141,7 @@ def check_margins(
         for i, joint in enumerate(effector.joints):
             limits = model.joints.get(joint)
             if limits is None or unsupported(limits) is not None:
-                continue  # reported elsewhere
+                continue
             if not limits.lower + margin <= limits.upper - margin:
                 details = {"lower": f"{limits.lower:.4g}", "upper": f"{limits.upper:.4g}"}
                 place = source.place("effectors", name, "joints", i)

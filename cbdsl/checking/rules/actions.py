@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from cbdsl.checking.lookup.parsing import ends_within_a_call
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.rules.compositions import Compositions
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
 
@@ -17,7 +18,7 @@ class Actions:
     Args:
         context: Program context.
         compositions: Builder of the primitives of its controllers.
-        programs: Programs that it uses, by name; ``None`` for a program with errors.
+        programs: Programs that it uses, by name.
 
     Attributes:
         members: Actions of a single term; a state has one predicate for each.
@@ -29,15 +30,15 @@ class Actions:
         self,
         context: ProgramContext,
         compositions: Compositions,
-        programs: Mapping[str, CheckedProgram | None],
+        programs: Mapping[str, Outcome[CheckedProgram]],
     ) -> None:
         self._context, self._compositions, self._programs = context, compositions, programs
         self.lack_a_member = False
         self._written = self._read()
         expressions = [expression for expression, _ in self._written]
         self.members = tuple(str(e.terms[0]) for e in expressions if len(e.terms) == 1)
-        written = context.document.actions
-        self.are_read = context.source.is_whole("actions") and len(expressions) == len(written)
+        written = context.source.known(context.document.actions, "actions")
+        self.are_read = not isinstance(written, Unknown) and len(expressions) == len(written)
 
     @property
     def are_complete(self) -> bool:
@@ -58,12 +59,12 @@ class Actions:
         is_cut = False
         for i, text in enumerate(self._context.document.actions):
             steps: Steps = ("actions", i)
-            if is_cut:  # part of the previous call, which has been reported
+            if is_cut:  # part of the previous call
                 is_cut = ")" not in text
                 continue
             is_cut = ends_within_a_call(text)
             expression = self._context.parse(text, steps)
-            if expression is None:
+            if isinstance(expression, Unknown):
                 continue
             if str(expression) in actions:
                 place = self._context.source.place(*steps)
@@ -71,27 +72,29 @@ class Actions:
             actions.setdefault(str(expression), (expression, steps))
         return list(actions.values())
 
-    def check(self) -> list[Action | None]:
-        """Return the actions in their order, with ``None`` for actions with errors."""
+    def check(self) -> list[Outcome[Action]]:
+        """Return the actions in their order; those with errors are unknown."""
         return [self._action(expression, steps) for expression, steps in self._written]
 
-    def _action(self, expression: Expression, steps: Steps) -> Action | None:
+    def _action(self, expression: Expression, steps: Steps) -> Outcome[Action]:
         term = expression.terms[0]
         if len(expression.terms) == 1 and self._is_program(term):
             return self._program_action(term, steps)
         composition = self._compositions.composition(expression, steps)
-        return None if composition is None else Action(str(expression), composition)
+        if isinstance(composition, Unknown):
+            return UNKNOWN
+        return Action(str(expression), composition)
 
     def _is_program(self, term: Term) -> bool:
         document = self._context.document
         return term.name in document.use and term.name not in document.controllers
 
-    def _program_action(self, term: Term, steps: Steps) -> Action | None:
+    def _program_action(self, term: Term, steps: Steps) -> Outcome[Action]:
         self._context.used.add(term.name)
         if term.arguments:
             self._compositions.wrong_arity(term, steps, ())
         program = self._programs[term.name]
-        return None if program is None else Action(term.name, program=program)
+        return UNKNOWN if isinstance(program, Unknown) else Action(term.name, program=program)
 
     def only_composed(self) -> bool:
         """Report controllers that occur in composed actions only, so that no state shows them."""
@@ -113,7 +116,7 @@ class Actions:
         for pattern, text in self._context.document.policy.items():
             steps: Steps = ("policy", pattern)
             expression = self._context.parse(text, steps)
-            if expression is None:
+            if isinstance(expression, Unknown):
                 continue
             # An incomplete list may hold this action in a part with errors. Then only undeclared
             # names are certain mistakes.

@@ -9,10 +9,10 @@ from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown, all_known
 from cbdsl.documents import program as written
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.controller import Composition, Controller, Primitive
-from cbdsl.yaml_text.unknown import Unknown
 
 # Bound on nested compositions, below Python's recursion limit.
 _DEEPEST = 64
@@ -30,7 +30,7 @@ class Compositions:
         self.repetitive: set[Expression] = set()
         self.missing: set[str] = set()
         self._context = context
-        self._built: dict[str, tuple[Controller, ...] | None] = {}
+        self._built: dict[str, Outcome[tuple[Controller, ...]]] = {}
 
     def check_all(self) -> None:
         """Check each controller that can be checked by itself, used or not."""
@@ -45,7 +45,7 @@ class Compositions:
         document, source = self._context.document, self._context.source
         for key, parts in document.rewards.items():
             written = self._context.controllers.get(key)
-            # Unreadable compositions, and names that an action lacks, are reported elsewhere.
+            # Unreadable compositions, and names that an action lacks, have own diagnostics.
             if isinstance(written, Unknown) or key in self.missing:
                 continue
             # A single controller is its own only part, so that naming its parts has no meaning.
@@ -58,7 +58,7 @@ class Compositions:
                 self._context.add("CB482", place, name=key, names=names, problem=problem)
                 continue
             controllers = self._built.get(key)
-            if controllers is None:
+            if controllers is None or isinstance(controllers, Unknown):
                 continue
             self._check_earning(key, parts, {each.name: each.rewarded for each in controllers})
 
@@ -86,46 +86,45 @@ class Compositions:
         return [
             (name.split("(")[0], controllers[0])
             for name, controllers in self._built.items()
-            if controllers is not None and controllers[0].name == name
+            if not isinstance(controllers, Unknown) and controllers[0].name == name
         ]
 
-    def composition(self, expression: Expression, steps: Steps) -> Composition | None:
-        """Return a composition of primitives, or ``None`` if it has errors."""
+    def composition(self, expression: Expression, steps: Steps) -> Outcome[Composition]:
+        """Return a composition of primitives; unknown if it has errors."""
         primitives = [self.primitive(term, steps) for term in expression.terms]
-        whole = [primitive for primitive in primitives if primitive is not None]
-        repeats = self._repeats(expression, primitives, steps)
-        return None if repeats or len(whole) < len(primitives) else Composition(tuple(whole))
+        repeats, known = self._repeats(expression, primitives, steps), all_known(primitives)
+        return UNKNOWN if repeats or isinstance(known, Unknown) else Composition(tuple(known))
 
-    def primitive(self, term: Term, steps: Steps) -> Primitive | None:
-        """Return the primitive that a term names, or ``None`` if it has errors."""
+    def primitive(self, term: Term, steps: Steps) -> Outcome[Primitive]:
+        """Return the primitive that a term names; unknown if it has errors."""
         controllers = self._controllers(term, steps, ())
-        if controllers is None:
-            return None
+        if isinstance(controllers, Unknown):
+            return UNKNOWN
         return Primitive(str(term), controllers, self._context.document.rewards.get(term.name, ()))
 
     def _controllers(
         self, term: Term, steps: Steps, stack: tuple[str, ...]
-    ) -> tuple[Controller, ...] | None:
+    ) -> Outcome[tuple[Controller, ...]]:
         document = self._context.controllers.get(term.name)
         if document is None or isinstance(document, Unknown):
             if document is None:
                 self._missing(term, steps)
-            return None
+            return UNKNOWN
         self._context.used.add(term.name)
         parameters = () if isinstance(document, str) else document.parameters
         if len(parameters) != len(term.arguments):
             self.wrong_arity(term, steps, parameters)
-            return None
+            return UNKNOWN
         if isinstance(document, str):
             return self._composite(term.name, document, stack)
+        # Each argument is substituted, since each may have a diagnostic.
         arguments = [
             self._context.substitute(a.text, steps, self._context.scope, a.span.start - 1)
             for a in term.arguments
         ]
-        pairs = zip(parameters, arguments, strict=True)
-        known = {name: argument for name, argument in pairs if argument is not None}
-        if len(known) < len(arguments):
-            return None
+        if isinstance(values := all_known(arguments), Unknown):
+            return UNKNOWN
+        known = dict(zip(parameters, values, strict=True))
         places = dict(zip(parameters, self._places(term, steps), strict=True))
         return self._triple(term.name, str(term), document, known, places)
 
@@ -143,15 +142,14 @@ class Compositions:
         document: written.ControllerSection,
         arguments: Mapping[str, str],
         places: Mapping[str, Place],
-    ) -> tuple[Controller, ...] | None:
+    ) -> Outcome[tuple[Controller, ...]]:
         if name not in self._built:
             # A controller with arguments also depends on their values, which the memory does not
             # compare.
-            controller = None if arguments else self._recalled(name, document)
-            if controller is None:
-                scope = self._context.scope.inside(arguments, places)
-                controller = self._checked(key, name, document, scope)
-            self._built[name] = None if controller is None else (controller,)
+            recalled = None if arguments else self._recalled(name, document)
+            scope = self._context.scope.inside(arguments, places)
+            controller = recalled or self._checked(key, name, document, scope)
+            self._built[name] = UNKNOWN if isinstance(controller, Unknown) else (controller,)
         return self._built[name]
 
     def _recalled(self, name: str, document: written.ControllerSection) -> Controller | None:
@@ -161,55 +159,59 @@ class Compositions:
 
     def _checked(
         self, key: str, name: str, document: written.ControllerSection, scope: Scope
-    ) -> Controller | None:
+    ) -> Outcome[Controller]:
         context = self._context
         before = context.diagnostics.added
         controller = check_triple(context, key, name, document, scope)
         is_clean = context.diagnostics.added == before and not context.loaded.diagnostics
-        if controller is not None and is_clean and key == name:
+        if not isinstance(controller, Unknown) and is_clean and key == name:
             context.sound.remember(name, document, context.body, controller)
         return controller
 
     def _composite(
         self, key: str, text: str, stack: tuple[str, ...]
-    ) -> tuple[Controller, ...] | None:
+    ) -> Outcome[tuple[Controller, ...]]:
         # With ``a: b ◁ c`` and ``b: a``, a composition contains itself and cannot be flattened.
         if key in stack:
             cycle = " ◁ ".join((*stack[stack.index(key) :], key))
             place = self._context.source.key("controllers", key)
             self._context.add("CB405", place, name=key, cycle=cycle.replace("◁", "→"))
-            return None
+            return UNKNOWN
         if len(stack) == _DEEPEST:
             place = self._context.source.key("controllers", key)
             self._context.add("CB119", place, bound=_DEEPEST)
-            return None
+            return UNKNOWN
         if key not in self._built:
             self._built[key] = self._flatten(key, text, (*stack, key))
         return self._built[key]
 
     def _flatten(
         self, key: str, text: str, stack: tuple[str, ...]
-    ) -> tuple[Controller, ...] | None:
+    ) -> Outcome[tuple[Controller, ...]]:
         steps: Steps = ("controllers", key)
         expression = self._context.parse(text, steps)
-        if expression is None:
-            return None
+        if isinstance(expression, Unknown):
+            return UNKNOWN
         parts = [self._controllers(term, steps, stack) for term in expression.terms]
-        whole = [part for part in parts if part is not None]
-        primitives = [None if part is None else Primitive("", part) for part in parts]
+        primitives = [
+            UNKNOWN if isinstance(part, Unknown) else Primitive("", part) for part in parts
+        ]
         # Without this check, a few lines of repetitions could stand for billions of controllers.
-        if self._repeats(expression, primitives, steps) or len(whole) < len(parts):
-            return None
-        return tuple(controller for part in whole for controller in part)
+        if self._repeats(expression, primitives, steps):
+            return UNKNOWN
+        known = all_known(parts)
+        if isinstance(known, Unknown):
+            return UNKNOWN
+        return tuple(controller for part in known for controller in part)
 
     def _repeats(
-        self, expression: Expression, primitives: list[Primitive | None], steps: Steps
+        self, expression: Expression, primitives: Sequence[Outcome[Primitive]], steps: Steps
     ) -> bool:
         """Report controllers that occur twice, and return whether there are any."""
         seen: dict[str, Term] = {}
         repeats = False
         for term, primitive in zip(expression.terms, primitives, strict=True):
-            for controller in primitive.controllers if primitive is not None else ():
+            for controller in () if isinstance(primitive, Unknown) else primitive.controllers:
                 if controller.name in seen:
                     self._repeat(controller.name, (seen[controller.name], term), steps)
                     self.repetitive.add(expression)

@@ -11,6 +11,7 @@ from cbdsl.checking.knowledge.impossible import is_always_defined
 from cbdsl.checking.knowledge.states import is_sound
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostic import Place
+from cbdsl.diagnostics.outcome import Outcome
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.policy_table import PolicyTable
 from cbdsl.types.state import ANY, Predicate, matches, overlap
@@ -32,7 +33,7 @@ class End(NamedTuple):
     steps: Steps
 
 
-def read_ends(context: ProgramContext, members: Sequence[str] | None) -> list[End]:
+def read_ends(context: ProgramContext, members: Outcome[Sequence[str]]) -> list[End]:
     """Return the valid patterns of success and failure, and report the invalid ones."""
     document, ends = context.document, []
     for key, patterns in (("success", document.success), ("failure", document.failure)):

@@ -9,6 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.stage.mesh_files import extents_of
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Outcome, Unknown
 from cbdsl.documents.context import Context, PlaceSection, Presentation
 from cbdsl.documents.form import BoxForm, ComposedForm, MeshForm, OpenBoxForm
 from cbdsl.documents.stage import Fixture, StageDocument
@@ -23,7 +24,7 @@ def check_presentations(
     diagnostics: Diagnostics,
     key: str,
     context: Context,
-    body: CheckedRobot | None,
+    body: Outcome[CheckedRobot],
 ) -> None:
     """Check all presentations of a context.
 
@@ -32,7 +33,7 @@ def check_presentations(
         diagnostics: Diagnostics so far.
         key: Name of the context.
         context: Context of the stage.
-        body: Robot of the stage, or ``None`` if unknown.
+        body: Robot of the stage.
     """
     for name, show in context.presentations.items():
         steps = ("contexts", key) if name is None else ("contexts", key, "placed", name)
@@ -77,14 +78,14 @@ class _PresentationCheck:
         self._show = show
         self._context = context
 
-    def all(self, body: CheckedRobot | None) -> None:
+    def all(self, body: Outcome[CheckedRobot]) -> None:
         place = self._show.place
         for i, name in enumerate(self._show.things):
             things = self._source.declared(self._stage.things, "things")
             self._known(name, things, "thing of this stage", "things", i)
         if place is not None:
             self._neighbours(place)
-        if body is not None and place is not None and place.hand is not None:
+        if not isinstance(body, Unknown) and place is not None and place.hand is not None:
             tips = [name for name, effector in body.document.effectors.items() if effector.tip]
             self._known(place.hand, tips, "effector with a tip", "place", "hand")
         self._complete()

@@ -14,6 +14,7 @@ from typing import Literal, NamedTuple
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Outcome, Unknown
 from cbdsl.documents.context import Context, PlaceSection, Presentation
 from cbdsl.documents.form import (
     BallForm,
@@ -82,7 +83,7 @@ class _Solid(NamedTuple):
 
 
 def check_scenes(
-    loaded: Loaded[StageDocument], body: CheckedRobot | None, diagnostics: Diagnostics
+    loaded: Loaded[StageDocument], body: Outcome[CheckedRobot], diagnostics: Diagnostics
 ) -> None:
     """Check that the objects in the scenes of a stage do not overlap."""
     stage = loaded.document
@@ -91,7 +92,7 @@ def check_scenes(
         for name, fixture in stage.fixtures.items()
         if not fixture.is_drawn and not _is_hollow(fixture.form)
     }
-    if body is not None and body.model is not None:
+    if not isinstance(body, Unknown) and body.model is not None:
         _in_robot(loaded, body, body.model, fixtures, diagnostics)
     for key, context in stage.contexts.items():
         _in_each_other(loaded, key, context, fixtures, diagnostics)

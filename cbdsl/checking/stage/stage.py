@@ -14,6 +14,7 @@ from cbdsl.checking.stage.presentation import check_presentations, idle_keys
 from cbdsl.checking.stage.scene import check_scenes
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
 from cbdsl.documents.form import BallForm, BoxForm, ComposedForm, Form, MeshForm, OpenBoxForm
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -41,7 +42,7 @@ def examine_stage(
     check_meshes(loaded, diagnostics)
     _matter(loaded, diagnostics)
     check_scenes(loaded, body, diagnostics)
-    if body is not None:
+    if not isinstance(body, Unknown):
         _joints(loaded, body, diagnostics)
         _sizes(loaded, body, diagnostics)
 
@@ -98,11 +99,12 @@ def _narrowest(form: Form) -> float:
 def _names(loaded: Loaded[StageDocument], diagnostics: Diagnostics) -> None:
     """Check that fixtures and things have different names, and that each thing is shown."""
     stage, source = loaded.document, loaded.source
+    contexts = source.known(stage.contexts, "contexts")
     shows = [each for context in stage.contexts.values() for each in context.presentations.values()]
     shown = {name for show in shows for name in show.things}
     # A context with a place and without things most likely lacks the thing that seems unused.
     is_forgotten = any(idle_keys(show) and not show.things for show in shows)
-    are_known = shown.issubset(stage.things) and source.is_whole("contexts")
+    are_known = shown.issubset(stage.things) and contexts is not UNKNOWN
     for name in stage.things:
         place = source.key("things", name)
         if name in stage.fixtures:

@@ -17,6 +17,7 @@ from pydantic_core import ErrorDetails
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.nearest import nearest_name
+from cbdsl.diagnostics.outcome import UNKNOWN
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_of
 from cbdsl.yaml_text.broken import Broken
@@ -26,7 +27,6 @@ from cbdsl.yaml_text.repair.invalid_values import diagnostics_of, path_of
 from cbdsl.yaml_text.repair.misplaced import find_moves, move
 from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
-from cbdsl.yaml_text.unknown import UNKNOWN
 
 Steps = tuple[Step, ...]
 

@@ -5,6 +5,7 @@ from itertools import pairwise
 from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.yaml_text.loaded import Loaded
 from demo.playlist import REPEATED, PlaylistDocument
@@ -12,12 +13,13 @@ from demo.playlist import REPEATED, PlaylistDocument
 
 def check(loaded: Loaded[PlaylistDocument], session: Session, diagnostics: Diagnostics) -> None:
     """Check that every program exists, and that none follows itself."""
-    if not loaded.source.is_whole("programs"):
-        return
     document, library = loaded.document, session.library
-    for place, name in enumerate(document.programs):
+    programs = loaded.source.known(document.programs, "programs")
+    if isinstance(programs, Unknown):
+        return
+    for place, name in enumerate(programs):
         where = loaded.source.place("programs", place)
         find_document(ProgramDocument, name, where, library, diagnostics, document.robot)
-    for place, (name, following) in enumerate(pairwise(document.programs)):
+    for place, (name, following) in enumerate(pairwise(programs)):
         if name == following:
             diagnostics.add(REPEATED, loaded.source.place("programs", place + 1), name=name)

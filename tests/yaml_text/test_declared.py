@@ -1,16 +1,12 @@
-"""The error value, and sections that hold it."""
+"""Sections with omitted entries."""
 
 from __future__ import annotations
 
 import pytest
 
+from cbdsl.diagnostics.outcome import UNKNOWN
 from cbdsl.yaml_text.broken import Broken
-from cbdsl.yaml_text.unknown import UNKNOWN, Declared
-
-
-def test_unknown_is_no_name_that_a_document_can_have() -> None:
-    assert (UNKNOWN != "unknown") and not (UNKNOWN == "unknown")  # noqa: SIM201
-    assert UNKNOWN not in {"unknown": 1} and UNKNOWN in (UNKNOWN, "unknown")
+from cbdsl.yaml_text.declared import Declared
 
 
 def test_broken_entry_is_declared_and_unknown() -> None:
