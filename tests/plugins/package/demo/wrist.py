@@ -1,24 +1,14 @@
 """Force-torque sensor at a wrist, which carries a hand with load cells."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
-from cbdsl.documents.robot import RobotDocument, Sensor
 from cbdsl.robot.source_kind import SourceKind
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.reading import Reading
-from cbdsl.types.resource import Origin, Resource, SensorSignal
+from cbdsl.types.resource import SensorSignal
 from cbdsl.types.resource_type import FORCE, TORQUE
-
-
-def resources(name: str, sensor: Sensor, robot: RobotDocument) -> Iterator[Resource]:
-    """Return force and torque of a sensor; none if its document lacks the link or the hand."""
-    if sensor.link is None or sensor.hand not in robot.load_cells:
-        return
-    for part, kind in (("force", FORCE), ("torque", TORQUE)):
-        source = SensorSignal(name, "wrist_force_torque", part, (sensor.link,))
-        yield Resource(f"{name}.{part}", kind, Origin.ENVIRONMENT, source)
 
 
 def reader(signal: SensorSignal, signals: Signals) -> Callable[[], Reading | None]:
@@ -46,6 +36,7 @@ def reader(signal: SensorSignal, signals: Signals) -> Callable[[], Reading | Non
 WRIST = SourceKind(
     "wrist_force_torque",
     "force and torque at a wrist",
-    resources,
+    {"force": FORCE, "torque": TORQUE},
     "demo.wrist:reader",
+    needs=("link", "hand"),
 )
