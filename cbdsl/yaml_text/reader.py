@@ -68,8 +68,8 @@ def flawless(loaded: Loaded[D]) -> Loaded[D]:
 def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Loaded[D]:
     """Read the sound parts of a document of one kind; the arguments are the same as of ``read``.
 
-    A sound document is validated once, and one with a single fault twice: a repair goes on with the
-    errors of the first validation. See ``salvage`` for several faults.
+    A sound document is validated once, and one with faults twice: a repair goes on with the errors
+    of the first validation. See ``salvage`` for faults in several layers, which need more.
 
     Raises:
         DiagnosticsError: No part of the document can be checked.

@@ -8,7 +8,7 @@ are not reported as missing.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -46,9 +46,10 @@ def salvage(
 ) -> Loaded[D]:
     """Read a document from its nodes, after removal of the faulty ones.
 
-    The document is validated once more after each round of removals. Faults in several layers need
-    several rounds. pydantic reports no error inside a value of a wrong form. A moved key is
-    validated only in its new place. A section may lack its removed parts.
+    The document is validated once more after each round of removals. A part that is incomplete
+    without a removed one is removed with it, so that one round suffices for faults in their places.
+    Faults in several layers need several rounds. pydantic reports no error inside a value of a
+    wrong form, and a moved or respelt key is validated only in its new place.
 
     Args:
         source: Source map of the document; its nodes are modified.
@@ -76,8 +77,10 @@ class _Salvage(Generic[D]):
 
     def salvage(self, errors: Sequence[ErrorDetails]) -> Loaded[D]:
         if self._faults:
-            self._judge_words()
-            self._leave_out(_faulty(self._source.root, ()))
+            judged = self._judge_words()
+            faulty = list(_faulty(self._source.root, ()))
+            self._leave_out(faulty)
+            errors = errors if faulty else judged
         if errors:
             self._mend(errors)
         for _ in range(_MOST_ROUNDS - bool(errors)):
@@ -96,15 +99,19 @@ class _Salvage(Generic[D]):
     def _validated(self) -> D:
         return self._model.model_validate(self._source.root.plain(), context=self._context)
 
-    def _judge_words(self) -> None:
+    def _judge_words(self) -> list[ErrorDetails]:
         """Treat words such as ``off`` as texts if no text is allowed, for a better diagnostic.
 
         Quoting a word is a remedy only if a text is allowed.
+
+        Returns:
+            Errors of the document, if there are such words.
         """
         words = {diagnostic.place for diagnostic in self._faults if diagnostic.code == _WORD}
         if not words:
-            return
-        wrong = {path_of(error, self._source) for error in self._errors()}
+            return []
+        errors = self._errors()
+        wrong = {path_of(error, self._source) for error in errors}
         places = set()
         for path in _faulty(self._source.root, ()):
             node = self._source.node(path)
@@ -114,6 +121,7 @@ class _Salvage(Generic[D]):
         self._faults = [
             each for each in self._faults if each.code != _WORD or each.place not in places
         ]
+        return errors
 
     def _errors(self) -> list[ErrorDetails]:
         try:
@@ -166,21 +174,57 @@ class _Salvage(Generic[D]):
         return suggestion is not None
 
     def _leave_out(self, paths: Iterable[Steps]) -> None:
-        """Remove the parts of the document at the given paths."""
+        """Remove the parts at the given paths, and the parts incomplete without them."""
         parts = {_part(path, self._model) for path in paths}
         # The last items of a list are removed first, so that the indices of the others stay valid.
         # Indices are padded, because 10 would otherwise sort before 9.
         for part in sorted(parts, key=lambda part: [str(step).zfill(9) for step in part])[::-1]:
             if not part:
                 raise self._hopeless()
-            self._source.node(part[:-1]).drop(part[-1])
-            # In `track {gain: 3}`, `{arm right_arm}` or `models:{pan: head}` the key comes first.
-            self._broken.add([part, (*part[:-1], re.split("[ :{]", str(part[-1]))[0])])
+            self._drop(part)
+        for part in parts:
+            self._complete(part)
+
+    def _drop(self, part: Steps) -> None:
+        self._source.node(part[:-1]).drop(part[-1])
+        # In `track {gain: 3}`, `{arm right_arm}` or `models:{pan: head}` the key comes first.
+        self._broken.add([part, (*part[:-1], re.split("[ :{]", str(part[-1]))[0])])
+
+    def _complete(self, part: Steps) -> None:
+        """Remove the parts around a removed one that require it; replace a key of the document."""
+        while self._source.holds(*part[:-1]) and self._is_required(part):
+            if len(part) > 1:
+                part = part[:-1]
+                self._drop(part)
+                continue
+            if str(part[0]) in self._stand_ins:
+                self._stand_in(str(part[0]))
+            return
+
+    def _is_required(self, part: Steps) -> bool:
+        """Return whether a section requires a removed key, or a list or mapping one more entry."""
+        model: type[BaseModel] = self._model
+        for depth, step in enumerate(part[:-1], 2):
+            field = model.model_fields.get(str(step))
+            if field is None:
+                return False
+            inner = field.annotation
+            if isinstance(inner, type) and issubclass(inner, BaseModel):
+                model = inner
+                continue
+            least = max((getattr(limit, "min_length", 0) for limit in field.metadata), default=0)
+            left = len(list(self._source.node(part[:-1]).steps()))
+            return depth == len(part) and left < least
+        last = model.model_fields.get(str(part[-1]))
+        return last is not None and last.is_required()
+
+    @property
+    def _stand_ins(self) -> Mapping[str, object]:
+        """Placeholders for required values, which checks ignore."""
+        return {"name": "unknown", **kind_of(self._model).stand_ins}
 
     def _stand_in(self, key: str) -> None:
-        root = self._source.root
-        # Placeholders for required values; checks ignore them.
-        stand_ins = {"name": "unknown", **kind_of(self._model).stand_ins}
+        root, stand_ins = self._source.root, self._stand_ins
         if key not in stand_ins or not isinstance(root.value, dict):
             raise self._hopeless()
         root.value[key] = _node(stand_ins[key], root.place)

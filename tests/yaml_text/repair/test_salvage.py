@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import json
 from collections.abc import Callable, Iterator
@@ -15,6 +16,8 @@ from hypothesis import strategies as st
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.errors import DiagnosticsError
+from cbdsl.documents.document import Document
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.library import Library, shipped
@@ -146,3 +149,47 @@ def test_read_validates_once_and_twice_with_one_fault(
     monkeypatch.setattr(ProgramDocument, "model_validate", counted)
     read_sound_parts(path, ProgramDocument)
     assert count == validations
+
+
+@pytest.fixture
+def validations(monkeypatch: pytest.MonkeyPatch) -> Callable[[Path], int]:
+    """Return a function that counts how often a document is validated while it is read."""
+    count, validate = 0, Document.model_validate.__func__  # type: ignore[attr-defined]
+
+    def counted(kind: type[Document], *args: Any, **options: Any) -> Document:
+        nonlocal count
+        count += 1
+        validated: Document = validate(kind, *args, **options)
+        return validated
+
+    monkeypatch.setattr(Document, "model_validate", classmethod(counted))
+
+    def read(path: Path) -> int:
+        nonlocal count
+        count = 0
+        with contextlib.suppress(DiagnosticsError):
+            read_sound_parts(path, Document)
+        return count
+
+    return read
+
+
+def test_sound_document_is_validated_once(validations: Callable[[Path], int]) -> None:
+    assert {path.name: validations(path) for path in FILES} == {path.name: 1 for path in FILES}
+
+
+# A respelt key is validated in its new place, with the faults inside it or of its value; words such
+# as `off` are validated as texts once more.
+SEVERAL_LAYERS = {
+    "colon_missing_in_braces.yaml",
+    "equals_in_braces.yaml",
+    "key_meant_by_another.yaml",
+    "words_for_quantities.yaml",
+}
+
+
+def test_broken_document_is_validated_at_most_twice(validations: Callable[[Path], int]) -> None:
+    bad = sorted((Path(__file__).parents[2] / "checking" / "bad").rglob("*.yaml"))
+    counts = {path.name: validations(path) for path in bad}
+    assert {name for name, count in counts.items() if count > 2} == SEVERAL_LAYERS
+    assert max(counts.values()) == 3
