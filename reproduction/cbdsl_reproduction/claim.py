@@ -1,85 +1,81 @@
-"""Claim: the region that the source states for the true value of a quantity."""
+"""Claim: report of the source about one quantity, and the rule of its verdict."""
 
 from __future__ import annotations
 
-import math
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
-Interval = tuple[float, float]
+from cbdsl_reproduction.region import ValueRegion
+
+
+class VerdictRule(StrEnum):
+    """VerdictRule by which a measurement gets its verdict."""
+
+    REGION = "the 95 % interval is in the region"
+    BOUND = "the 95 % interval is in a region that the same trials bound"
+    TRIALS = "the source's trials and ours are of one process"
+    NONE = "no verdict"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """Region of values that contains a 95 % interval, excludes it, or does neither.
+    """Report of the source about one quantity.
 
-    Its negation is the complement, so that no measurement can satisfy a claim and its negation.
+    Texts in braces, such as ``{law}``, stand for parts that a measurement names.
 
     Attributes:
-        text: Region for readers, such as ``> 0.8``.
-        low, high: Ends of the region; infinite if it is unbounded.
-        open: True if the ends themselves are excluded.
-        hindsight: True if it was set with known numbers.
+        place: Section, figure or table of the source.
+        name: Name of the quantity.
+        unit: Unit of the quantity; empty for a bare number.
+        report: Report of the source, in a few words of our own.
+        region: ValueRegion of the reported value; ``None`` if nothing is reported, or until it is
+            measured.
+        ordering: Weaker region that only preserves the reported order.
+        bound: Function that returns the region from a bound of the same trials.
+        trials: Number of hits of the source, and of its trials.
     """
 
-    text: str
-    low: float = -math.inf
-    high: float = math.inf
-    open: bool = False
-    hindsight: bool = False
-
-    def contains(self, interval: Interval) -> bool:
-        """Return whether the region contains a whole interval."""
-        first, last = interval
-        if self.open:
-            return self.low < first and last < self.high
-        # Rounding errors must not exclude an interval that ends at a closed bound, for example at
-        # 100 %.
-        slack = 1e-9 * max(1.0, *(abs(end) for end in self.ends))
-        return self.low - slack <= first and last <= self.high + slack
-
-    def excludes(self, interval: Interval) -> bool:
-        """Return whether the region and an interval are disjoint."""
-        first, last = interval
-        if self.open:
-            return last <= self.low or self.high <= first
-        return last < self.low or self.high < first
+    place: str
+    name: str
+    unit: str = ""
+    report: str = ""
+    region: ValueRegion | None = None
+    ordering: ValueRegion | None = None
+    bound: Callable[[float], ValueRegion] | None = None
+    trials: tuple[int, int] | None = None
 
     @property
-    def ends(self) -> tuple[float, ...]:
-        """Finite ends of the region, at which the claim is barely violated."""
-        return tuple(end for end in (self.low, self.high) if math.isfinite(end))
+    def rule(self) -> VerdictRule:
+        """VerdictRule of its verdict."""
+        if self.trials is not None:
+            return VerdictRule.TRIALS
+        if self.bound is not None:
+            return VerdictRule.BOUND
+        return VerdictRule.NONE if self.region is None else VerdictRule.REGION
+
+    def named(self, **parts: str) -> Claim:
+        """Return the claim with texts in place of the words in braces."""
+        name, report = self.name, self.report
+        for key, text in parts.items():
+            name, report = (words.replace(f"{{{key}}}", text) for words in (name, report))
+        return replace(self, name=name, report=report)
+
+    def within(self, region: ValueRegion) -> Claim:
+        """Return the claim with its measured region."""
+        return replace(self, region=region)
+
+    def at(self, value: float) -> Claim:
+        """Return the claim with a region from a measured bound."""
+        assert self.bound is not None, f"the region of '{self.name}' has no measured bound"
+        return self.within(self.bound(value))
+
+    def describes(self, name: str) -> bool:
+        """Return whether it is the claim about a measured quantity of a name."""
+        parts = re.split(r"\{\w+\}", self.name)
+        return re.fullmatch(".+".join(map(re.escape, parts)), name) is not None
 
 
-def above(bound: float) -> Claim:
-    """Return the claim that the value is larger than ``bound``."""
-    return Claim(f"> {bound:.3g}", low=bound, open=True)
-
-
-def below(bound: float) -> Claim:
-    """Return the claim that the value is smaller than ``bound``."""
-    return Claim(f"< {bound:.3g}", high=bound, open=True)
-
-
-def at_least(bound: float) -> Claim:
-    """Return the claim that the value is ``bound`` or more."""
-    return Claim(f">= {bound:g}", low=bound)
-
-
-def at_most(bound: float) -> Claim:
-    """Return the claim that the value is ``bound`` or less."""
-    return Claim(f"<= {bound:g}", high=bound)
-
-
-def near(target: float, tolerance: float) -> Claim:
-    """Return the claim that the value is within ``tolerance`` of ``target``."""
-    return between(target - tolerance, target + tolerance, f"{target:g} ± {tolerance:.3g}")
-
-
-def between(low: float, high: float, text: str = "") -> Claim:
-    """Return the claim that the value is in a closed range."""
-    return Claim(text or f"{low:g} to {high:g}", low, high)
-
-
-def in_hindsight(claim: Claim) -> Claim:
-    """Return the same claim, marked as set with known numbers."""
-    return replace(claim, text=f"{claim.text} (set in hindsight)", hindsight=True)
+Claims = Mapping[str, Sequence[Claim]]
+"""Claims by experiment."""

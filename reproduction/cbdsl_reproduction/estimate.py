@@ -9,9 +9,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl_reproduction.claim import Claim, Interval
+from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.interval import interval_of
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import Interval, ValueRegion
 
 Floats = NDArray[np.float64]
 Statistic = Callable[[Floats], Floats]
@@ -22,65 +23,38 @@ _SETS, _DRAWS = 1000, 200
 
 
 def estimate(
-    name: str,
-    unit: str,
-    source: str,
+    claim: Claim,
     samples: Floats,
     statistic: Statistic,
     interval: Callable[[Floats], Interval],
-    expected: Claim | None,
     *,
-    ordering: Claim | None = None,
     seed: int = 0,
     note: str = "",
 ) -> Quantity:
     """Return a statistic of samples as a quantity.
 
     Args:
-        name, unit, source, expected, ordering, note: Fields of ``Quantity``.
+        claim: Claim about the statistic.
         samples: Samples, shape (n,); for n = 0 the quantity is NaN, for n = 1 it is not judged.
         statistic: Statistic of the samples.
         interval: Function that returns the statistic's 95 % interval.
         seed: Seed of the resampling for the estimate of the chance.
+        note: Note of the quantity.
     """
     values = np.asarray(samples, dtype=float)
     return Quantity(
-        name,
-        unit,
-        source,
+        claim,
         float(statistic(values)) if len(values) else math.nan,
-        expected,
-        ordering,
         interval(values) if len(values) > 1 else None,
-        0.0 if expected is None else chance_of_samples(expected, values, statistic, seed),
+        chance_of_samples(claim.region, values, statistic, seed) if claim.region else 0.0,
         note,
     )
 
 
-def mean_of(
-    name: str,
-    unit: str,
-    source: str,
-    samples: Sequence[float],
-    expected: Claim | None,
-    *,
-    ordering: Claim | None = None,
-    seed: int = 0,
-    note: str = "",
-) -> Quantity:
+def mean_of(claim: Claim, samples: Sequence[float], *, seed: int = 0, note: str = "") -> Quantity:
     """Return the mean of samples as a quantity; see ``estimate``."""
-    return estimate(
-        name,
-        unit,
-        source,
-        np.array(samples, dtype=float),
-        mean,
-        interval_of(mean, seed),
-        expected,
-        ordering=ordering,
-        seed=seed,
-        note=note,
-    )
+    values = np.array(samples, dtype=float)
+    return estimate(claim, values, mean, interval_of(mean, seed), seed=seed, note=note)
 
 
 def mean(values: Floats) -> Floats:
@@ -95,21 +69,23 @@ def median(values: Floats) -> Floats:
     return result
 
 
-def chance_of_samples(claim: Claim, samples: Floats, statistic: Statistic, seed: int = 0) -> float:
-    """Return the probability that samples at an end of the claim's region are called reproduced.
+def chance_of_samples(
+    region: ValueRegion, samples: Floats, statistic: Statistic, seed: int = 0
+) -> float:
+    """Return the probability that samples at an end of a region are called reproduced.
 
     As many samples as measured are drawn from the measured ones, which are shifted so that their
     statistic is at the end of the region.
 
     Args:
-        claim: Claim about the statistic.
+        region: ValueRegion of the statistic.
         samples: Samples, shape (n,); for n < 2 there is no interval, and the result is 0.
         statistic: Statistic of samples along the first axis.
         seed: Seed of the draws.
     """
     # Double bootstrap: ``_SETS`` data sets are drawn from the samples, and the percentile interval
     # of each from ``_DRAWS`` resamplings. The chance is the share of the intervals within the
-    # claim's region, after a shift of the statistic to just outside of that region. Assumptions:
+    # region, after a shift of the statistic to just outside of that region. Assumptions:
     # the spread at the end of the region is the measured one, and a shift of the samples shifts the
     # statistic by as much. Means and medians have this property; ratios have not.
     n, centre = len(samples), float(statistic(samples)) if len(samples) else math.nan
@@ -124,18 +100,18 @@ def chance_of_samples(claim: Claim, samples: Floats, statistic: Statistic, seed:
     method: Literal["linear", "nearest"] = "linear" if np.isfinite(samples).all() else "nearest"
     lows, highs = np.percentile(statistic(again), (2.5, 97.5), axis=0, method=method)
     intervals = [(float(low), float(high)) for low, high in zip(lows, highs, strict=True)]
-    shifts = [_outside(claim, end) - centre for end in claim.ends]
-    return max((_share(claim, intervals, shift) for shift in shifts), default=0.0)
+    shifts = [_outside(region, end) - centre for end in region.ends]
+    return max((_share(region, intervals, shift) for shift in shifts), default=0.0)
 
 
-def _outside(claim: Claim, end: float) -> float:
-    """Return the value next to an end of a region that violates the claim."""
+def _outside(region: ValueRegion, end: float) -> float:
+    """Return the value next to an end of a region, outside of it."""
     step = 1e-6 * max(1.0, abs(end))
-    return end - step if end == claim.low else end + step
+    return end - step if end == region.low else end + step
 
 
-def _share(claim: Claim, intervals: list[Interval], shift: float) -> float:
-    """Return the share of shifted intervals that the claim contains."""
-    return sum(claim.contains((low + shift, high + shift)) for low, high in intervals) / len(
+def _share(region: ValueRegion, intervals: list[Interval], shift: float) -> float:
+    """Return the share of shifted intervals that a region contains."""
+    return sum(region.contains((low + shift, high + shift)) for low, high in intervals) / len(
         intervals
     )

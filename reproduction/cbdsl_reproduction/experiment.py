@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Protocol
 
+from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.quantity import Quantity
 
 Progress = Callable[[int, int], None]
@@ -92,8 +93,9 @@ class Experiment:
         name: Name, such as ``fig-3.4``.
         title: Subject of the experiment.
         section: Section of the source.
-        module: Module in this package. Its function ``run(settings: RunSettings) -> Result``
-            measures, or raises BackendError or EpisodeError if the simulator cannot run it.
+        module: Module in this package, whose ``CLAIMS`` has the claims by experiment. Its function
+            ``run(settings: RunSettings) -> Result`` measures, or raises BackendError or
+            EpisodeError if the simulator cannot run it.
         learns: True if the robot learns. The module then measures all experiments of its kind:
             ``run(settings: RunSettings, name: str) -> Result``. It raises JournalError if the
             folder of the settings holds other trials. ``series_of(name)`` returns its series of
@@ -115,6 +117,11 @@ class Experiment:
     def imported(self) -> ModuleType:
         """Import the module of the experiment; see ``load`` for the cost."""
         return import_module(f"{__package__}.{self.module}")
+
+    def claims(self) -> Sequence[Claim]:
+        """Return the reports of the source that it measures; imports the module."""
+        claims: Sequence[Claim] = self.imported().CLAIMS[self.name]
+        return claims
 
     def load(self) -> Callable[[RunSettings], Result]:
         """Return the function that measures; the import may take a second and print messages.

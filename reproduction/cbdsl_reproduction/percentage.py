@@ -9,23 +9,14 @@ from dataclasses import replace
 from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.interval import TAIL, exact_interval
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import ValueRegion
 
 
-def percentage(
-    name: str,
-    source: str,
-    hits: int,
-    trials: int,
-    expected: Claim | None,
-    *,
-    ordering: Claim | None = None,
-    of: str = "",
-    note: str = "",
-) -> Quantity:
+def percentage(claim: Claim, hits: int, trials: int, *, of: str = "", note: str = "") -> Quantity:
     """Return the percentage of trials that are hits, with its exact interval.
 
     Args:
-        name, source, expected, ordering: Fields of ``Quantity``; claims are about percentages.
+        claim: Claim about a percentage.
         hits: Number of successes.
         trials: Number of trials; for 0 the quantity is NaN, for 1 it is not judged.
         of: Word for the trials in the note.
@@ -33,46 +24,36 @@ def percentage(
     """
     counts = f"{hits} of {trials}{of and ' '}{of}"
     noted = f"{counts}; {note}" if note else counts
-    return _share(name, source, hits, trials, expected, ordering, noted, judged=trials > 1)
+    return _share(claim, hits, trials, noted, judged=trials > 1)
 
 
-def same_percentage(
-    name: str, there: tuple[int, int], hits: int, trials: int, *, note: str = ""
-) -> Quantity:
+def same_percentage(claim: Claim, hits: int, trials: int, *, note: str = "") -> Quantity:
     """Return the percentage of trials that are hits, beside that of the source's own trials.
 
     It is missed if Fisher's exact test denies that both are trials of one process. It is reproduced
     if its interval is within the exact interval of the source's trials.
 
     Args:
-        name: Field of ``Quantity``.
-        there: Number of hits of the source, and of its trials.
+        claim: Claim with the trials of the source.
         hits, trials, note: As for ``percentage``.
     """
     from scipy.stats import fisher_exact
 
-    low, high = _interval(*there)
-    claim = Claim(
-        f"{low:.0f} to {high:.0f}, {there[0]} of {there[1]} there",
-        low if there[0] else -math.inf,
-        high if there[0] < there[1] else math.inf,
+    assert claim.trials is not None, f"'{claim.name}' has no trials of the source"
+    own, there = claim.trials
+    low, high = _interval(own, there)
+    region = ValueRegion(
+        f"{low:.0f} to {high:.0f}, {own} of {there} there",
+        low if own else -math.inf,
+        high if own < there else math.inf,
     )
-    source = f"{100 * there[0] / there[1]:.0f} %"
-    table = [[hits, trials - hits], [there[0], there[1] - there[0]]]
-    likeness = float(fisher_exact(table).pvalue)
-    return replace(percentage(name, source, hits, trials, claim, note=note), likeness=likeness)
+    likeness = float(fisher_exact([[hits, trials - hits], [own, there - own]]).pvalue)
+    measured = percentage(claim.within(region), hits, trials, note=note)
+    return replace(measured, likeness=likeness)
 
 
 def clustered_percentage(
-    name: str,
-    source: str,
-    hits: Sequence[int],
-    sizes: Sequence[int],
-    expected: Claim | None,
-    *,
-    ordering: Claim | None = None,
-    of: str = "",
-    note: str = "",
+    claim: Claim, hits: Sequence[int], sizes: Sequence[int], *, of: str = "", note: str = ""
 ) -> Quantity:
     """Return the percentage of hits for several dependent outcomes in each trial.
 
@@ -81,17 +62,17 @@ def clustered_percentage(
     none are hits, the variance is zero, and only the number of trials limits the information.
 
     Args:
-        name, source, expected, ordering, note: Fields of ``Quantity``; claims are about
-            percentages.
+        claim: Claim about a percentage.
         hits: Number of hits of each trial.
         sizes: Number of outcomes of each trial; for a single trial the quantity is not judged.
         of: Word for the outcomes in the note.
+        note: Text after the counts in the note.
     """
     total, right, trials = sum(sizes), sum(hits), sum(size > 0 for size in sizes)
     noted = f"{right} of {total}{of and ' '}{of} in {len(sizes)} trials{note and '; '}{note}"
     outcomes = effective_number(hits, sizes) if trials > 1 else float(trials)
     known = right / total * outcomes if total else 0.0
-    return _share(name, source, known, outcomes, expected, ordering, noted, judged=trials > 1)
+    return _share(claim, known, outcomes, noted, judged=trials > 1)
 
 
 def effective_number(hits: Sequence[int], sizes: Sequence[int]) -> float:
@@ -122,46 +103,32 @@ def effective_number(hits: Sequence[int], sizes: Sequence[int]) -> float:
     return min(number, total) * known
 
 
-def _share(
-    name: str,
-    source: str,
-    hits: float,
-    trials: float,
-    expected: Claim | None,
-    ordering: Claim | None,
-    note: str,
-    *,
-    judged: bool,
-) -> Quantity:
+def _share(claim: Claim, hits: float, trials: float, note: str, *, judged: bool) -> Quantity:
     return Quantity(
-        name,
-        "%",
-        source,
+        claim,
         100 * hits / trials if trials else math.nan,
-        expected,
-        ordering,
         _interval(hits, trials) if judged else None,
-        chance_of_counts(expected, math.ceil(trials)) if expected is not None and trials else 0.0,
+        chance_of_counts(claim.region, math.ceil(trials)) if claim.region and trials else 0.0,
         note,
     )
 
 
-def chance_of_counts(claim: Claim, trials: int) -> float:
-    """Return the probability that trials at an end of the claim's region are called reproduced.
+def chance_of_counts(region: ValueRegion, trials: int) -> float:
+    """Return the probability that trials at an end of a region are called reproduced.
 
-    A coin, or any other process that violates the claim, passes at most as often as a process at
+    A coin, or any other process outside of the region, passes at most as often as a process at
     the nearest end.
 
     Args:
-        claim: Claim about a percentage.
+        region: ValueRegion of percentages.
         trials: Number of trials, each a hit or not.
     """
-    passing = [hits for hits in range(trials + 1) if claim.contains(_interval(hits, trials))]
+    passing = [hits for hits in range(trials + 1) if region.contains(_interval(hits, trials))]
     if not passing:
         return 0.0
     # The passing numbers of hits are consecutive.
     first, last = passing[0], passing[-1]
-    return max((_likelihood(first, last, trials, end / 100) for end in claim.ends), default=0.0)
+    return max((_likelihood(first, last, trials, end / 100) for end in region.ends), default=0.0)
 
 
 def _interval(hits: float, trials: float) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Measured quantity beside the value of the source, and the verdict that its interval gives."""
+"""Measured quantity beside the claim of the source, and the verdict that its interval gives."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from cbdsl_reproduction.claim import Claim, Interval
+from cbdsl_reproduction.claim import Claim
+from cbdsl_reproduction.region import Interval, ValueRegion
 
 # Probability below which trials of the same process hardly ever differ as much.
 _DOUBT = 0.05
@@ -26,56 +27,57 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Quantity:
-    """Number of an experiment.
+    """Measurement of a quantity about which the source reports.
 
     Attributes:
-        name: Name of the measured quantity.
-        unit: Unit of ``ours``; empty for a bare number.
-        source: Report of the source, in a few words of our own.
+        claim: Report of the source.
         ours: Our measurement; NaN if it could not be made, which counts as missed.
-        expected: Region that the source claims, or ``None`` if it claims nothing.
-        ordering: Weaker region that only preserves the order that the source reports.
         interval: 95 % interval of ``ours``. Both ends equal ``ours`` if it is computed instead of
             sampled; ``None`` if there is only a single trial.
-        chance: Probability that a process that barely violates ``expected`` is called reproduced
+        chance: Probability that a process that barely violates the claim is called reproduced
             with as many trials; 0 if nothing is sampled.
+        note: Information that a reader needs to judge the number.
         likeness: Probability that trials of one process differ at least as much as the source's own
             trials and ours (Fisher's exact test); 1 if the source does not report its trials.
-        note: Information that a reader needs to judge the number.
     """
 
-    name: str
-    unit: str
-    source: str
+    claim: Claim
     ours: float
-    expected: Claim | None
-    ordering: Claim | None = None
     interval: Interval | None = None
     chance: float = 0.0
     note: str = ""
     likeness: float = 1.0
 
     @property
+    def name(self) -> str:
+        """Name of the measured quantity."""
+        return self.claim.name
+
+    @property
+    def expected(self) -> ValueRegion | None:
+        """ValueRegion of the source's value, or ``None`` if it reports nothing."""
+        return self.claim.region
+
+    @property
     def verdict(self) -> Verdict:
-        """Verdict of the claims on the interval."""
-        if self.expected is None:
+        """Verdict of the claim on the interval."""
+        region, ordering = self.claim.region, self.claim.ordering
+        if region is None:
             return Verdict.NOT_JUDGED
         if math.isnan(self.ours):
             return Verdict.MISSED
         if self.interval is None:
             return Verdict.NOT_JUDGED
-        if self.likeness < _DOUBT or self.expected.excludes(self.interval):
+        if self.likeness < _DOUBT or region.excludes(self.interval):
             return Verdict.MISSED
-        if self.chance <= _CHANCE and self.expected.contains(self.interval):
+        if self.chance <= _CHANCE and region.contains(self.interval):
             return Verdict.REPRODUCED
-        if self.ordering is not None and self.ordering.contains(self.interval):
+        if ordering is not None and ordering.contains(self.interval):
             return Verdict.ORDERING
         return Verdict.UNDECIDED
 
 
-def computed(
-    name: str, unit: str, source: str, ours: float, expected: Claim, *, note: str = ""
-) -> Quantity:
+def computed(claim: Claim, ours: float, *, note: str = "") -> Quantity:
     """Return a quantity without spread, which is computed or measured deterministically."""
     interval = None if math.isnan(ours) else (ours, ours)
-    return Quantity(name, unit, source, ours, expected, interval=interval, note=note)
+    return Quantity(claim, ours, interval, note=note)

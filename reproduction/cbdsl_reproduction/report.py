@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.experiment import Experiment, Picture, Result, RunSettings
 from cbdsl_reproduction.quantity import Quantity, Verdict
 from cbdsl_reproduction.summary import paragraph
@@ -13,12 +14,25 @@ def row(quantity: Quantity) -> dict[str, str]:
     """Return a quantity as texts, by the headings of a table."""
     return {
         "quantity": quantity.name,
-        "source": quantity.source,
+        "source": quantity.claim.report,
         "ours": _measured(quantity),
         "expected": quantity.expected.text if quantity.expected else "",
         "chance": _chance(quantity),
         "verdict": quantity.verdict.value,
         "note": quantity.note,
+    }
+
+
+def claim_row(claim: Claim) -> dict[str, str]:
+    """Return a claim as texts, by the headings of a table."""
+    region = "" if claim.region is None else claim.region.text
+    return {
+        "section": claim.place,
+        "quantity": claim.name,
+        "unit": claim.unit,
+        "source": claim.report,
+        "expected": region,
+        "rule": claim.rule.value,
     }
 
 
@@ -98,8 +112,8 @@ def _command(experiment: Experiment, settings: RunSettings) -> str:
 def _quantity(quantity: Quantity) -> dict[str, object]:
     return {
         "name": quantity.name,
-        "unit": quantity.unit,
-        "source": quantity.source,
+        "unit": quantity.claim.unit,
+        "source": quantity.claim.report,
         "ours": None if math.isnan(quantity.ours) else quantity.ours,
         # JSON has no infinity.
         "interval": quantity.interval
@@ -130,7 +144,7 @@ def _measured(quantity: Quantity) -> str:
     if quantity.interval is not None and not _is_computed(quantity):
         low, high = quantity.interval
         text += f" [{low:.3g}, {high:.3g}]"
-    return f"{text} {quantity.unit}".rstrip()
+    return f"{text} {quantity.claim.unit}".rstrip()
 
 
 def _escaped(cell: str) -> str:

@@ -20,7 +20,9 @@ Name = Annotated[
     str | None,
     typer.Argument(metavar="NAME|all", help="Experiment, or all; see --list."),
 ]
-ListThem = Annotated[bool, typer.Option("--list", help="List the experiments.")]
+ListThem = Annotated[
+    bool, typer.Option("--list", help="List the experiments, or the claims of NAME.")
+]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all random numbers.")]
 Quick = Annotated[
     bool,
@@ -95,7 +97,7 @@ def reproduce(
     from cbdsl_reproduction.report import data
 
     if list_them:
-        _list(as_json)
+        _list(name, as_json)
         return
     require_workers(workers or 1)
     if name is None:
@@ -209,18 +211,23 @@ def _require_sound(folder: Path) -> None:
         print_problem(f"warning: {line.format_message()}")
 
 
-def _list(as_json: bool) -> None:
+def _list(name: str | None, as_json: bool) -> None:
+    """Print the experiments, or the claims of the named ones."""
     from cbdsl.cli.command import print_json
     from cbdsl_reproduction.registry import EXPERIMENTS
+    from cbdsl_reproduction.report import claim_row
 
-    rows = [
-        {"experiment": each.name, "title": each.title, "section": each.section}
-        for each in EXPERIMENTS.values()
-    ]
+    if name is not None:
+        rows = [claim_row(claim) for each in _chosen(name) for claim in each.claims()]
+    else:
+        rows = [
+            {"experiment": each.name, "title": each.title, "section": each.section}
+            for each in EXPERIMENTS.values()
+        ]
     if as_json:
         print_json(rows)
     else:
-        _print_rows("Experiments", rows)
+        _print_rows(f"Claims of {name}" if name else "Experiments", rows)
 
 
 def _chosen(name: str) -> list[Experiment]:

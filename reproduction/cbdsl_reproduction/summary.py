@@ -32,14 +32,21 @@ class PageRow:
         quantity: Name of the quantity, as on the page.
         ours: Number and its interval.
         verdict: Verdict, as on the page.
-        hindsight: True if the region of its claim was set with known numbers.
+        source: Report of the source.
+        expected: Region of its claim; empty if nothing is reported.
     """
 
     section: str
     quantity: str
     ours: str
     verdict: str
-    hindsight: bool = False
+    source: str = ""
+    expected: str = ""
+
+    @property
+    def hindsight(self) -> bool:
+        """True if the region of its claim was set with known numbers."""
+        return "(set in hindsight)" in self.expected
 
 
 @dataclass(frozen=True)
@@ -70,8 +77,8 @@ def rows_of(section: str) -> Iterator[PageRow]:
     headings, *rest = (_cells(line) for line in table)
     for cells in rest[1:]:
         row = dict(zip(headings, cells, strict=True))
-        late = "(set in hindsight)" in row["expected"]
-        yield PageRow(heading[1], row["quantity"], row["ours"], row["verdict"], late)
+        names = ("quantity", "ours", "verdict", "source", "expected")
+        yield PageRow(heading[1], *(row[name] for name in names))
 
 
 def _cells(line: str) -> list[str]:

@@ -35,7 +35,7 @@ def test_a_share_that_is_not_clearly_lower_agrees_and_a_lower_one_does_not() -> 
     assert "same states in 0; 1.0 s simulated in 0.25 s" in rows[3].note
     assert "slips 9.5 mm, at most 19.0 mm" in rows[3].note
     assert rows[3].note.endswith("20 of 20 others end in 0")
-    assert rows[1].source == "bullet: 100 %"
+    assert rows[1].claim.report == "bullet: 100 %"
 
 
 def test_program_that_never_succeeds_on_the_reference_is_not_judged() -> None:

@@ -10,7 +10,13 @@ import pytest
 from cbdsl.documents.catalog import AffordanceSection
 from cbdsl_reproduction.bar_chart import Bar, BarChart
 from cbdsl_reproduction.chapter_6.action_counts import tally
-from cbdsl_reproduction.chapter_6.catalogs import FIGURES, _afforded, _counts, _habituation, _shares
+from cbdsl_reproduction.chapter_6.catalogs import (
+    _afforded,
+    _counts,
+    _habituation,
+    _shares,
+    claims_of,
+)
 from cbdsl_reproduction.chapter_6.habituation import (
     change_chart,
     negligible_after,
@@ -26,7 +32,7 @@ def test_counts_are_of_all_trials() -> None:
     assert tally([TEN, TEN], "reachtouch") == (8, 10)
     assert tally([TEN], "visualinspect") == (0, 0)
     assert _afforded(TEN) == {"reachtouch", "searchtrack"}
-    (taken, *_) = _counts([TEN, TEN])
+    (taken, *_) = _counts(claims_of("fig-6.2"), [TEN, TEN])
     assert (taken.name, taken.ours) == ("reachtouch taken", 5.0)
 
 
@@ -43,10 +49,10 @@ def test_afforded_with_a_found_mark_leaves_the_open_inspection_out() -> None:
 
 
 def test_an_action_that_fails_too_often_is_a_miss() -> None:
-    often, _, seldom, none = _shares([TEN] * 200, FIGURES["fig-6.2"][1])
+    often, _, seldom, none = _shares(claims_of("fig-6.2"), [TEN] * 200)
     assert often.verdict is Verdict.REPRODUCED and often.ours == 100
     reachtouch = next(
-        each for each in _shares([TEN] * 200, FIGURES["fig-6.2"][1]) if "reach" in each.name
+        each for each in _shares(claims_of("fig-6.2"), [TEN] * 200) if "reach" in each.name
     )
     assert reachtouch.verdict is Verdict.MISSED and reachtouch.ours == pytest.approx(80)
     assert math.isnan(seldom.ours) and math.isnan(none.ours)
@@ -82,10 +88,10 @@ def test_by_hindsight_every_change_is_relative_to_the_largest_of_the_trial() -> 
 
 def test_rising_share_of_noop_is_reproduced() -> None:
     growing = catalog("T" * 40 + "." * 40, [1.0] * 40 + [0.0] * 40)
-    *_, grows = _habituation([growing] * 5, seed=1)
+    *_, grows = _habituation(claims_of("fig-6.2"), [growing] * 5, seed=1)
     assert grows.ours == 30 and grows.verdict is Verdict.REPRODUCED
     still = catalog("T" * 80, [1.0] * 80)
-    *_, stays = _habituation([still] * 5, seed=1)
+    *_, stays = _habituation(claims_of("fig-6.2"), [still] * 5, seed=1)
     assert stays.verdict is not Verdict.REPRODUCED
 
 

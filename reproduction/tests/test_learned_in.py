@@ -10,8 +10,12 @@ import pytest
 from drawn_experience import experience
 
 from cbdsl_reproduction.chapter_4.checks import Check, Schedule
-from cbdsl_reproduction.chapter_4.learned_in import learned_in, learned_in_quantities
-from cbdsl_reproduction.claim import near
+from cbdsl_reproduction.chapter_4.learned_in import (
+    learned_in,
+    learned_in_claims,
+    learned_in_quantities,
+)
+from cbdsl_reproduction.region import near
 from cbdsl_reproduction.series import COARTICULATED
 
 HELD_OUT = 20
@@ -58,11 +62,12 @@ def test_contexts_without_a_reward_do_not_count() -> None:
 
 def test_median_includes_trials_that_never_learn() -> None:
     trials = [checks(20, 20, 20), checks(0, 20, 20, 20), checks(0, 0, 0)]
-    middle, never = learned_in_quantities(COARTICULATED, trials, "", near(10, 1), seed=0)
+    claims = learned_in_claims("", COARTICULATED, "", near(10, 1))
+    middle, never = learned_in_quantities(COARTICULATED, trials, claims, seed=0)
     assert middle.ours == 10
     assert middle.interval is not None and middle.interval[1] == math.inf
     assert never.ours == pytest.approx(100 / 3)
-    lost, _ = learned_in_quantities(COARTICULATED, [checks(0, 0, 0)], "", near(10, 1), seed=0)
+    lost, _ = learned_in_quantities(COARTICULATED, [checks(0, 0, 0)], claims, seed=0)
     assert math.isnan(lost.ours) and lost.interval is None
 
 

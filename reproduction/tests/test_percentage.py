@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl_reproduction.claim import Claim, above, at_least, below, between
+from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.percentage import (
     chance_of_counts,
     clustered_percentage,
@@ -13,21 +13,28 @@ from cbdsl_reproduction.percentage import (
     percentage,
 )
 from cbdsl_reproduction.quantity import Verdict
+from cbdsl_reproduction.region import ValueRegion, above, at_least, below, between
+
+
+def claim(region: ValueRegion | None) -> Claim:
+    return Claim("", "", "%", region=region)
 
 
 @pytest.mark.parametrize("trials", [2, 10, 30, 600])
 @pytest.mark.parametrize(
-    "claim", [above(50), at_least(95), below(15), between(60, 90)], ids=lambda claim: claim.text
+    "region", [above(50), at_least(95), below(15), between(60, 90)], ids=lambda region: region.text
 )
-def test_chance_of_a_barely_false_claim_is_at_most_one_in_forty(claim: Claim, trials: int) -> None:
-    assert chance_of_counts(claim, trials) <= 0.025 + 1e-9
+def test_chance_of_a_barely_false_claim_is_at_most_one_in_forty(
+    region: ValueRegion, trials: int
+) -> None:
+    assert chance_of_counts(region, trials) <= 0.025 + 1e-9
 
 
 def test_the_chance_is_that_of_simulated_coins() -> None:
     trials, rng = 30, np.random.default_rng(0)
     hits = rng.binomial(trials, 0.5, size=20_000)
     passed = [
-        percentage("", "", int(each), trials, above(50)).verdict is Verdict.REPRODUCED
+        percentage(claim(above(50)), int(each), trials).verdict is Verdict.REPRODUCED
         for each in np.unique(hits)
     ]
     share = sum(
@@ -37,16 +44,16 @@ def test_the_chance_is_that_of_simulated_coins() -> None:
 
 
 def test_majority_of_few_trials_is_undecided() -> None:
-    assert percentage("", "", 6, 10, above(50)).verdict is Verdict.UNDECIDED
-    assert percentage("", "", 27, 30, above(50)).verdict is Verdict.REPRODUCED
+    assert percentage(claim(above(50)), 6, 10).verdict is Verdict.UNDECIDED
+    assert percentage(claim(above(50)), 27, 30).verdict is Verdict.REPRODUCED
 
 
 def test_a_single_trial_is_not_judged() -> None:
-    assert percentage("", "", 1, 1, above(50)).verdict is Verdict.NOT_JUDGED
+    assert percentage(claim(above(50)), 1, 1).verdict is Verdict.NOT_JUDGED
 
 
 def test_percentage_of_no_trials_is_missed() -> None:
-    assert percentage("", "", 0, 0, above(50)).verdict is Verdict.MISSED
+    assert percentage(claim(above(50)), 0, 0).verdict is Verdict.MISSED
 
 
 def test_independent_outcomes_of_a_trial_count_separately() -> None:
@@ -58,28 +65,28 @@ def test_independent_outcomes_of_a_trial_count_separately() -> None:
 def test_fully_correlated_outcomes_count_once_per_trial() -> None:
     hits, sizes = [20] * 60 + [0] * 40, [20] * 100
     assert effective_number(hits, sizes) == pytest.approx(99, rel=0.05)
-    whole = clustered_percentage("", "", hits, sizes, at_least(45), of="actions")
+    whole = clustered_percentage(claim(at_least(45)), hits, sizes, of="actions")
     assert whole.ours == 60
     assert whole.verdict is Verdict.REPRODUCED
     assert whole.note == "1200 of 2000 actions in 100 trials"
     # As many independent outcomes leave no doubt.
-    assert percentage("", "", 1200, 2000, at_least(55)).verdict is Verdict.REPRODUCED
-    surer = clustered_percentage("", "", hits, sizes, at_least(55))
+    assert percentage(claim(at_least(55)), 1200, 2000).verdict is Verdict.REPRODUCED
+    surer = clustered_percentage(claim(at_least(55)), hits, sizes)
     assert surer.verdict is Verdict.UNDECIDED
 
 
 def test_interval_of_few_certain_trials_is_wider_than_of_many() -> None:
     few, many = ([[40] * trials] * 2 for trials in (2, 25))
-    claim = at_least(95)
-    assert clustered_percentage("", "", few[0], few[1], claim).verdict is Verdict.UNDECIDED
-    assert clustered_percentage("", "", many[0], many[1], claim).verdict is Verdict.REPRODUCED
+    most = claim(at_least(95))
+    assert clustered_percentage(most, few[0], few[1]).verdict is Verdict.UNDECIDED
+    assert clustered_percentage(most, many[0], many[1]).verdict is Verdict.REPRODUCED
 
 
 def test_outcomes_of_a_single_trial_are_not_judged() -> None:
     for hits, sizes in (([40], [40]), ([40, 0], [40, 0])):
-        single = clustered_percentage("", "", hits, sizes, at_least(50))
+        single = clustered_percentage(claim(at_least(50)), hits, sizes)
         assert (single.ours, single.verdict) == (100, Verdict.NOT_JUDGED)
-    assert clustered_percentage("", "", [], [], at_least(50)).verdict is Verdict.MISSED
+    assert clustered_percentage(claim(at_least(50)), [], []).verdict is Verdict.MISSED
 
 
 def test_intervals_of_dependent_outcomes_have_their_nominal_coverage() -> None:
@@ -90,8 +97,8 @@ def test_intervals_of_dependent_outcomes_have_their_nominal_coverage() -> None:
         sizes = rng.integers(20, 50, size=trials)
         hits = rng.binomial(sizes, own)
         intervals = (
-            clustered_percentage("", "", hits.tolist(), sizes.tolist(), None).interval,
-            percentage("", "", int(hits.sum()), int(sizes.sum()), None).interval,
+            clustered_percentage(claim(None), hits.tolist(), sizes.tolist()).interval,
+            percentage(claim(None), int(hits.sum()), int(sizes.sum())).interval,
         )
         inside = [each is not None and each[0] <= 100 * share <= each[1] for each in intervals]
         covered, exact = covered + inside[0], exact + inside[1]

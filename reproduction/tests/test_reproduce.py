@@ -15,9 +15,10 @@ import pytest
 from cbdsl.storage.journal import JournalError
 from cbdsl_reproduction import registry
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.experiment import Experiment, Result, RunSettings
 from cbdsl_reproduction.quantity import Quantity, computed
+from cbdsl_reproduction.region import above
 from tests.cli import test_main
 
 TOY = Experiment("toy-1", "A toy", "Section 0", "toy")
@@ -42,8 +43,9 @@ def toys(monkeypatch: pytest.MonkeyPatch) -> list[RunSettings]:
         ran.append(settings)
         settings.progress(1, 2)
         chart = Chart("curve", "A curve", "t, s", "phi", (Line("one", (0.0, 1.0), (1.0, 0.0)),))
-        share = Quantity("share", "%", "most", 75.0, above(50), interval=(70.0, 80.0), note="a | b")
-        unknown = Quantity("unknown", "", "some", math.nan, above(0))
+        most = Claim("", "share", "%", "most", above(50))
+        share = Quantity(most, 75.0, (70.0, 80.0), note="a | b")
+        unknown = Quantity(Claim("", "unknown", "", "some", above(0)), math.nan)
         return Result((share, unknown), (chart,), (f"Seed {settings.seed}.",))
 
     module = types.ModuleType("cbdsl_reproduction.toy")
@@ -60,7 +62,7 @@ def learning(toys: list[RunSettings], monkeypatch: pytest.MonkeyPatch) -> list[R
     def run(settings: RunSettings, name: str) -> Result:
         toys.append(settings)
         assert settings.folder.is_dir()
-        return Result((computed(name, "", "some", 1.0, above(0)),))
+        return Result((computed(Claim("", name, "", "some", above(0)), 1.0),))
 
     module = types.ModuleType("cbdsl_reproduction.learned_toy")
     module.run = run  # type: ignore[attr-defined]
@@ -85,9 +87,20 @@ def test_list_option_prints_all_experiments(
         }
 
 
+def test_list_of_a_name_prints_its_claims(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "fig-7.3", "--list", "--json") == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    assert (row["section"], row["expected"]) == ("Section 7.1.1, Figure 7.3", "0.15 ± 0.03")
+    assert cb(monkeypatch, "engines", "--list") == 0
+    assert "a region that the same trials bound" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (("toy-11", "--list"), "did you mean 'toy-1'? (known: toy-1, toy-2, all)"),
         (("toy-11",), "did you mean 'toy-1'? (known: toy-1, toy-2, all)"),
         ((), "--list"),
         (("toy-1", "--out", "x.txt"), "expected a folder"),

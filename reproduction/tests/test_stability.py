@@ -6,8 +6,8 @@ import pytest
 from drawn_experience import experience
 
 from cbdsl.training.trial import Trial
-from cbdsl_reproduction.chapter_4.stability import stable_after, stable_quantity
-from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.chapter_4.stability import stable_after, stable_claim, stable_quantity
+from cbdsl_reproduction.region import above
 from cbdsl_reproduction.series import SEQUENTIAL
 from tests.training.toy import ToyEpisodeRunner, toy_trial
 
@@ -48,6 +48,7 @@ def test_rarely_met_state_is_ignored(trial: Trial) -> None:
 
 
 def test_the_quantity_is_the_median() -> None:
-    found = stable_quantity(SEQUENTIAL, [3, 9, 8], "some", above(0), seed=0)
+    claim = stable_claim("", SEQUENTIAL, "some", above(0))
+    found = stable_quantity(claim, [3, 9, 8], seed=0)
     assert found.ours == 8 and found.note == "3 to 9" and found.interval is not None
-    assert stable_quantity(SEQUENTIAL, [4], "some", above(0), seed=0).interval is None
+    assert stable_quantity(claim, [4], seed=0).interval is None

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 
-from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.pages import chapter_page, existing_pages, page_of, summary_page
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity, Verdict
+from cbdsl_reproduction.region import above
 from cbdsl_reproduction.registry import EXPERIMENTS
 from cbdsl_reproduction.report import section
 from cbdsl_reproduction.summary import PageRow, causes, causes_of, rows_of
@@ -19,7 +20,7 @@ ORDER = EXPERIMENTS.values()
 
 
 def some(name: str, hits: int, trials: int) -> Quantity:
-    return percentage(name, "most | all", hits, trials, above(50), note="a | b")
+    return percentage(Claim("", name, "%", "most | all", above(50)), hits, trials, note="a | b")
 
 
 def part(name: str, *quantities: Quantity) -> str:

@@ -50,7 +50,7 @@ def test_share_of_a_stack_is_judged_by_the_trials_of_the_source(
 
 def test_stacks_that_always_stand_miss_a_low_share_of_the_source(tmp_path: Path) -> None:
     result = run(keep(tmp_path, 80, others=True))
-    missed = {each.source for each in result.quantities if each.verdict is Verdict.MISSED}
+    missed = {each.claim.report for each in result.quantities if each.verdict is Verdict.MISSED}
     assert missed == {"0 %", "20 %", "40 %"}
 
 

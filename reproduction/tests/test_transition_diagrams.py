@@ -63,7 +63,7 @@ def test_single_action_has_no_equivalent_order() -> None:
 
 def test_arc_of_a_context_that_did_not_occur_is_not_required() -> None:
     arcs = (DrawnArc("X0-", REACH, ("X11",)), DrawnArc("X0-", REACH, ("X1-",), "absent"))
-    drawn = DrawnPolicy(REACHTOUCH, arcs)
+    drawn = DrawnPolicy("", REACHTOUCH, arcs)
     absent = experience(("XXX", "searchtrack", "X0-"), ("X0-", "touch", "X11"), context="absent")
     for episodes, counts in (((IN_ORDER,), "1 of 1"), ((IN_ORDER, absent), "0 of 1")):
         whole, *_ = _quantities(drawn, [Check(25, episodes)], {})
@@ -83,7 +83,7 @@ def test_arc_is_judged_by_the_trials_that_leave_its_state(
     worth: dict[str, dict[str, float]], counts: str
 ) -> None:
     last = [Check(25, (each,)) for each in (IN_ORDER, OTHER_ORDER, DIFFERENT, PAST_IT)]
-    drawn = DrawnPolicy(REACHTOUCH, (DrawnArc("XXX", "searchtrack", ("X0-",)), ARC))
+    drawn = DrawnPolicy("", REACHTOUCH, (DrawnArc("XXX", "searchtrack", ("X0-",)), ARC))
     whole, first, arc = _quantities(drawn, last, worth)
     assert arc.note.startswith(counts)
     assert ("1 in the order drawn" in arc.note) == bool(worth)

@@ -11,7 +11,7 @@ from drawn_experience import experience
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.training.trial import Trial
-from cbdsl_reproduction.chapter_4.worth import met, shares_of, worth_quantities
+from cbdsl_reproduction.chapter_4.worth import met, shares_of, worth_claims, worth_quantities
 from cbdsl_reproduction.series import REACHTOUCH, SEQUENTIAL
 from tests.conftest import Checked
 from tests.training.toy import toy_trial
@@ -77,7 +77,7 @@ def test_trial_counts_once_per_occurrence_in_the_sample() -> None:
 def test_a_quantity_is_a_share_of_the_best_choice() -> None:
     trials = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(5)]
     choices = [("XX", "search"), ("XX", "track"), ("1X", "track")]
-    detour, direct, never = worth_quantities(SEQUENTIAL, trials, choices, seed=0)
+    detour, direct, never = worth_quantities(worth_claims("", SEQUENTIAL, choices), trials, seed=0)
     assert detour.ours == pytest.approx(80) and detour.verdict == "missed"
     assert direct.ours == pytest.approx(100) and direct.verdict == "reproduced"
     assert direct.note == "others: search 80"
@@ -93,7 +93,8 @@ def test_shares_are_reported_of_every_state() -> None:
 
 def test_few_trials_give_no_verdict() -> None:
     few = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(4)]
-    assert not list(worth_quantities(REACHTOUCH, few, [("XX", "track")], seed=0))
+    claims = worth_claims("", REACHTOUCH, [("XX", "track")])
+    assert not list(worth_quantities(claims, few, seed=0))
     assert shares_of(few) == {}
 
 
@@ -102,5 +103,5 @@ def test_pair_without_an_alternative_has_no_claim(
     met_by_all: tuple[Experience, ...],
 ) -> None:
     trials = [trial_of(toy_trial(), *met_by_all * 6) for _ in range(5)]
-    (found,) = worth_quantities(SEQUENTIAL, trials, [("XX", "track")], seed=0)
+    (found,) = worth_quantities(worth_claims("", SEQUENTIAL, [("XX", "track")]), trials, seed=0)
     assert math.isnan(found.ours) and found.interval is None and found.note == ""

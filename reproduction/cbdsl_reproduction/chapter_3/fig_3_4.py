@@ -20,12 +20,13 @@ from cbdsl.api.program import WrittenPolicy
 from cbdsl.api.sensing import EpisodeListeners, Runner, Tick
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import above, at_least, at_most, below
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import TAIL, resampled_interval
 from cbdsl_reproduction.percentage import clustered_percentage, percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above, at_least, at_most, below
 
 _ARM, _REACH = "right_arm", "reach"
 #: Actions of the program by the source's names of the laws.
@@ -46,10 +47,42 @@ _START = (1.09, -1.62, 0.15, 2.30, -2.91, 0.69, -0.07)
 _FINGERS, _FIST = ("right_finger_1", "right_finger_2", "right_finger_3"), (2.4, 2.4, 2.4)
 _ARRIVED = 0.01  # m
 _STEADY = 1.0  # %, largest rise of a steadily falling potential, relative to its initial value
-_ALMOST_ALL = 95.0  # %
-_MOST_PLACES = 50.0  # %, chance level
 _MARGIN = 0.05  # share of a change below which a difference is ignored
 _POINT = 3  # ticks between the points of a chart
+
+_PLACE = "Section 3.3.3.1, Figure 3.4"
+_ARRIVES = Claim(_PLACE, "reaches that come to rest at the ball", "%", "all", at_least(95))
+_FALLS = Claim(
+    _PLACE,
+    "{law}: largest rise of the mean φ_s, of its start",
+    "%",
+    "falls steadily to the goal",
+    at_most(_STEADY),
+)
+# The bound is a share of the change under the reach alone.
+_LESS = Claim(
+    _PLACE,
+    "rise of {symbol} during the reach, {law} less c0",
+    "",
+    "rises less under {law}",
+    bound=below,
+)
+_PLACES_LESS = Claim(
+    _PLACE, "places where {symbol} rises less under {law}", "%", "on average", above(50)
+)
+#: Symbols of the potentials by the laws that lower them.
+_LOWERED = {"c1": "φ_r", "c2": "φ_m"}
+CLAIMS: Claims = {
+    "fig-3.4": (
+        _ARRIVES,
+        *(_FALLS.named(law=law) for law in _LAWS),
+        *(
+            claim.named(law=law, symbol=symbol)
+            for law, symbol in _LOWERED.items()
+            for claim in (_LESS, _PLACES_LESS)
+        ),
+    )
+}
 
 _NOTES = (
     "Three potentials of the right arm of Dexter on the simulator, from the start of each reach "
@@ -168,17 +201,15 @@ def _tip(tick: Tick, columns: Any) -> Floats:
 def _quantities(reaches: Mapping[str, Sequence[_Reach]], seed: int) -> Iterator[Quantity]:
     places = list(zip(*reaches.values(), strict=True))
     yield clustered_percentage(
-        "reaches that come to rest at the ball",
-        "all",
+        _ARRIVES,
         [sum(reach.arrived for reach in own) for own in places],
         list(map(len, places)),
-        at_least(_ALMOST_ALL),
         note=_touching(reaches),
     )
     for law, runs in reaches.items():
         yield _fall(law, runs, seed)
-    yield from _less("range", "φ_r", reaches["c1"], reaches["c0"], "c1", seed)
-    yield from _less("manipulability", "φ_m", reaches["c2"], reaches["c0"], "c2", seed)
+    yield from _less("range", reaches["c1"], reaches["c0"], "c1", seed)
+    yield from _less("manipulability", reaches["c2"], reaches["c0"], "c2", seed)
 
 
 def _touching(reaches: Mapping[str, Sequence[_Reach]]) -> str:
@@ -194,11 +225,8 @@ def _fall(law: str, runs: Sequence[_Reach], seed: int) -> Quantity:
     single = sum(_rise([reach.spring]) <= _STEADY for reach in runs)
     curves = [reach.spring for reach in runs if reach.spring]
     return Quantity(
-        f"{law}: largest rise of the mean φ_s, of its start",
-        "%",
-        "falls steadily to the goal",
+        _FALLS.named(law=law),
         _rise(curves),
-        at_most(_STEADY),
         interval=resampled_interval(curves, _rise, seed) if len(curves) > 1 else None,
         chance=TAIL,
         note=f"so it is in {single} of {len(runs)} reaches by themselves",
@@ -215,7 +243,6 @@ def _rise(curves: Sequence[Sequence[float]]) -> float:
 
 def _less(
     potential: str,
-    symbol: str,
     under: Sequence[_Reach],
     alone: Sequence[_Reach],
     law: str,
@@ -232,18 +259,15 @@ def _less(
     # The margin is relative to the change without the law, so that numerical noise does not count
     # as a difference.
     margin = _MARGIN * abs(float(changes[1])) if pairs else 0.0
+    parts = {"law": law, "symbol": _LOWERED[law]}
     yield mean_of(
-        f"rise of {symbol} during the reach, {law} less c0",
-        "",
-        f"rises less under {law}",
+        _LESS.named(**parts).at(-margin),
         differences,
-        below(-margin),
         seed=seed,
         note=f"mean change {changes[0]:.3g} under {law}, {changes[1]:.3g} under c0; all reaches",
     )
     less = sum(difference < 0 for difference in differences)
-    name = f"places where {symbol} rises less under {law}"
-    yield percentage(name, "on average", less, len(alone), above(_MOST_PLACES))
+    yield percentage(_PLACES_LESS.named(**parts), less, len(alone))
 
 
 def _change(curve: Sequence[float]) -> float:

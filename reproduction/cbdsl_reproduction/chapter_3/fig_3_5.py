@@ -10,12 +10,13 @@ import numpy as np
 from cbdsl_reproduction.chapter_3.barcode import barcodes
 from cbdsl_reproduction.chapter_3.inspection import InspectionRun, Look, inspection
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import above, at_least, in_hindsight, near
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import TAIL, resampled_interval
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above, at_least, in_hindsight, near
 
 # Six times as many trials as in the source, so that holding all boxes is not by chance.
 _TRIALS, _QUICK_TRIALS = 60, 2
@@ -27,6 +28,39 @@ _SQUEEZE = 10.0  # N, the reference in the programs
 _OFF = 0.1  # of the printed ratios, and of the reference of the forces
 _STEADY = 2.0  # %, largest rise of a potential that descends, of its value at the start
 _POINT = 6  # ticks between the points of the chart
+
+_PLACE = "Section 3.3.3.2, Figure 3.5"
+_HOLDS = Claim(_PLACE, "boxes held to the end", "%", "held", at_least(90))
+_DEPTH = {
+    place: Claim(_PLACE, f"depth, {place}", "m", f"{depth:g} m", near(depth, _TOLERANCE))
+    for place, depth in _DEPTHS.items()
+}
+_RATIO = {
+    place: Claim(
+        _PLACE,
+        f"φ_l on the table by φ_l, {place}",
+        "",
+        f"{printed:.2f}",
+        near(printed, _OFF * printed),
+        above(1.0),
+    )
+    for place, printed in _PRINTED.items()
+}
+_DESCENDS = Claim(
+    _PLACE,
+    f"boxes on whose way to the optimum φ_l rises by {_STEADY:g} % of its start at most",
+    "%",
+    "descends",
+    at_least(90),
+)
+_SQUEEZES = Claim(
+    _PLACE,
+    f"boxes whose forces along the palms' normals err by {100 * _OFF:g} % in the mean at most",
+    "%",
+    "the hold is kept",
+    in_hindsight(at_least(90)),
+)
+CLAIMS: Claims = {"fig-3.5": (_HOLDS, *_DEPTH.values(), *_RATIO.values(), _DESCENDS, _SQUEEZES)}
 
 _NOTES = (
     "An experimenter holds the box out between the hands, its print towards the cameras, and lets "
@@ -67,9 +101,8 @@ def _quantities(
         "held": [each.held for each in in_hands if each.held is not None],
         "optimum": [each.optimum for each in in_hands if each.optimum is not None],
     }
-    for place, source in _DEPTHS.items():
-        depths = [look.depth for look in looks[place]]
-        yield _depth(place, source, depths, seed)
+    for place, claim in _DEPTH.items():
+        yield mean_of(claim, [look.depth for look in looks[place]], seed=seed)
     table = [look.phi for look in on_table]
     ends = {
         "held": [each.phis[0] for each in in_hands if each.phis],
@@ -87,11 +120,9 @@ def _descents(in_hands: Sequence[InspectionRun]) -> Quantity:
     steady = sum(rise <= _STEADY for rise in rises)
     largest = max((rise for rise in rises if math.isfinite(rise)), default=math.nan)
     return percentage(
-        f"boxes on whose way to the optimum φ_l rises by {_STEADY:g} % of its start at most",
-        "descends",
+        _DESCENDS,
         steady,
         len(rises),
-        at_least(90),
         note=f"largest rise {largest:.2g} %, while the box is in both hands",
     )
 
@@ -106,11 +137,9 @@ def _force_errors(in_hands: Sequence[InspectionRun]) -> Quantity:
     kept = sum(error <= _OFF * _SQUEEZE for error in errors)
     largest = max((error for error in errors if math.isfinite(error)), default=math.nan)
     return percentage(
-        f"boxes whose forces along the palms' normals err by {100 * _OFF:g} % in the mean at most",
-        "the hold is kept",
+        _SQUEEZES,
         kept,
         len(errors),
-        in_hindsight(at_least(90)),
         note=f"the reference is {_SQUEEZE:g} N; largest mean error {largest:.2g} N",
     )
 
@@ -119,32 +148,15 @@ def _held(in_hands: Sequence[InspectionRun]) -> Quantity:
     held, trials = sum(each.is_held for each in in_hands), len(in_hands)
     slips = [100 * each.slip for each in in_hands if each.held is not None]
     note = f"largest slip in the hands {max(slips):.1f} cm" if slips else ""
-    return percentage("boxes held to the end", "held", held, trials, at_least(90), note=note)
-
-
-def _depth(place: str, source: float, depths: Sequence[float], seed: int) -> Quantity:
-    """Return the mean depth of the print along the left camera's axis as a quantity."""
-    return mean_of(
-        f"depth, {place}",
-        "m",
-        f"{source:g} m",
-        depths,
-        near(source, _TOLERANCE),
-        seed=seed,
-    )
+    return percentage(_HOLDS, held, trials, note=note)
 
 
 def _ratio(place: str, table: Sequence[float], values: Sequence[float], seed: int) -> Quantity:
     """Return the ratio of phi_l on the table to phi_l at a place as a quantity."""
     ends = list(zip(table, values, strict=False))
-    printed = _PRINTED[place]
     return Quantity(
-        f"φ_l on the table by φ_l, {place}",
-        "",
-        f"{printed:.2f}",
+        _RATIO[place],
         _quotient(ends),
-        near(printed, _OFF * printed),
-        above(1.0),
         resampled_interval(ends, _quotient, seed) if len(ends) > 1 else None,
         TAIL,
         note="at the depths above, which differ a little from the source's",

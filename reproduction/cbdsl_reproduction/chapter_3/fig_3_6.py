@@ -16,10 +16,11 @@ from cbdsl_reproduction.chapter_3.barcode_trial import FOCAL_LENGTH, BarcodeTria
 from cbdsl_reproduction.chapter_3.inspection import FINENESS, Inspection, Look, inspection
 from cbdsl_reproduction.chapter_3.lens import Lens
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import Claim, above, below, between
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import ValueRegion, above, below, between
 
 # Optics, colour filter and electronics of a colour camera of the source's time together blur by
 # 0.8 px, which leaves a tenth of the contrast at 2.3 px per period; its noise is 2 %.
@@ -43,8 +44,19 @@ class _GridCell(NamedTuple):
     frequency: str
     place: str
     source: str
-    expected: Claim
-    ordering: Claim
+    expected: ValueRegion
+    ordering: ValueRegion
+
+    def claim(self, lens: str) -> Claim:
+        """Return the claim about its share of barcodes that are read through a lens."""
+        return Claim(
+            "Section 3.3.3.2, Figure 3.6",
+            f"{self.frequency}, {self.place}, {{depth}} cm, lens {lens}",
+            "%",
+            self.source,
+            self.expected,
+            self.ordering,
+        )
 
 
 _BETTER_THAN_CHANCE = above(_CHANCE)
@@ -62,6 +74,7 @@ _CELLS = (
     _GridCell("high", "held", "not classifiable", *_UNREAD),
     _GridCell("high", "optimum", "just under 80 %", between(60, 90), _BETTER_THAN_CHANCE),
 )
+CLAIMS: Claims = {"fig-3.6": tuple(cell.claim(lens) for lens in LENSES for cell in _CELLS)}
 
 
 def run(settings: RunSettings) -> Result:
@@ -116,14 +129,7 @@ def _trial(
 
 
 def _quantity(cell: _GridCell, depth: float, lens: str, reads: int, trials: int) -> Quantity:
-    return percentage(
-        f"{cell.frequency}, {cell.place}, {100 * depth:.0f} cm, lens {lens}",
-        cell.source,
-        reads,
-        trials,
-        cell.expected,
-        ordering=cell.ordering,
-    )
+    return percentage(cell.claim(lens).named(depth=f"{100 * depth:.0f}"), reads, trials)
 
 
 def _chart(name: str, lens: str, ranges: Mapping[str, float], shares: Sequence[float]) -> Chart:

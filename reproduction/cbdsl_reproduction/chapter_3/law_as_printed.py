@@ -28,10 +28,11 @@ from cbdsl.api.control import (
 )
 from cbdsl.api.shipped import shipped_robot
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import above, at_least
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above, at_least
 
 # A planar arm of three links, m.
 _LINKS = np.array([0.4, 0.3, 0.2])
@@ -47,6 +48,28 @@ _HELD = 1e-5  # m, the largest error that counts as holding
 _SETTINGS = LawSettings(joint_step=0.1)
 
 Move = Callable[[Floats], Floats]
+
+_GROWS = Claim(
+    "Section 3.1.3, Equation 3.18",
+    "{law}: starts from which manipulability grows",
+    "%",
+    "optimises manipulability (Section 3.1.3 b)",
+    at_least(95),
+    ordering=above(50),
+)
+_KEEPS = Claim(
+    "Section 3.3.2, Equations 3.19 to 3.26",
+    f"{{law}}: reached goals that stay within {1000 * _HELD:g} mm of the hand",
+    "%",
+    "nothing below disturbs the superior objective (Section 3.3.2)",
+    at_least(90),
+)
+_PRINTED, _OURS = "printed law", "ours"
+CLAIMS: Claims = {
+    "law-as-printed": tuple(
+        claim.named(law=law) for claim in (_GROWS, _KEEPS) for law in (_PRINTED, _OURS)
+    )
+}
 
 _NOTES = (
     "The rows about the printed law take it literally: a miss there means that the equations do "
@@ -229,19 +252,15 @@ def _planar(q: Floats) -> tuple[Floats, Floats]:
 
 
 def _growths(starts: Sequence[_Curves]) -> Iterator[Quantity]:
-    source = "optimises manipulability (Section 3.1.3 b)"
     for law, curves in (
-        ("printed law", [each.printed for each in starts]),
-        ("ours", [each.ours for each in starts]),
+        (_PRINTED, [each.printed for each in starts]),
+        (_OURS, [each.ours for each in starts]),
     ):
         grown = sum(float(curve[-1]) >= float(curve[0]) for curve in curves)
         yield percentage(
-            f"{law}: starts from which manipulability grows",
-            source,
+            _GROWS.named(law=law),
             grown,
             len(curves),
-            at_least(95),
-            ordering=above(50),
             note=f"mean {_mean(curves, 0):.3g} -> {_mean(curves, -1):.3g} m²",
         )
 
@@ -251,17 +270,14 @@ def _mean(curves: Sequence[Floats], step: int) -> float:
 
 
 def _errors(starts: Sequence[_Curves]) -> Iterator[Quantity]:
-    source = "nothing below disturbs the superior objective (Section 3.3.2)"
     for law, errors in (
-        ("printed law", [1000 * float(each.printed[-1]) for each in starts]),
-        ("ours", [1000 * float(each.ours[-1]) for each in starts]),
+        (_PRINTED, [1000 * float(each.printed[-1]) for each in starts]),
+        (_OURS, [1000 * float(each.ours[-1]) for each in starts]),
     ):
         yield percentage(
-            f"{law}: reached goals that stay within {1000 * _HELD:g} mm of the hand",
-            source,
+            _KEEPS.named(law=law),
             sum(error <= 1000 * _HELD for error in errors),
             len(errors),
-            at_least(90),
             note=f"mean {np.mean(errors):.2g} mm, {min(errors):.2g} to {max(errors):.2g} mm",
         )
 

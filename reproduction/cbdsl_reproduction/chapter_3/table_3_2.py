@@ -13,9 +13,10 @@ from cbdsl_reproduction.chapter_3.barcode import SIZE, barcodes
 from cbdsl_reproduction.chapter_3.barcode_trial import FOCAL_LENGTH
 from cbdsl_reproduction.chapter_3.camera_rig import FINENESS, CameraRig, Placement, camera_rig
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import near
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.quantity import Quantity, computed
+from cbdsl_reproduction.region import near
 
 Floats = NDArray[np.float64]
 
@@ -28,8 +29,55 @@ _PRINTED = {
 }
 _LOCALIZABILITY = (0.95, 0.43, 0.14)
 _RATIO_TOLERANCE = 0.05
+_PLACE = "Section 3.3.3.2, Table 3.2"
 # Candidate baselines, m, for the best fit to both printed ratios with equal weights.
 _BASELINES = np.arange(0.05, 0.8, 0.005)
+_OURS, _FITTED = "Dexter's cameras", "best fit"
+
+
+def _model(period: float, depth: float) -> float:
+    """Return the period in pixels by the pinhole model, m and m."""
+    return FOCAL_LENGTH * period / depth
+
+
+def _period_claim(name: str, period: float, depth: float, printed: float) -> Claim:
+    # The model decides instead of the printed value, of which three are misprints.
+    model = _model(period, depth)
+    return Claim(
+        _PLACE,
+        f"{name}: {1000 * period:g} mm at {100 * depth:g} cm",
+        "px per period",
+        f"{printed:g}",
+        near(round(model, 2), round(0.01 * model, 3)),
+    )
+
+
+def _ratio_claim(whose: str, depth: float, printed: float) -> Claim:
+    return Claim(
+        _PLACE,
+        f"localizability, 100 cm to {100 * depth:g} cm, {whose}",
+        "",
+        f"{printed:.2f}",
+        near(round(printed, 2), round(_RATIO_TOLERANCE * printed, 3)),
+    )
+
+
+_PERIODS = {
+    (name, depth): _period_claim(name, period, depth, printed)
+    for name, (period, row) in _PRINTED.items()
+    for depth, printed in zip(DEPTHS, row, strict=True)
+}
+# Ratios of localizability at 100 cm to its value at the two other depths.
+_PRINTED_RATIOS = {
+    depth: _LOCALIZABILITY[0] / value
+    for depth, value in zip(DEPTHS[1:], _LOCALIZABILITY[1:], strict=True)
+}
+_RATIOS = {
+    (whose, depth): _ratio_claim(whose, depth, printed)
+    for whose in (_OURS, _FITTED)
+    for depth, printed in _PRINTED_RATIOS.items()
+}
+CLAIMS: Claims = {"table-3.2": (*_PERIODS.values(), *_RATIOS.values())}
 
 
 def run(settings: RunSettings) -> Result:
@@ -40,7 +88,7 @@ def run(settings: RunSettings) -> Result:
         baseline = place.baseline()
     fitted = float(min(_BASELINES, key=_misfit))
     return Result(
-        quantities=(*periods, *_ratios("Dexter's cameras", baseline), *_ratios("best fit", fitted)),
+        quantities=(*periods, *_ratios(_OURS, baseline), *_ratios(_FITTED, fitted)),
         charts=(_chart(baseline),),
         notes=(
             "Periods are measured in images of even stripes, rendered at four times the pixels "
@@ -64,18 +112,15 @@ def _periods(place: CameraRig, depths: tuple[float, ...], settings: RunSettings)
     ]
     quantities = []
     for done, (name, period, depth, printed) in enumerate(cells):
-        model = FOCAL_LENGTH * period / depth
+        model = _model(period, depth)
         # Each bar but the last is followed by a gap.
         count = 2 * round(SIZE / period) - 1
         picture = place.picture([period / 2] * count, Placement(depth))
         misprint = abs(printed - model) > 0.01
         quantities.append(
             computed(
-                f"{name}: {1000 * period:g} mm at {100 * depth:g} cm",
-                "px per period",
-                f"{printed:g}",
+                _PERIODS[name, depth],
                 measured_period(picture) / FINENESS,
-                near(round(model, 2), round(0.01 * model, 3)),
                 note=f"misprint, recomputes to {model:.2f}" if misprint else "",
             )
         )
@@ -109,32 +154,21 @@ def _ratio(baseline: float, near_depth: float) -> float:
     return localizability(baseline, DEPTHS[0]) / localizability(baseline, near_depth)
 
 
-def _printed_ratios() -> dict[float, float]:
-    """Return the ratios of localizability at 100 cm to its value at the two other depths."""
-    return {
-        depth: _LOCALIZABILITY[0] / value
-        for depth, value in zip(DEPTHS[1:], _LOCALIZABILITY[1:], strict=True)
-    }
-
-
 def _misfit(baseline: float) -> float:
     return max(
         abs(math.log(_ratio(float(baseline), depth) / printed))
-        for depth, printed in _printed_ratios().items()
+        for depth, printed in _PRINTED_RATIOS.items()
     )
 
 
 def _ratios(whose: str, baseline: float) -> list[Quantity]:
     return [
         computed(
-            f"localizability, 100 cm to {100 * depth:g} cm, {whose}",
-            "",
-            f"{printed:.2f}",
+            _RATIOS[whose, depth],
             _ratio(baseline, depth),
-            near(round(printed, 2), round(_RATIO_TOLERANCE * printed, 3)),
             note=f"baseline {100 * baseline:.1f} cm",
         )
-        for depth, printed in _printed_ratios().items()
+        for depth in _PRINTED_RATIOS
     ]
 
 

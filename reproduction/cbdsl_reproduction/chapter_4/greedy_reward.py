@@ -11,11 +11,12 @@ from cbdsl.api.program import CheckedProgram
 from cbdsl.api.sensing import KernelSample, bind
 from cbdsl_reproduction.chapter_4.learning_curves import per_transition
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import bootstrap_interval
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above
 from cbdsl_reproduction.series import COARTICULATED, SEQUENTIAL, Series
 from cbdsl_reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner, trials
 
@@ -28,6 +29,20 @@ _TRIALS, _EPISODES = 50, 10
 _QUICK_TRIALS, _QUICK_EPISODES = 4, 2
 # Context that requires a search, and bandwidth of a density that always finds the object, rad.
 _SEARCHED, _EFFECTOR, _BANDWIDTH = "window", "head", 0.01
+_PLACE = "Section 4.2.1, Figure 4.6 (b)"
+_EARNS = Claim(_PLACE, "{series}: reward per transition", "", "drawn")
+# The bound is a share of the earnings of the sequential policies.
+_MORE = Claim(
+    _PLACE,
+    "reward per transition, co-articulated minus sequential",
+    "",
+    "clearly more",
+    ordering=above(0),
+    bound=above,
+)
+CLAIMS: Claims = {
+    "fig-4.6b": (*(_EARNS.named(series=each.label) for each in (SEQUENTIAL, COARTICULATED)), _MORE)
+}
 
 
 def run(settings: RunSettings, name: str) -> Result:
@@ -89,8 +104,8 @@ def _finding(learned: LearnedTrial) -> CheckedProgram:
 
 def _reward(series: Series, rewards: Floats, seed: int) -> Quantity:
     note = f"{rewards.shape[0]} trials of {rewards.shape[1]} episodes"
-    name = f"{series.label}: reward per transition"
-    return mean_of(name, "", "drawn", rewards.mean(axis=1).tolist(), None, seed=seed, note=note)
+    claim = _EARNS.named(series=series.label)
+    return mean_of(claim, rewards.mean(axis=1).tolist(), seed=seed, note=note)
 
 
 def _gain(sequential: Floats, both: Floats, seed: int) -> Quantity:
@@ -98,12 +113,8 @@ def _gain(sequential: Floats, both: Floats, seed: int) -> Quantity:
     differences = both.mean(axis=1) - sequential.mean(axis=1)
     level = float(sequential.mean())
     return mean_of(
-        "reward per transition, co-articulated minus sequential",
-        "",
-        "clearly more",
+        _MORE.at(_CLEARLY * level),
         differences.tolist(),
-        above(_CLEARLY * level),
-        ordering=above(0),
         seed=seed,
         note=f"clearly: by {100 * _CLEARLY:.0f} % of the earnings of the sequential ones",
     )

@@ -13,11 +13,12 @@ from cbdsl.api.control import Kinematics
 from cbdsl.api.documents import Gaussian, Kernel
 from cbdsl.api.shipped import shipped_robot
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import Claim, above, below
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import estimate
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import interquartile_mean, interval_of
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above, below
 from cbdsl_reproduction.series import COARTICULATED, TACTILEPROBE, Series
 from cbdsl_reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner
 
@@ -28,6 +29,30 @@ _ROBOT, _POINTS = "dexter", 181
 _BORDER = 0.67
 # Number of resampled sets of trials with uniform rewards, and percentile for the chance bound, %.
 _DRAWS, _TAIL = 200, 97.5
+
+# The bounds are passed by one of 40 sets of trials with rewards at uniform angles.
+_PEAK = Claim(
+    "Section 4.2.1, Figure 4.4",
+    "after {episodes} episodes: density of the peak {where}, by the lowest between the peaks",
+    "",
+    "a peak",
+    bound=above,
+)
+_IN_FRONT, _AT_WINDOW = "in front", "at the window"
+_LARGER = Claim(
+    "Section 4.2.1, Figure 4.4",
+    "after {episodes} episodes: {measure} in front by that at the window",
+    "",
+    "the peak in front is the larger one",
+    above(1),
+)
+_NARROW = Claim(
+    "Section 4.2.2, Figure 4.8",
+    "after {episodes} episodes: {joint}: deviation by that of the uniform density",
+    "",
+    "one Gaussian a finger",
+    bound=below,
+)
 
 
 @dataclass(frozen=True)
@@ -68,18 +93,14 @@ def _peaks(expectations: Sequence[Expectation], seed: int) -> Iterator[Quantity]
     (pan,) = expectations
     front = pan.angles < _BORDER
     measured, anywhere = (prominences(each, front) for each in (pan.densities, pan.anywhere))
-    for index, place in enumerate(("in front", "at the window")):
+    for index, where in enumerate((_IN_FRONT, _AT_WINDOW)):
         bound = _passed_by_chance(anywhere[..., index], _TAIL)
-        name = f"density of the peak {place}, by the lowest between the peaks"
         note = f"rewards at uniform angles reach {bound:.3g} in one of 40 draws"
-        yield _ratio(name, "a peak", measured[..., index], above(bound), seed, note)
-    heights = [pan.densities[:, where].max(axis=1) for where in (front, ~front)]
-    masses = [pan.densities[:, where].sum(axis=1) for where in (front, ~front)]
-    source = "the peak in front is the larger one"
-    for what, (first, second) in (("height", heights), ("mass", masses)):
-        yield _ratio(
-            f"{what} in front by that at the window", source, first / second, above(1), seed
-        )
+        yield _ratio(_PEAK.named(where=where).at(bound), measured[..., index], seed, note)
+    heights = [pan.densities[:, points].max(axis=1) for points in (front, ~front)]
+    masses = [pan.densities[:, points].sum(axis=1) for points in (front, ~front)]
+    for measure, (first, second) in (("height", heights), ("mass", masses)):
+        yield _ratio(_LARGER.named(measure=measure), first / second, seed)
 
 
 def prominences(densities: Floats, front: NDArray[np.bool_]) -> Floats:
@@ -117,31 +138,17 @@ def _narrowing(expectations: Sequence[Expectation], seed: int) -> Iterator[Quant
         bound = _passed_by_chance(anywhere, 100 - _TAIL)
         radians = interquartile_mean(measured * started)
         yield _ratio(
-            f"{each.joint}: deviation by that of the uniform density",
-            "one Gaussian a finger",
+            _NARROW.named(joint=each.joint).at(bound),
             measured,
-            below(bound),
             seed,
             f"{radians:.2f} rad; contacts at uniform angles fall to {bound:.3g} in one of 40 draws",
         )
 
 
-def _ratio(
-    name: str, source: str, values: Floats, expected: Claim, seed: int, note: str = ""
-) -> Quantity:
+def _ratio(claim: Claim, values: Floats, seed: int, note: str = "") -> Quantity:
     """Return the interquartile mean over trials as a quantity."""
     interval = interval_of(interquartile_mean, seed)
-    return estimate(
-        name,
-        "",
-        source,
-        values,
-        interquartile_mean,
-        interval,
-        expected,
-        seed=seed,
-        note=note,
-    )
+    return estimate(claim, values, interquartile_mean, interval, seed=seed, note=note)
 
 
 @dataclass(frozen=True)
@@ -177,6 +184,22 @@ MODELS: Mapping[str, DrawnModel] = {
     ),
 }
 
+CLAIMS: Claims = {
+    "fig-4.4": tuple(
+        claim.named(episodes=str(episodes))
+        for episodes in MODELS["fig-4.4"].after
+        for claim in (
+            *(_PEAK.named(where=where) for where in (_IN_FRONT, _AT_WINDOW)),
+            *(_LARGER.named(measure=measure) for measure in ("height", "mass")),
+        )
+    ),
+    "fig-4.8": tuple(
+        _NARROW.named(joint=joint, episodes=str(episodes))
+        for episodes in MODELS["fig-4.8"].after
+        for joint in _FINGERS
+    ),
+}
+
 
 def run(settings: RunSettings, name: str) -> Result:
     """Learn, and evaluate the densities that SEARCH finally draws from."""
@@ -189,7 +212,7 @@ def run(settings: RunSettings, name: str) -> Result:
         if known:
             shown[episodes] = _expectations(model, known, settings.seed)
     quantities = [
-        replace(quantity, name=f"after {episodes} episodes: {quantity.name}")
+        replace(quantity, claim=quantity.claim.named(episodes=str(episodes)))
         for episodes, expectations in shown.items()
         for quantity in model.quantities(expectations, settings.seed)
     ]

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.api.learning import Experience
 from cbdsl_reproduction.chapter_4.checks import Check, checks, schedule
-from cbdsl_reproduction.chapter_4.learned_in import learned_in_quantities
-from cbdsl_reproduction.chapter_4.stability import stable_after, stable_quantity
+from cbdsl_reproduction.chapter_4.learned_in import learned_in_claims, learned_in_quantities
+from cbdsl_reproduction.chapter_4.stability import stable_after, stable_claim, stable_quantity
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import Claim, above, near
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import estimate
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import (
@@ -23,6 +24,7 @@ from cbdsl_reproduction.interval import (
     interval_of,
 )
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above, near
 from cbdsl_reproduction.series import COARTICULATED, SEQUENTIAL, Series
 from cbdsl_reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner
 
@@ -34,6 +36,41 @@ _LAST, _WINDOW, _SETTLED = 20, 5, 0.8
 _DRAWS = 2000
 # Relative difference of rewards up to which two learners count as equally good.
 _HARDLY = 0.1
+
+_PLACE = "Section 4.2.1, Figure 4.6 (a)"
+_REPORTED = {
+    SEQUENTIAL: ("about 10 episodes", near(10, 4)),
+    COARTICULATED: ("about 20 episodes", near(20, 5)),
+}
+_LEARNED = {
+    series: learned_in_claims(_PLACE, series, *reported) for series, reported in _REPORTED.items()
+}
+_STABLE = {
+    series: stable_claim(_PLACE, series, *reported) for series, reported in _REPORTED.items()
+}
+_LATER = Claim(
+    _PLACE,
+    "episodes until the curve stays at its level, co-articulated by sequential",
+    "",
+    "about 20 by about 10",
+    near(2, 0.5),
+    above(1),
+)
+# The bound is a share of the earnings of the sequential trials.
+_AS_MUCH = Claim(
+    _PLACE,
+    f"reward per transition in the last {_LAST} episodes, co-articulated minus sequential",
+    "",
+    "slightly above 0, not significantly",
+    bound=partial(near, 0),
+)
+CLAIMS: Claims = {
+    "fig-4.6a": (
+        *(claim for series in _REPORTED for claim in (*_LEARNED[series], _STABLE[series])),
+        _LATER,
+        _AS_MUCH,
+    )
+}
 
 
 @dataclass(frozen=True)
@@ -74,8 +111,8 @@ def run(settings: RunSettings, name: str) -> Result:
     with trial_runner(settings) as dexter:
         sequential, both = gather(dexter, settings, name)
     quantities = (
-        *_learned(sequential, "about 10 episodes", near(10, 4), settings.seed),
-        *_learned(both, "about 20 episodes", near(20, 5), settings.seed),
+        *_learned(sequential, settings.seed),
+        *_learned(both, settings.seed),
         _times(sequential, both, settings.seed),
         _advantage(sequential, both, settings.seed),
     )
@@ -83,14 +120,15 @@ def run(settings: RunSettings, name: str) -> Result:
     return Result(quantities, (_chart(name, groups, settings.seed),), _notes(settings, groups))
 
 
-def _learned(curves: Curves, source: str, expected: Claim, seed: int) -> Iterator[Quantity]:
+def _learned(curves: Curves, seed: int) -> Iterator[Quantity]:
     """Yield the numbers of episodes until a series is learned, and until its policy is stable."""
-    yield from learned_in_quantities(curves.series, curves.checks, source, expected, seed)
+    series = curves.series
+    yield from learned_in_quantities(series, curves.checks, _LEARNED[series], seed)
     stable = [
         stable_after(each.trial, checks[-1].experiences)
         for each, checks in zip(curves.trials, curves.checks, strict=True)
     ]
-    yield stable_quantity(curves.series, stable, source, expected, seed)
+    yield stable_quantity(_STABLE[series], stable, seed)
 
 
 def series_of(name: str) -> tuple[Series, ...]:
@@ -129,12 +167,8 @@ def _times(sequential: Curves, both: Curves, seed: int) -> Quantity:
     ]
     low, high = np.percentile(ratios, (2.5, 97.5))
     return Quantity(
-        "episodes until the curve stays at its level, co-articulated by sequential",
-        "",
-        "about 20 by about 10",
+        _LATER,
         twice / once,
-        near(2, 0.5),
-        ordering=above(1),
         interval=(float(low), float(high)) if len(both.trials) > 1 else None,
         chance=TAIL,
         note=f"{twice} by {once} episodes",
@@ -172,13 +206,10 @@ def _advantage(sequential: Curves, both: Curves, seed: int) -> Quantity:
     margin = _HARDLY * float(interquartile_mean(sequential.level))
     ends = f"{interquartile_mean(both.level):.3f} and {interquartile_mean(sequential.level):.3f}"
     return estimate(
-        f"reward per transition in the last {_LAST} episodes, co-articulated minus sequential",
-        "",
-        "slightly above 0, not significantly",
+        _AS_MUCH.at(margin),
         both.level - sequential.level,
         interquartile_mean,
         interval_of(interquartile_mean, seed),
-        near(0, margin),
         seed=seed,
         note=f"{ends}; hardly: by {100 * _HARDLY:.0f} % of the best sequential earnings",
     )

@@ -13,6 +13,7 @@ from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.estimate import estimate, median
 from cbdsl_reproduction.interval import median_interval
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import ValueRegion
 from cbdsl_reproduction.series import Series
 
 # Least share of transitions that leave a state for which the policy is compared.
@@ -45,27 +46,26 @@ def _states(met: Iterable[Experience]) -> list[str]:
     return [state for state, count in left.items() if count > _LEAST * left.total()]
 
 
-def stable_quantity(
-    series: Series, measured: Sequence[int], source: str, expected: Claim, seed: int
-) -> Quantity:
+def stable_claim(place: str, series: Series, report: str, region: ValueRegion) -> Claim:
+    """Return the claim about the median over the trials of a series."""
+    name = f"{series.label}: greedy policy is stable after, median"
+    return Claim(place, name, "episodes", report, region)
+
+
+def stable_quantity(claim: Claim, measured: Sequence[int], seed: int) -> Quantity:
     """Return the median over trials.
 
     Args:
-        series: Learned series.
+        claim: Claim about the median.
         measured: Number of episodes of each trial.
-        source: Report of the source.
-        expected: Claim about the median.
         seed: Seed of the resampling for the interval.
     """
     episodes = np.array(measured, dtype=float)
     return estimate(
-        f"{series.label}: greedy policy is stable after, median",
-        "episodes",
-        source,
+        claim,
         episodes,
         median,
         lambda values: median_interval(values, seed),
-        expected,
         seed=seed,
         note=f"{episodes.min():g} to {episodes.max():g}",
     )

@@ -11,13 +11,23 @@ from cbdsl.api.program import ANY, SUBJECT_TO, CheckedProgram, matches
 from cbdsl.api.trials import Trial
 from cbdsl_reproduction.chapter_4.arcs import ActionArc, DrawnArc, diagram_of
 from cbdsl_reproduction.chapter_4.checks import Check, Schedule, checks, schedule
-from cbdsl_reproduction.chapter_4.learned_in import learned_in_quantities
-from cbdsl_reproduction.chapter_4.worth import AS_GOOD, shares_of, worth_quantities
-from cbdsl_reproduction.claim import above, at_least, at_most, in_hindsight
+from cbdsl_reproduction.chapter_4.learned_in import (
+    LearnedInClaims,
+    learned_in_claims,
+    learned_in_quantities,
+)
+from cbdsl_reproduction.chapter_4.worth import (
+    AS_GOOD,
+    shares_of,
+    worth_claims,
+    worth_quantities,
+)
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.percentage import clustered_percentage, percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above, at_least, at_most, in_hindsight
 from cbdsl_reproduction.series import (
     BIMANUALTOUCH,
     COARTICULATED,
@@ -46,15 +56,46 @@ class DrawnPolicy:
     """Policy whose transition diagram the source shows.
 
     Attributes:
+        place: Section and figure of the source.
         series: Series of trials in which it is learned.
         arcs: Arcs that the source draws.
         learned_in: Number of episodes within which it is learned in the source, if the source
             shows no curve.
     """
 
+    place: str
     series: Series
     arcs: tuple[DrawnArc, ...]
     learned_in: int | None = None
+
+    def claims(self) -> Iterator[Claim]:
+        """Yield all claims about the policy."""
+        yield self.drawn("policies with all arcs")
+        yield from (self.drawn(str(arc)) for arc in self.arcs)
+        yield from self.worth().values()
+        yield self.rewarded()
+        yield from self.learned() or ()
+
+    def drawn(self, element: str) -> Claim:
+        """Return the claim about the share of trials that have an element of the diagram."""
+        name = f"{self.series.label}: {element}"
+        return Claim(self.place, name, "%", "drawn", in_hindsight(above(50)))
+
+    def worth(self) -> dict[tuple[str, str], Claim]:
+        """Return the claims about the worth of the drawn choices, by state and action."""
+        return worth_claims(self.place, self.series, self.choices())
+
+    def rewarded(self) -> Claim:
+        """Return the claim about the share of rewarded episodes."""
+        name = f"{self.series.label}: held-out episodes that the greedy policy is rewarded in"
+        return Claim(self.place, name, "%", "its reward is found", at_least(95))
+
+    def learned(self) -> LearnedInClaims | None:
+        """Return the claims about the episodes of learning, if the source shows no curve."""
+        if self.learned_in is None:
+            return None
+        report, region = f"within {self.learned_in}", at_most(self.learned_in)
+        return learned_in_claims(self.place, self.series, report, region)
 
     def choices(self) -> list[tuple[str, str]]:
         """Return the single states that the source's arcs leave, and the actions chosen there."""
@@ -85,6 +126,7 @@ def _probing(search: str, sense: str) -> tuple[DrawnArc, ...]:
 DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
     "fig-4.5": (
         DrawnPolicy(
+            "Section 4.2.1, Figure 4.5",
             SEQUENTIAL,
             (
                 DrawnArc("XX", "track", ("X0",)),
@@ -95,11 +137,16 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
                 DrawnArc("X0", "track", ("X1",)),
             ),
         ),
-        DrawnPolicy(COARTICULATED, _probing("search", "track")),
+        DrawnPolicy("Section 4.2.1, Figure 4.5", COARTICULATED, _probing("search", "track")),
     ),
-    "fig-4.7": (DrawnPolicy(TACTILEPROBE, _probing("search", "touch"), learned_in=25),),
+    "fig-4.7": (
+        DrawnPolicy(
+            "Section 4.2.2, Figure 4.7", TACTILEPROBE, _probing("search", "touch"), learned_in=25
+        ),
+    ),
     "fig-4.10": (
         DrawnPolicy(
+            "Section 4.3.1, Figure 4.10",
             REACHTOUCH,
             (
                 DrawnArc("XXX", _REACH, ("X0-",), "presented"),
@@ -115,6 +162,7 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
     ),
     "fig-4.11": (
         DrawnPolicy(
+            "Section 4.3.2, Figure 4.11",
             VISUALINSPECT,
             (
                 DrawnArc("XXX", "track", ("XX0",), "facing"),
@@ -130,6 +178,7 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
     ),
     "fig-4.13": (
         DrawnPolicy(
+            "Section 4.3.3, Figure 4.13",
             BIMANUALTOUCH,
             (
                 DrawnArc("XXX", "reachtouch", ("0XX", "1XX")),
@@ -143,6 +192,7 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
     ),
     "fig-7.2": (
         DrawnPolicy(
+            "Section 7.1.1, Figure 7.2",
             PICKANDPLACE,
             (
                 DrawnArc("XXX", "reachtouch", ("0XX", "1XX")),
@@ -153,6 +203,10 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
             learned_in=30,
         ),
     ),
+}
+CLAIMS: Claims = {
+    figure: tuple(claim for drawn in policies for claim in drawn.claims())
+    for figure, policies in DRAWN.items()
 }
 
 
@@ -168,13 +222,11 @@ def run(settings: RunSettings, name: str) -> Result:
         trials, checked = [each.trial for each in examined], [each.checks for each in examined]
         last = [each[-1] for each in checked]
         quantities += _quantities(drawn, last, shares_of(trials))
-        quantities += worth_quantities(drawn.series, trials, drawn.choices(), settings.seed)
-        quantities.append(_rewarded(drawn.series, last))
-        if drawn.learned_in is not None:
-            source, expected = f"within {drawn.learned_in}", at_most(drawn.learned_in)
-            quantities += learned_in_quantities(
-                drawn.series, checked, source, expected, settings.seed
-            )
+        quantities += worth_quantities(drawn.worth(), trials, settings.seed)
+        quantities.append(_rewarded(drawn, last))
+        learned = drawn.learned()
+        if learned is not None:
+            quantities += learned_in_quantities(drawn.series, checked, learned, settings.seed)
         diagrams.append(_typical(name, drawn.series, program, last))
     return Result(tuple(quantities), tuple(diagrams), _notes(plan))
 
@@ -210,7 +262,6 @@ def _examined(dexter: TrialRunner, drawn: DrawnPolicy, plan: Schedule) -> list[E
 
 def _quantities(drawn: DrawnPolicy, last: Sequence[Check], worth: Worth) -> Iterator[Quantity]:
     """Yield the shares of trials that have the arcs of the source."""
-    label = drawn.series.label
     columns = [(arc, orders_alike(arc, worth), _looks(arc, last)) for arc in drawn.arcs]
     whole = [
         all(
@@ -220,14 +271,14 @@ def _quantities(drawn: DrawnPolicy, last: Sequence[Check], worth: Worth) -> Iter
         )
         for row in zip(*(looks for _, _, looks in columns), strict=True)
     ]
-    yield _drawn(f"{label}: policies with all arcs", whole)
+    yield _drawn(drawn.drawn("policies with all arcs"), whole)
     for arc, alike, looks in columns:
         met = [look.arcs for look in looks if look.is_met]
         joined = sum(arc.is_joined(arcs) for arcs in met)
         ordered = sum(arc.is_among(arcs) for arcs in met)
         note = f"{ordered} in the order drawn; " if alike else ""
         note += f"{joined} with any action"
-        yield _drawn(f"{label}: {arc}", [_has(arc, arcs, alike) for arcs in met], note)
+        yield _drawn(drawn.drawn(str(arc)), [_has(arc, arcs, alike) for arcs in met], note)
 
 
 def orders_alike(arc: DrawnArc, worth: Worth) -> bool:
@@ -275,22 +326,20 @@ def _looks(arc: DrawnArc, last: Sequence[Check]) -> list[_Look]:
     return looks
 
 
-def _rewarded(series: Series, last: Sequence[Check]) -> Quantity:
+def _rewarded(drawn: DrawnPolicy, last: Sequence[Check]) -> Quantity:
+    hopeless = drawn.series.hopeless
     rewarded = [
-        [each.reward > 0 for each in check.experiences if each.context not in series.hopeless]
+        [each.reward > 0 for each in check.experiences if each.context not in hopeless]
         for check in last
     ]
-    name = f"{series.label}: held-out episodes that the greedy policy is rewarded in"
     hits, sizes = [sum(own) for own in rewarded], [len(own) for own in rewarded]
     # Episodes of one policy are not independent.
-    return clustered_percentage(name, "its reward is found", hits, sizes, at_least(95))
+    return clustered_percentage(drawn.rewarded(), hits, sizes)
 
 
-def _drawn(name: str, has: Sequence[bool], note: str = "") -> Quantity:
+def _drawn(claim: Claim, has: Sequence[bool], note: str = "") -> Quantity:
     """Return the percentage of trials that have an element that the source draws."""
-    return percentage(
-        name, "drawn", sum(has), len(has), in_hindsight(above(50)), of="trials", note=note
-    )
+    return percentage(claim, sum(has), len(has), of="trials", note=note)
 
 
 def _typical(name: str, series: Series, program: CheckedProgram, last: Sequence[Check]) -> Diagram:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from cbdsl import Transition
 from cbdsl.api.learning import AccommodateConstants, Decisions
 from cbdsl.api.trials import Trial, used_programs
-from cbdsl_reproduction.claim import Interval, at_least, in_hindsight
+from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.interval import TAIL
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import Interval, at_least, in_hindsight
 from cbdsl_reproduction.series import Series
 
 Floats = NDArray[np.float64]
@@ -111,15 +112,24 @@ def shares_of(trials: Sequence[Trial]) -> dict[str, dict[str, float]]:
     return {state: _shares(worth, tallies.places(state)) for state, _ in tallies.pairs}
 
 
+def worth_claims(
+    place: str, series: Series, choices: Iterable[tuple[str, str]]
+) -> dict[tuple[str, str], Claim]:
+    """Return the claims that a series chooses actions in states, by state and action."""
+    region = in_hindsight(at_least(AS_GOOD))
+    name = f"{series.label}: worth of {{action}} in {{state}}, relative to the best action"
+    every = Claim(place, name, "%", "chosen", region)
+    return {(state, action): every.named(state=state, action=action) for state, action in choices}
+
+
 def worth_quantities(
-    series: Series, trials: Sequence[Trial], choices: Sequence[tuple[str, str]], seed: int
+    claims: Mapping[tuple[str, str], Claim], trials: Sequence[Trial], seed: int
 ) -> Iterator[Quantity]:
     """Yield the worth of the source's choices relative to the best action in each state.
 
     Args:
-        series: Learned series.
+        claims: Claims by state, and the action that the source's policy chooses there.
         trials: Trials of the series; fewer than five yield no quantities.
-        choices: States, and the actions that the source's policy chooses there.
         seed: Seed of the resampling of trials for the interval.
     """
     if len(trials) < _LEAST_TRIALS:
@@ -130,16 +140,13 @@ def worth_quantities(
     # independent samples.
     times = rng.multinomial(count, np.full(count, 1 / count), size=_DRAWS)
     whole, drawn = tallies.worth(gamma), [tallies.worth(gamma, each) for each in times]
-    for state, action in choices:
+    for (state, action), claim in claims.items():
         here = tallies.places(state)
         shares = _shares(whole, here)
         others = [f"{name} {share:.0f}" for name, share in shares.items() if name != action]
         yield Quantity(
-            f"{series.label}: worth of {action} in {state}, relative to the best action",
-            "%",
-            "chosen",
+            claim,
             shares.get(action, math.nan),
-            in_hindsight(at_least(AS_GOOD)),
             chance=TAIL,
             interval=_spread([_shares(each, here).get(action, math.nan) for each in drawn]),
             note=f"others: {', '.join(others)}" if others else "",

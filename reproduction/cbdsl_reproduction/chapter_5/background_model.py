@@ -18,11 +18,12 @@ from cbdsl.api.sensing import EpisodeListeners, Tick, channel_names
 from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.chapter_4.posture_panels import PosturePanels
 from cbdsl_reproduction.chapter_5.background_documents import write_backgrounds
-from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.kept_rows import KeptRows
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above
 
 _PROGRAM, _STAGE, _EFFECTOR = "searchtrack", "furnished", "head"
 #: Figures of the source by the beginning of their channels' names.
@@ -30,6 +31,17 @@ FIGURES = {"sat": ("5.3", "saturation"), "hue": ("5.4", "hue"), "int": ("5.5", "
 _POSITIVES, _QUICK_POSITIVES = 50, 1
 # Ten looks have two transitions each: on the way, and there. Tracking takes three more.
 _TRANSITIONS = 23
+_TRACKED = {
+    prefix: Claim(
+        f"Section 5.2.1, Figure {figure}",
+        f"{word}: channels that can be tracked",
+        "%",
+        "most, and a few not at all",
+        above(50),
+    )
+    for prefix, (figure, word) in FIGURES.items()
+}
+CLAIMS: Claims = {"fig-5.3-5.5": tuple(_TRACKED.values())}
 
 Posture = tuple[float, ...]
 
@@ -137,15 +149,13 @@ def looker(lab: SimulationFixture) -> Callable[[int], Posture]:
 
 def quantities(channels: Sequence[TrackedPostures]) -> Iterator[Quantity]:
     """Yield the shares of channels that can be tracked."""
-    for prefix, (figure, word) in FIGURES.items():
+    for prefix, (figure, _) in FIGURES.items():
         own = [each for each in channels if each.channel.startswith(prefix)]
         empty = [each.channel for each in own if not each.postures]
         yield percentage(
-            f"{word}: channels that can be tracked",
-            "most, and a few not at all",
+            _TRACKED[prefix],
             len(own) - len(empty),
             len(own),
-            above(50),
             of="channels",
             note=f"Figure {figure}; empty: {', '.join(empty) or 'none'}",
         )

@@ -14,12 +14,13 @@ from cbdsl.api.learning import Experience
 from cbdsl.api.program import Action, CheckedProgram, Composition, Primitive, own_policy
 from cbdsl.api.shipped import shipped_program
 from cbdsl.api.trials import EPISODES, BackendEpisodeRunner, Journal, embody
-from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above
 from cbdsl_reproduction.trial_digest import trial_digest
 
 _PROGRAM, _MEMBER, _PROBE, _STAGE = "reachtouch", "touch", "tactileprobe", "small_on_table"
@@ -30,6 +31,21 @@ _NAMES = {
     PASSIVE: "TOUCH that acts on contact only",
     SEEKING: "TOUCH that closes the fingers until there is contact",
     PROBING: "TACTILEPROBE in the place of TOUCH",
+}
+_PLACE = "Section 5.3.2, Figure 5.12"
+_MORE = {
+    other: Claim(
+        _PLACE,
+        f"rewarded episodes, {_NAMES[PROBING]} minus {_NAMES[other]}",
+        "%",
+        "more",
+        above(0),
+    )
+    for other in (PASSIVE, SEEKING)
+}
+_REWARDED = Claim(_PLACE, "{context}, {way}: rewarded", "%")
+CLAIMS: Claims = {
+    "fig-5.12": (*_MORE.values(), *(_REWARDED.named(way=way) for way in _NAMES.values()))
 }
 
 Outcomes = Mapping[str, Sequence[Experience]]
@@ -126,12 +142,13 @@ def quantities(episodes: Outcomes, seed: int) -> Iterator[Quantity]:
 
     Section 5.3.2 claims that the probe works in more cases than TOUCH.
     """
-    yield from (_more(episodes, other, seed) for other in (PASSIVE, SEEKING))
+    yield from (_more(episodes, other, seed) for other in _MORE)
     contexts = sorted({each.context for each in episodes[PROBING]})
     for way, context in ((way, context) for way in _NAMES for context in contexts):
         own = [each for each in episodes[way] if each.context == context]
         hits = sum(each.reward > 0 for each in own)
-        yield percentage(f"{context}, {_NAMES[way]}: rewarded", "", hits, len(own), None)
+        claim = _REWARDED.named(context=context, way=_NAMES[way])
+        yield percentage(claim, hits, len(own))
 
 
 def _more(episodes: Outcomes, other: str, seed: int) -> Quantity:
@@ -139,14 +156,7 @@ def _more(episodes: Outcomes, other: str, seed: int) -> Quantity:
     # differences of two independent shares.
     pairs = zip(episodes[PROBING], episodes[other], strict=True)
     gains = [100.0 * ((one.reward > 0) - (two.reward > 0)) for one, two in pairs]
-    return mean_of(
-        f"rewarded episodes, {_NAMES[PROBING]} minus {_NAMES[other]}",
-        "%",
-        "more",
-        gains,
-        above(0),
-        seed=seed,
-    )
+    return mean_of(_MORE[other], gains, seed=seed)
 
 
 def _ignore(transition: Transition) -> None:

@@ -20,12 +20,13 @@ from cbdsl_reproduction.chapter_5.motion_episodes import (
     motion_digest,
     run_motion_episodes,
 )
-from cbdsl_reproduction.claim import at_least, at_most, below
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.kept_trials import kept_trials
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import at_least, at_most, below
 
 Floats = NDArray[np.float64]
 Limits = Mapping[str, tuple[float, float]]
@@ -38,6 +39,19 @@ _BANDWIDTH = 0.1
 # track motion although nothing moves, %.
 _CLOSE, _MOST, _FEW = 5.0, 80, 5
 _DRAWS = 200
+
+_PLACE = "Section 5.2.1, Figure 5.2"
+_SEEN = Claim(_PLACE, "motion tracked where something is shaken", "%", "no number")
+_PHANTOMS = Claim(_PLACE, "motion tracked where nothing moves", "%", "no peak", at_most(_FEW))
+_OFF = Claim(
+    _PLACE,
+    "from the middle of the shaken object, when tracked",
+    "deg",
+    "where it was presented",
+    below(_CLOSE),
+)
+_SINGLE = Claim(_PLACE, "trials whose density has a single peak", "%", "one peak", at_least(_MOST))
+CLAIMS: Claims = {"fig-5.2": (_SEEN, _PHANTOMS, _OFF, _SINGLE)}
 
 _NOTES = (
     "25 episodes a trial, in every second of which a thing is shaken 4 cm to either side, 1.1 to "
@@ -98,25 +112,19 @@ def _tracked(episodes: Mapping[str, Sequence[MotionEpisode]]) -> Iterator[Quanti
     """Yield the shares of episodes that track motion, and the angle to the shaken object."""
     shaken, nothing = episodes[SHAKEN], episodes[NOTHING]
     tracked = [each for each in shaken if each.posture]
-    name = "motion tracked where something is shaken"
-    yield percentage(name, "no number", len(tracked), len(shaken), None, of="episodes")
+    yield percentage(_SEEN, len(tracked), len(shaken), of="episodes")
     seen = sum(bool(each.posture) for each in nothing)
-    name = "motion tracked where nothing moves"
-    yield percentage(name, "no peak", seen, len(nothing), at_most(_FEW), of="episodes")
-    off = [math.degrees(each.off) for each in tracked]
-    name = "from the middle of the shaken object, when tracked"
-    yield mean_of(name, "deg", "where it was presented", off, below(_CLOSE))
+    yield percentage(_PHANTOMS, seen, len(nothing), of="episodes")
+    yield mean_of(_OFF, [math.degrees(each.off) for each in tracked])
 
 
 def _peaks(densities: Sequence[PostureDensity], seed: int) -> Iterator[Quantity]:
     """Yield the share of densities with a single peak."""
     single = sum(len(each.peaks()) == 1 for each in densities)
     yield percentage(
-        "trials whose density has a single peak",
-        "one peak",
+        _SINGLE,
         single,
         len(densities),
-        at_least(_MOST),
         note=f"of as many postures anywhere, {_by_chance(densities, seed)} of {_DRAWS} draws",
     )
 

@@ -10,13 +10,30 @@ from dataclasses import replace
 from cbdsl import Transition
 from cbdsl.api.learning import Experience
 from cbdsl.api.program import CheckedProgram
-from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.diagram import Diagram, graph_of
 from cbdsl_reproduction.percentage import clustered_percentage, percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above
 
 # States of a reach at rest without contact, and of a renewed reach.
 _IN_VAIN, _AGAIN = "X1-", "X0-"
+_PLACE = "Section 5.3.1.2, Figure 5.9"
+_LEARNS = Claim(
+    _PLACE,
+    f"Figure 5.9: trials that learn the retry {_IN_VAIN} → {_AGAIN}",
+    "%",
+    "drawn",
+    above(50),
+)
+_EARNS = Claim(
+    _PLACE,
+    "Figure 5.9: episodes with a retry that come to their reward",
+    "%",
+    "eventually",
+    above(50),
+)
+RETRY_CLAIMS = (_LEARNS, _EARNS)
 
 Episodes = Sequence[Experience]
 
@@ -36,18 +53,15 @@ def retry_quantities(trials: Sequence[Episodes]) -> Iterator[Quantity]:
         trials: Episodes of the second stage of each trial.
     """
     with_any = [any(any(True for _ in retries(each)) for each in trial) for trial in trials]
-    name = f"Figure 5.9: trials that learn the retry {_IN_VAIN} → {_AGAIN}"
-    yield percentage(name, "drawn", sum(with_any), len(trials), above(50))
+    yield percentage(_LEARNS, sum(with_any), len(trials))
     rewarded = [
         [each.reward > 0 for each in trial if next(retries(each), None) is not None]
         for trial in trials
     ]
     yield clustered_percentage(
-        "Figure 5.9: episodes with a retry that come to their reward",
-        "eventually",
+        _EARNS,
         [sum(own) for own in rewarded],
         [len(own) for own in rewarded],
-        above(50),
         of="episodes",
     )
 

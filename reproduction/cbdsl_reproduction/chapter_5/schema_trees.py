@@ -28,12 +28,13 @@ from cbdsl.api.program import (
 )
 from cbdsl.api.shipped import shipped_path, shipped_program
 from cbdsl.api.trials import BackendEpisodeRunner, Trial, embody
-from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.kept_trials import kept_trials
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above
 from cbdsl_reproduction.source_features import with_source_features
 from cbdsl_reproduction.trial_digest import trial_digest
 
@@ -49,6 +50,35 @@ _FIRST = {
     "right": ("right_arm", "small and still: the arm on that side"),
 }
 _FAR = "far"
+_CHOOSES = {
+    context: Claim(
+        "Section 5.3.1, Figure 5.10",
+        f"Figure 5.10, {context}: trials that choose {allocation}",
+        "%",
+        report,
+        above(50.0),
+    )
+    for context, (allocation, report) in _FIRST.items()
+}
+_REACH = "Section 5.3.1, Figure 5.11"
+_EXPECTS = {
+    is_far: Claim(_REACH, f"Figure 5.11, {name}", "%", report, above(50.0))
+    for is_far, name, report in (
+        (True, "out of reach: trials that expect no reward", "reward is unlikely"),
+        (False, "in reach: trials that expect reward", "reward is likely"),
+    )
+}
+_ASKS = Claim(
+    _REACH,
+    "Figure 5.11: trials that ask for the distance forward first",
+    "%",
+    "asked first",
+    above(50.0),
+)
+_ENDS = Claim(
+    _REACH, "Figure 5.11: distance forward where reach ends", "m", "1.17 on the original robot"
+)
+CLAIMS: Claims = {"fig-5.10-5.11": (*_CHOOSES.values(), *_EXPECTS.values(), _ASKS, _ENDS)}
 
 
 class Question(NamedTuple):
@@ -188,40 +218,27 @@ def questions(
 
 def quantities(trees: Sequence[Trees], known: Sequence[Question], seed: int) -> Iterator[Quantity]:
     """Yield the shares of trials whose trees have the source's branches, and the limit of reach."""
-    for context, (allocation, source) in _FIRST.items():
+    for context, (allocation, _) in _FIRST.items():
         rights = [
             _share([(decide(each.choice, q.features) or ("",))[0] == allocation for q in asked])
             for each in trees
             if (asked := [q for q in known if q.context == context])
         ]
-        name = f"Figure 5.10, {context}: trials that choose {allocation}"
-        yield _trials(name, source, rights)
-    for name, source, is_far in (
-        ("out of reach: trials that expect no reward", "reward is unlikely", True),
-        ("in reach: trials that expect reward", "reward is likely", False),
-    ):
+        yield _trials(_CHOOSES[context], rights)
+    for is_far, claim in _EXPECTS.items():
         rights = [
             _share([((decide(each.reward, q.features) or 0.0) < 0.5) == is_far for q in asked])
             for each in trees
             if (asked := [q for q in known if (q.context == _FAR) == is_far])
         ]
-        yield _trials(f"Figure 5.11, {name}", source, rights)
+        yield _trials(claim, rights)
     ends = [_forward(each.reward) for each in trees]
     asking = [end for end in ends if end is not None]
-    yield percentage(
-        "Figure 5.11: trials that ask for the distance forward first",
-        "asked first",
-        len(asking),
-        len(trees),
-        above(50.0),
-    )
+    yield percentage(_ASKS, len(asking), len(trees))
     if len(asking) > 1:
         yield mean_of(
-            "Figure 5.11: distance forward where reach ends",
-            "m",
-            "1.17 on the original robot",
+            _ENDS,
             asking,
-            None,
             seed=seed,
             note="not judged: nothing stands between 0.8 and 1.15 m, where any such tree has it",
         )
@@ -231,10 +248,10 @@ def _share(rights: Sequence[bool]) -> float:
     return 100 * sum(rights) / len(rights)
 
 
-def _trials(name: str, source: str, rights: Sequence[float]) -> Quantity:
+def _trials(claim: Claim, rights: Sequence[float]) -> Quantity:
     right = sum(each >= _MOST for each in rights)
     note = f"in {_MOST:g} % of the contexts or more"
-    return percentage(name, source, right, len(rights), above(50.0), note=note)
+    return percentage(claim, right, len(rights), note=note)
 
 
 def _forward(tree: Tree[Any]) -> float | None:

@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from cbdsl.api.learning import Experience
 from cbdsl_reproduction.chapter_4.learning_curves import per_transition
 from cbdsl_reproduction.chapter_5.handedness import HandednessTrials
-from cbdsl_reproduction.chapter_5.retries import retry_diagram, retry_quantities
+from cbdsl_reproduction.chapter_5.retries import RETRY_CLAIMS, retry_diagram, retry_quantities
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import Claim, above, below, near
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
 from cbdsl_reproduction.interval import TAIL, resampled_interval
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above, below, near
 from cbdsl_reproduction.trial_runner import TrialRunner, trial_runner
 
 Floats = NDArray[np.float64]
@@ -35,6 +36,58 @@ _NEAR = 0.8
 _BEST, _QUICK_BEST = 60, 4
 # Half of the width of a 95 % interval, in standard errors.
 _NORMAL = 1.96
+
+_PLACE = "Section 5.3.1.2, Figure 5.8"
+_AHEAD = Claim(
+    _PLACE,
+    "normalised reward over all episodes, {one} minus {other}",
+    "",
+    "above 0",
+    above(0),
+)
+_SETTLES = {
+    series: Claim(
+        _PLACE,
+        f"{series.label}: episodes until the curve stays at the common level",
+        "episodes",
+        report,
+        region,
+    )
+    for series, report, region in (
+        (FLAT, "about 140", near(140, 40)),
+        (CONCURRENT, "about 50", near(50, 20)),
+        (STAGED, "ahead of the others", below(50)),
+    )
+}
+_ENDS = {
+    series: Claim(
+        _PLACE,
+        f"{series.label}: normalised reward in the last {_LAST} episodes",
+        "",
+        f"{_LEVEL}",
+        near(_LEVEL, 0.1),
+    )
+    for series in (FLAT, CONCURRENT, STAGED)
+}
+_DROPS = Claim(
+    _PLACE,
+    f"staged: normalised reward in the {_AROUND} episodes after {{first}}, less that before",
+    "",
+    "a sharp drop",
+    below(0),
+)
+_RECOVERS = Claim(_PLACE, "staged: length of the drop", "episodes", "about 10", near(10, 5))
+CLAIMS: Claims = {
+    "fig-5.8": (
+        _AHEAD.named(one=STAGED.label, other=CONCURRENT.label),
+        _AHEAD.named(one=CONCURRENT.label, other=FLAT.label),
+        *_SETTLES.values(),
+        *_ENDS.values(),
+        _DROPS,
+        _RECOVERS,
+    ),
+    "fig-5.9": RETRY_CLAIMS,
+}
 
 
 @dataclass(frozen=True)
@@ -116,19 +169,12 @@ def quantities_of(groups: Sequence[LearnerTrials], seed: int) -> Iterator[Quanti
     flat, concurrent, staged = groups
     yield _ahead(staged, concurrent, seed)
     yield _ahead(concurrent, flat, seed)
-    for group, source, expected in (
-        (flat, "about 140", near(140, 40)),
-        (concurrent, "about 50", near(50, 20)),
-        (staged, "ahead of the others", below(50)),
-    ):
-        yield _settles(group, source, expected, seed)
+    for group in groups:
+        yield _of_curves(_SETTLES[group.series], group.rewards, stable_at, seed)
     for group in groups:
         yield mean_of(
-            f"{group.series.label}: normalised reward in the last {_LAST} episodes",
-            "",
-            f"{_LEVEL}",
+            _ENDS[group.series],
             group.rewards[:, -_LAST:].mean(axis=1).tolist(),
-            near(_LEVEL, 0.1),
             seed=seed,
             note=f"raw {group.raw[:, -_LAST:].mean():.4f}, best {group.best:.4f}",
         )
@@ -142,11 +188,8 @@ def _ahead(one: LearnerTrials, other: LearnerTrials, seed: int) -> Quantity:
     raw = [group.raw.mean() for group in (one, other)]
     apart = " and ".join(_with_interval(n, m) for n, m in zip(names, means, strict=True))
     return mean_of(
-        f"normalised reward over all episodes, {names[0]} minus {names[1]}",
-        "",
-        "above 0",
+        _AHEAD.named(one=names[0], other=names[1]),
         (means[0] - means[1]).tolist(),
-        above(0),
         seed=seed,
         note=f"{apart}; raw {raw[0]:.4f} and {raw[1]:.4f}",
     )
@@ -163,17 +206,6 @@ def _half_width(values: Floats) -> Floats:
         return np.zeros(values.shape[1:])
     half: Floats = _NORMAL * values.std(axis=0, ddof=1) / math.sqrt(len(values))
     return half
-
-
-def _settles(group: LearnerTrials, source: str, expected: Claim, seed: int) -> Quantity:
-    return _of_curves(
-        f"{group.series.label}: episodes until the curve stays at the common level",
-        source,
-        group.rewards,
-        stable_at,
-        expected,
-        seed,
-    )
 
 
 def stable_at(rewards: Floats) -> float:
@@ -203,22 +235,12 @@ def dip_quantities(staged: LearnerTrials, seed: int) -> Iterator[Quantity]:
     before = rewards[:, first - _AROUND : first].mean(axis=1)
     after = rewards[:, first : first + _AROUND].mean(axis=1)
     yield mean_of(
-        f"staged: normalised reward in the {_AROUND} episodes after {first}, less that before",
-        "",
-        "a sharp drop",
+        _DROPS.named(first=str(first)),
         (after - before).tolist(),
-        below(0),
         seed=seed,
         note=f"{before.mean():.3f} before, {after.mean():.3f} after",
     )
-    yield _of_curves(
-        "staged: length of the drop",
-        "about 10",
-        rewards,
-        lambda some: dip_length(some, first),
-        near(10, 5),
-        seed,
-    )
+    yield _of_curves(_RECOVERS, rewards, lambda some: dip_length(some, first), seed)
 
 
 def dip_length(rewards: Floats, first: int) -> float:
@@ -239,23 +261,14 @@ def dip_length(rewards: Floats, first: int) -> float:
     return float(back[0]) if len(back) else float(len(curve) - first)
 
 
-def _of_curves(
-    name: str, source: str, rewards: Floats, statistic: Statistic, expected: Claim, seed: int
-) -> Quantity:
+def _of_curves(claim: Claim, rewards: Floats, statistic: Statistic, seed: int) -> Quantity:
     """Return a number of episodes as a statistic of the curve of all trials."""
     value = statistic(rewards)
     interval = None
     if len(rewards) > 1:
         interval = resampled_interval(list(rewards), lambda drawn: statistic(np.array(drawn)), seed)
-    return Quantity(
-        name,
-        "episodes",
-        source,
-        value if value <= rewards.shape[1] else math.nan,
-        expected,
-        interval=interval,
-        chance=TAIL,
-    )
+    reached = value if value <= rewards.shape[1] else math.nan
+    return Quantity(claim, reached, interval, TAIL)
 
 
 def _chart(name: str, groups: Sequence[LearnerTrials], normalised: bool) -> Chart:

@@ -17,12 +17,13 @@ from cbdsl.api.documents import BoxForm, Kernel, ModelDocument, StageDocument, w
 from cbdsl.api.shipped import shipped_document
 from cbdsl_reproduction.chapter_5.cross_sections import CrossSections
 from cbdsl_reproduction.chapter_5.touch_trials import SOURCES, TouchTrial, touch_digest, toucher
-from cbdsl_reproduction.claim import at_least, below, between, near
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.kept_trials import KeptTrials
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity, computed
+from cbdsl_reproduction.region import at_least, below, between, near
 
 Floats = NDArray[np.float64]
 
@@ -35,6 +36,42 @@ _KINDS = ("table", "object", "bimanual")
 _BANDWIDTH, _LEAST = 0.03, 0.003
 # Height of the table in the dissertation, and its tolerance, m.
 _TABLE, _WITHIN = -0.42, 0.01
+
+_PLACE = "Section 5.2.2, Figure 5.6"
+_REWARDED = {kind: Claim(_PLACE, f"{kind}: rewarded", "%", "no number") for kind in _KINDS}
+_TABLE_HEIGHT = Claim(_PLACE, "table: height of touches", "m", "about -0.42", near(_TABLE, _WITHIN))
+_OBJECT_HEIGHT = Claim(
+    _PLACE,
+    "object: height of touches above those of the table",
+    "m",
+    "slightly above it",
+    between(0.0, 0.2, "above 0, up to 0.2"),
+)
+_BIMANUAL_HEIGHT = Claim(
+    _PLACE,
+    "bimanual: height of touches",
+    "m",
+    "slightly below 0",
+    between(-0.1, 0.0, "-0.1 to 0"),
+)
+_OVER = Claim(_PLACE, "on the table or above it", "%", "all", at_least(90))
+_PEAK = Claim(
+    _PLACE,
+    "from the highest peak to the bimanual touches",
+    "m",
+    "the large peak is theirs",
+    below(0.05),
+)
+CLAIMS: Claims = {
+    "fig-5.6": (
+        *_REWARDED.values(),
+        _TABLE_HEIGHT,
+        _OBJECT_HEIGHT,
+        _BIMANUAL_HEIGHT,
+        _OVER,
+        _PEAK,
+    )
+}
 
 _NOTES = (
     "Programs touch_table and reachtouch, with the right arm and with the left, and bimanualtouch. "
@@ -150,19 +187,12 @@ def quantities(
     for kind in _KINDS:
         own = _of(kind, trials)
         hits = sum(1 for each in own if each.place)
-        yield percentage(f"{kind}: rewarded", "no number", hits, len(own), None, of="episodes")
+        yield percentage(_REWARDED[kind], hits, len(own), of="episodes")
     table, thing, both = (samples[kind][:, 2] for kind in _KINDS)
-    source = "about -0.42"
-    claim = near(_TABLE, _WITHIN)
-    yield mean_of("table: height of touches", "m", source, table.tolist(), claim, seed=seed)
+    yield mean_of(_TABLE_HEIGHT, table.tolist(), seed=seed)
     top = float(table.mean()) if len(table) else float("nan")
-    name = "object: height of touches above those of the table"
-    claim = between(0.0, 0.2, "above 0, up to 0.2")
-    yield mean_of(name, "m", "slightly above it", (thing - top).tolist(), claim, seed=seed)
-    claim = between(-0.1, 0.0, "-0.1 to 0")
-    yield mean_of(
-        "bimanual: height of touches", "m", "slightly below 0", both.tolist(), claim, seed=seed
-    )
+    yield mean_of(_OBJECT_HEIGHT, (thing - top).tolist(), seed=seed)
+    yield mean_of(_BIMANUAL_HEIGHT, both.tolist(), seed=seed)
     yield _over_the_table(picture)
     yield _peak(picture)
 
@@ -170,17 +200,16 @@ def quantities(
 def _over_the_table(picture: CrossSections) -> Quantity:
     places, (low, high) = picture.positions, picture.outline
     over = np.all((places[:, :2] >= low[:2]) & (places[:, :2] <= high[:2]), axis=1)
-    name = "on the table or above it"
-    return percentage(name, "all", int(over.sum()), len(over), at_least(90), of="samples")
+    return percentage(_OVER, int(over.sum()), len(over), of="samples")
 
 
 def _peak(picture: CrossSections) -> Quantity:
     """Return the distance between the highest peak from above and the bimanual touches."""
-    both, name = picture.samples["bimanual"], "from the highest peak to the bimanual touches"
+    both = picture.samples["bimanual"]
     apart = float("nan")
     if len(both):
         apart = float(np.linalg.norm(picture.peak() - both[:, :2].mean(axis=0)))
-    return computed(name, "m", "the large peak is theirs", apart, below(0.05))
+    return computed(_PEAK, apart)
 
 
 def _table() -> Floats:

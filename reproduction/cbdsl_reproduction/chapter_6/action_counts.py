@@ -11,6 +11,7 @@ from cbdsl_reproduction.chapter_6.habituation import actions_of
 from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.percentage import clustered_percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import ValueRegion
 
 
 def tally(catalogs: Sequence[CatalogDocument], name: str) -> tuple[int, int]:
@@ -25,18 +26,23 @@ def tallies(catalogs: Sequence[CatalogDocument], name: str) -> tuple[list[int], 
     return [hits for hits, _ in each], [tried for _, tried in each]
 
 
-def share_of_actions(
-    catalogs: Sequence[CatalogDocument],
-    name: str,
-    source: str = "no number",
-    expected: Claim | None = None,
-) -> Quantity:
+def rewarded_claim(
+    place: str,
+    action: str = "{action}",
+    report: str = "no number",
+    region: ValueRegion | None = None,
+) -> Claim:
+    """Return the claim about the percentage of rewarded actions of one name, or of any."""
+    return Claim(place, f"{action} rewarded", "%", report, region)
+
+
+def share_of_actions(claim: Claim, catalogs: Sequence[CatalogDocument], name: str) -> Quantity:
     """Return the percentage of rewarded actions of one name.
 
     Actions of one trial are dependent, because it has one object in one place.
     """
     hits, tried = tallies(catalogs, name)
-    return clustered_percentage(f"{name} rewarded", source, hits, tried, expected, of="actions")
+    return clustered_percentage(claim.named(action=name), hits, tried, of="actions")
 
 
 def action_bars(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> BarChart:

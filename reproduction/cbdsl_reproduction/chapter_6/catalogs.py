@@ -12,6 +12,7 @@ from cbdsl.api.drawing import Layer, catalog_icon
 from cbdsl.api.learning import NOOP, CatalogConstants
 from cbdsl_reproduction.chapter_6.action_counts import (
     action_bars,
+    rewarded_claim,
     share_of_actions,
     tallies,
     tally,
@@ -19,10 +20,11 @@ from cbdsl_reproduction.chapter_6.action_counts import (
 from cbdsl_reproduction.chapter_6.habituation import (
     actions_of,
     change_chart,
+    negligible_claim,
     negligible_reward,
     reward_chart,
 )
-from cbdsl_reproduction.claim import Claim, above, at_least, at_most, below
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import chance_of_samples, mean
 from cbdsl_reproduction.experiment import Picture, Result, RunSettings
 from cbdsl_reproduction.exploration_series import (
@@ -34,6 +36,7 @@ from cbdsl_reproduction.exploration_series import (
 from cbdsl_reproduction.interval import bootstrap_interval
 from cbdsl_reproduction.percentage import clustered_percentage, percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import ValueRegion, above, at_least, at_most, below
 from cbdsl_reproduction.trial_runner import TrialRunner, trial_runner
 
 # First and last actions of an exploration, among which doing nothing is rare and frequent.
@@ -45,12 +48,12 @@ class Expected:
     """Report of the source of one action on one object.
 
     Attributes:
-        source: Report in a few words.
-        claim: Claim about the percentage of rewarded actions.
+        report: Report in a few words.
+        region: ValueRegion of the percentage of rewarded actions.
     """
 
-    source: str
-    claim: Claim
+    report: str
+    region: ValueRegion
 
 
 _ALWAYS, _NEVER = Expected("100 %", at_least(95)), Expected("0 %", at_most(5))
@@ -90,6 +93,81 @@ _ICONS: Mapping[str, frozenset[str]] = {
         }
     ),
 }
+_INSPECTED = ("visualinspect_blue", "visualinspect_yellow")
+_GROWS = above(0.0)
+
+
+@dataclass(frozen=True)
+class CatalogClaims:
+    """Claims about the exploration of one object.
+
+    Attributes:
+        place: Section and figure of the source.
+        expected: Expected share of rewards of each action.
+    """
+
+    place: str
+    expected: Mapping[str, Expected]
+
+    def rewarded(self, action: str) -> Claim:
+        """Return the claim about the share of rewards of an action."""
+        own = self.expected.get(action)
+        if own is None:
+            return rewarded_claim(self.place, action)
+        return rewarded_claim(self.place, action, own.report, own.region)
+
+    @property
+    def inspected(self) -> Claim:
+        """Claim about the share of inspections that find one patch of a ball."""
+        name = "{action} rewarded, of all inspections"
+        return Claim(self.place, name, "%", "below one half", below(50))
+
+    @property
+    def both(self) -> Claim:
+        """Claim that both patches of a ball are found."""
+        return Claim(self.place, "both patches found", "%", "always", at_least(90))
+
+    @property
+    def taken(self) -> Claim:
+        """Record of the number of times that an action is taken, which is not reported."""
+        return Claim(self.place, "{action} taken")
+
+    @property
+    def negligible(self) -> Claim:
+        """Claim about the number of actions until the reward is negligible."""
+        return negligible_claim(self.place, 40, 60)
+
+    @property
+    def idle(self) -> Claim:
+        """Claim that doing nothing becomes more frequent."""
+        name = f"noop, last {_LAST} minus first {_FIRST} actions"
+        return Claim(self.place, name, "actions", "grows", _GROWS)
+
+    def all(self, series: ExplorationSeries) -> Iterator[Claim]:
+        """Yield all claims about the exploration."""
+        yield from map(self.rewarded, self.expected)
+        if series is RED_BALL:
+            yield from map(self.rewarded, ("reachtouch", "bimanualtouch"))
+            yield from (self.inspected.named(action=action) for action in _INSPECTED)
+            yield self.both
+        yield from (self.taken, self.negligible, self.idle)
+
+
+def claims_of(figure: str) -> CatalogClaims:
+    place = f"Section 6.2.2, Figure {figure.removeprefix('fig-')}"
+    return CatalogClaims(place, FIGURES[figure][1])
+
+
+def _exactly(series: ExplorationSeries) -> Claim:
+    """Return the claim that catalogs of an object have just the affordances of its icon."""
+    name = f"{series.label}: catalogs with just these {len(_ICONS[series.name])} affordances"
+    return Claim("Section 6.2.2, Figure 6.5", name, "%", "all", at_least(90))
+
+
+CLAIMS: Claims = {
+    **{figure: tuple(claims_of(figure).all(series)) for figure, (series, _) in FIGURES.items()},
+    "fig-6.5": tuple(map(_exactly, (TABLE, BASKETBALL, RED_BALL))),
+}
 
 
 def run(settings: RunSettings, name: str) -> Result:
@@ -99,12 +177,12 @@ def run(settings: RunSettings, name: str) -> Result:
     if name == "fig-6.5":
         return _icons(explored)
     series, catalogs = explored[0]
-    expected = FIGURES[name][1]
+    claims = claims_of(name)
     quantities = [
-        *_shares(catalogs, expected),
-        *(_marks(catalogs) if series is RED_BALL else ()),
-        *_counts(catalogs),
-        *_habituation(catalogs, settings.seed),
+        *_shares(claims, catalogs),
+        *(_marks(claims, catalogs) if series is RED_BALL else ()),
+        *_counts(claims, catalogs),
+        *_habituation(claims, catalogs, settings.seed),
     ]
     pictures: list[Picture] = [
         reward_chart(name, series.label, catalogs),
@@ -154,51 +232,44 @@ def gather(
     return [(series, dexter.explore(series)) for series in series_of(name)]
 
 
-def _shares(
-    catalogs: Sequence[CatalogDocument], expected: Mapping[str, Expected]
-) -> Iterator[Quantity]:
-    for name, what in expected.items():
-        yield share_of_actions(catalogs, name, what.source, what.claim)
+def _shares(claims: CatalogClaims, catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
+    for name in claims.expected:
+        yield share_of_actions(claims.rewarded(name), catalogs, name)
 
 
-def _marks(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
+def _marks(claims: CatalogClaims, catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
     """Yield the shares of inspections that find either of the two patches of a ball."""
     for name in ("reachtouch", "bimanualtouch"):
-        yield share_of_actions(catalogs, name)
+        yield share_of_actions(claims.rewarded(name), catalogs, name)
     names = dict.fromkeys(k for each in catalogs for k in each.affordances if "inspect" in k)
     inspected = [sum(tally([each], name)[1] for name in names) for each in catalogs]
     for name in names:
         if name != "visualinspect":
-            label = f"{name} rewarded, of all inspections"
             hits, _ = tallies(catalogs, name)
-            yield clustered_percentage(label, "below one half", hits, inspected, below(50))
-    both = sum(
-        {"visualinspect_blue", "visualinspect_yellow"} <= set(e.affordances) for e in catalogs
-    )
-    yield percentage("both patches found", "always", both, len(catalogs), at_least(90))
+            yield clustered_percentage(claims.inspected.named(action=name), hits, inspected)
+    both = sum(set(_INSPECTED) <= set(each.affordances) for each in catalogs)
+    yield percentage(claims.both, both, len(catalogs))
 
 
-def _counts(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
+def _counts(claims: CatalogClaims, catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
     """Yield the mean number of times that each action was taken in a trial."""
     names = dict.fromkeys(a for each in catalogs for a in actions_of(each))
     for name in names:
         counts = np.array([float(actions_of(each).count(name)) for each in catalogs])
         interval = bootstrap_interval(counts.tolist()) if len(counts) > 1 else None
-        yield Quantity(f"{name} taken", "", "", float(counts.mean()), None, interval=interval)
+        yield Quantity(claims.taken.named(action=name), float(counts.mean()), interval)
 
 
-def _habituation(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
-    yield negligible_reward(catalogs, 40, 60, seed)
+def _habituation(
+    claims: CatalogClaims, catalogs: Sequence[CatalogDocument], seed: int
+) -> Iterator[Quantity]:
+    yield negligible_reward(claims.negligible, catalogs, seed)
     more = np.array([_more_often(actions_of(each)) for each in catalogs])
-    grows = above(0.0)
     yield Quantity(
-        f"noop, last {_LAST} minus first {_FIRST} actions",
-        "actions",
-        "grows",
+        claims.idle,
         float(more.mean()),
-        grows,
-        interval=bootstrap_interval(more.tolist()) if len(more) > 1 else None,
-        chance=chance_of_samples(grows, more, mean, seed),
+        bootstrap_interval(more.tolist()) if len(more) > 1 else None,
+        chance_of_samples(_GROWS, more, mean, seed),
     )
 
 
@@ -229,8 +300,7 @@ def _icons(explored: Sequence[tuple[ExplorationSeries, list[CatalogDocument]]]) 
     for series, catalogs in explored:
         wanted = _ICONS[series.name]
         hits = sum(_afforded(each) == wanted for each in catalogs)
-        label = f"{series.label}: catalogs with just these {len(wanted)} affordances"
-        quantities.append(percentage(label, "all", hits, len(catalogs), at_least(90)))
+        quantities.append(percentage(_exactly(series), hits, len(catalogs)))
         keys = dict.fromkeys(k for each in catalogs for k in each.affordances)
         counts = {key: tally(catalogs, key) for key in keys}
         layers = tuple(Layer(key, tried, hits) for key, (hits, tried) in counts.items())

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from cbdsl.api.documents import CatalogDocument, StepColumns
 from cbdsl.api.learning import NOOP, ExplorationConstants
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import between
+from cbdsl_reproduction.claim import Claim
 from cbdsl_reproduction.estimate import chance_of_samples, median
 from cbdsl_reproduction.interval import bootstrap_interval, median_interval
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import between
 
 Floats = NDArray[np.float64]
 
@@ -68,26 +69,28 @@ def negligible_after(reward: Floats) -> float:
     return float(last) if last < len(reward) else math.inf
 
 
-def negligible_reward(
-    catalogs: Sequence[CatalogDocument], low: int, high: int, seed: int
-) -> Quantity:
+def negligible_claim(place: str, low: int, high: int) -> Claim:
+    """Return the claim that the reward is negligible after a range of actions."""
+    name = "reward negligible after, median"
+    return Claim(place, name, "actions", f"{low} to {high}", between(low, high))
+
+
+def negligible_reward(claim: Claim, catalogs: Sequence[CatalogDocument], seed: int) -> Quantity:
     """Return the median number of actions after which the reward is negligible.
 
     Args:
+        claim: Claim about that number.
         catalogs: Catalogs of the trials.
-        low, high: Range in the source.
         seed: Seed of the resampling.
     """
     after = np.array([negligible_after(row) for row in rewards(catalogs)])
-    claim, middle = between(low, high), float(np.median(after))
+    middle = float(np.median(after))
+    assert claim.region is not None
     return Quantity(
-        "reward negligible after, median",
-        "actions",
-        f"{low} to {high}",
-        middle,
         claim,
-        interval=median_interval(after, seed) if len(after) > 1 and np.isfinite(middle) else None,
-        chance=chance_of_samples(claim, after[np.isfinite(after)], median, seed),
+        middle,
+        median_interval(after, seed) if len(after) > 1 and np.isfinite(middle) else None,
+        chance_of_samples(claim.region, after[np.isfinite(after)], median, seed),
     )
 
 

@@ -7,12 +7,13 @@ from functools import partial
 
 from cbdsl.api.learning import DIRECTIONS, ImpedanceProfile
 from cbdsl_reproduction.bar_chart import Bar, BarChart
-from cbdsl_reproduction.claim import above
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.impedance_trials import ImpedanceTrial, impedance_digest, run_trials
 from cbdsl_reproduction.kept_trials import kept_trials
 from cbdsl_reproduction.percentage import clustered_percentage, percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above
 from cbdsl_reproduction.thing_pairs import PAIRS
 
 Profiles = Mapping[str, Sequence[ImpedanceProfile]]
@@ -20,6 +21,24 @@ Profiles = Mapping[str, Sequence[ImpedanceProfile]]
 # The source ran each pair five times.
 _TRIALS, _QUICK_TRIALS = 20, 1
 _RIGHT = 80.0  # % of the signs
+
+_PLACE = "Section 7.2, Figure 7.13"
+_BROUGHT = {
+    name: Claim(_PLACE, f"{name.replace('_', ' ')}: brought together and tested", "%")
+    for name in PAIRS
+}
+_TRACKED = {
+    name: Claim(
+        _PLACE,
+        f"{name.replace('_', ' ')}: directions tracked as there",
+        "%",
+        f"{', '.join(pair.stiff)}; not {', '.join(pair.free)}",
+        above(_RIGHT),
+        ordering=above(50),
+    )
+    for name, pair in PAIRS.items()
+}
+CLAIMS: Claims = {"fig-7.13-7.14": (*_BROUGHT.values(), *_TRACKED.values())}
 
 _NOTES = (
     "A hand sets one thing on the other, or 5 cm into it with 1 cm of clearance on every side, and "
@@ -59,18 +78,13 @@ def run(settings: RunSettings) -> Result:
 
 
 def _quantities(name: str, count: int, profiles: Sequence[ImpedanceProfile]) -> Iterator[Quantity]:
-    pair, label = PAIRS[name], name.replace("_", " ")
-    yield percentage(f"{label}: brought together and tested", "", len(profiles), count, None)
-    rights = [pair.right(profile.tracked()) for profile in profiles]
-    source = f"{', '.join(pair.stiff)}; not {', '.join(pair.free)}"
+    yield percentage(_BROUGHT[name], len(profiles), count)
+    rights = [PAIRS[name].right(profile.tracked()) for profile in profiles]
     # Signs of one profile are not independent.
     yield clustered_percentage(
-        f"{label}: directions tracked as there",
-        source,
+        _TRACKED[name],
         [sum(own) for own in rights],
         [len(own) for own in rights],
-        above(_RIGHT),
-        ordering=above(50),
         of="signs",
     )
 

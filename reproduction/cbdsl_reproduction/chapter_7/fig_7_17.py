@@ -15,7 +15,7 @@ from cbdsl_reproduction.affordance_trials import (
 )
 from cbdsl_reproduction.catalog_hierarchy import CatalogNode
 from cbdsl_reproduction.chapter_7.blob_panels import BlobPanels
-from cbdsl_reproduction.claim import Claim, above, at_least, below
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.constellation_trials import (
     ConstellationTrial,
     constellation_digest,
@@ -32,6 +32,7 @@ from cbdsl_reproduction.hierarchy import Hierarchy
 from cbdsl_reproduction.kept_trials import Some, kept_trials
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import ValueRegion, above, at_least, below
 
 _TRIALS, _QUICK_TRIALS = 20, 1
 _LOOK, _TOUCH, _BOTH = "searchtrack", "reachtouch", "bimanualtouch"
@@ -46,8 +47,8 @@ _MOMENTS = ("as they lie", "two are stacked", "all three, after the release")
 class Afforded(NamedTuple):
     """Statement of the source about one action on one object."""
 
-    source: str
-    claim: Claim | None
+    report: str
+    region: ValueRegion | None
 
 
 _YES, _NO, _UNSAID = (
@@ -61,6 +62,34 @@ AFFORDED: Mapping[str, Mapping[str, Afforded]] = {
     "purple_box": {_LOOK: _YES, _TOUCH: _YES, _BOTH: _YES},
     "football": {_LOOK: _UNSAID, _TOUCH: _UNSAID, _BOTH: _UNSAID},
 }
+
+_PLACE, _GROWN = "Section 7.3.2, Figure 7.17", "Section 7.3.2, Figures 7.16 and 7.17"
+_ALONE = {
+    (thing, program): Claim(
+        _PLACE,
+        f"{thing.replace('_', ' ')}: {program} rewarded",
+        "%",
+        afforded.report,
+        afforded.region,
+    )
+    for thing, own in AFFORDED.items()
+    for program, afforded in own.items()
+}
+_PAIRS = {
+    name: Claim(_GROWN, f"{name.replace('_', ' ')}: constellation tracked", "%", report, region)
+    for name, report, region in ((_LOWER_PAIR, "100 %", above(50)), (_UPPER_PAIR, "40 %", None))
+}
+_THREE = Claim(
+    _GROWN, f"{_STACK.replace('_', ' ')}: constellations tracked", "%", "40 %", at_least(40)
+)
+_TRUE = Claim(
+    _GROWN,
+    "share of truly standing stacks among those reported as standing",
+    "%",
+    "all",
+    at_least(90),
+)
+CLAIMS: Claims = {"fig-7.16-7.17": (*_ALONE.values(), *_PAIRS.values(), _THREE, _TRUE)}
 
 _NOTES = (
     "The robot judges by its own signals: an action is rewarded, or a constellation rests for a "
@@ -159,33 +188,23 @@ class _Parts:
 
 
 def _alone(trials: _Trials) -> Iterator[Quantity]:
-    for thing, own in AFFORDED.items():
-        for program, (source, claim) in own.items():
-            done = trials.alone[attempt(program, thing)]
-            hits = sum(each.rewarded for each in done)
-            name = f"{thing.replace('_', ' ')}: {program} rewarded"
-            yield percentage(name, source, hits, len(done), claim)
+    for (thing, program), claim in _ALONE.items():
+        done = trials.alone[attempt(program, thing)]
+        yield percentage(claim, sum(each.rewarded for each in done), len(done))
 
 
 def _together(trials: _Trials) -> Iterator[Quantity]:
     """Yield the shares of tracked constellations, and of true reports of standing stacks."""
-    afforded = {_LOWER_PAIR: Afforded("100 %", above(50)), _UPPER_PAIR: Afforded("40 %", None)}
-    for name, (source, claim) in afforded.items():
+    for name, claim in _PAIRS.items():
         done = trials.pairs[name]
         hits, stood = sum(each.judged for each in done), sum(each.stands for each in done)
-        label = f"{name.replace('_', ' ')}: constellation tracked"
-        note = f"{stood} stand"
-        yield percentage(label, source, hits, len(done), claim, note=note)
+        yield percentage(claim, hits, len(done), note=f"{stood} stand")
     tracked = [each for each in trials.stacks if each.tracked]
     stood = sum(each.stands for each in trials.stacks)
-    label = f"{_STACK.replace('_', ' ')}: constellations tracked"
-    yield percentage(
-        label, "40 %", len(tracked), len(trials.stacks), at_least(40), note=f"{stood} stand"
-    )
+    yield percentage(_THREE, len(tracked), len(trials.stacks), note=f"{stood} stand")
     right = [each.stands for each in tracked]
     right += [each.stands for own in trials.pairs.values() for each in own if each.judged]
-    name = "share of truly standing stacks among those reported as standing"
-    yield percentage(name, "all", sum(right), len(right), at_least(90))
+    yield percentage(_TRUE, sum(right), len(right))
 
 
 def _nodes(trials: _Trials) -> dict[str, CatalogNode]:

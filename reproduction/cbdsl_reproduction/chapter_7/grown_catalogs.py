@@ -11,10 +11,15 @@ from numpy.typing import NDArray
 from cbdsl.api.documents import CatalogDocument
 from cbdsl.api.drawing import Layer
 from cbdsl_reproduction.catalog_hierarchy import CatalogNode
-from cbdsl_reproduction.chapter_6.action_counts import action_bars, share_of_actions, tally
+from cbdsl_reproduction.chapter_6.action_counts import (
+    action_bars,
+    rewarded_claim,
+    share_of_actions,
+    tally,
+)
 from cbdsl_reproduction.chapter_6.habituation import actions_of, reward_chart, rewards
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import Claim, above, at_least, at_most, below, near
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.exploration_series import (
@@ -26,6 +31,7 @@ from cbdsl_reproduction.exploration_series import (
 from cbdsl_reproduction.hierarchy import Hierarchy
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import ValueRegion, above, at_least, at_most, below, near
 from cbdsl_reproduction.trial_runner import TrialRunner, trial_runner
 
 Floats = NDArray[np.float64]
@@ -36,6 +42,7 @@ _WINDOW, _DIP = 10, 20
 _TOLERANCE = 0.02
 # Least share of trials that habituate, %.
 _MOST = 80
+_PLACE = "Section 7.1.3, Figures 7.7 to 7.9"
 
 
 class Grown(NamedTuple):
@@ -43,15 +50,23 @@ class Grown(NamedTuple):
 
     Attributes:
         series: Series of explorations.
-        source: Reward rate of PICKANDPLACE, in a few words.
-        claim: Claim about the percentage of rewards.
+        report: Reward rate of PICKANDPLACE, in a few words.
+        region: ValueRegion of the percentage of rewards.
         affords: True if the object can be transported.
     """
 
     series: ExplorationSeries
-    source: str
-    claim: Claim
+    report: str
+    region: ValueRegion
     affords: bool
+
+    def has(self) -> Claim:
+        """Return the claim about the share of catalogs that have PICKANDPLACE."""
+        report, region = (
+            ("all", at_least(_MOST)) if self.affords else ("none", at_most(100 - _MOST))
+        )
+        name = f"{self.series.label}: catalogs that have {_ACTION}"
+        return Claim("Section 7.1.3, Figure 7.10", name, "%", report, region)
 
 
 #: By figure.
@@ -59,6 +74,49 @@ FIGURES: Mapping[str, Grown] = {
     "fig-7.7": Grown(TABLE_PLACED, "never", at_most(5), False),
     "fig-7.8": Grown(BASKETBALL_PLACED, "about 90 %, 22 tries", at_least(90), True),
     "fig-7.9": Grown(RED_BALL_PLACED, "about 90 %", at_least(90), True),
+}
+
+_SUCCEEDS = Claim(_PLACE, f"reward of the first {_ACTION} that succeeds", "", "large", above(0.0))
+_RETURNS = Claim(
+    _PLACE,
+    f"mean reward, first {_WINDOW} actions with it minus last {_WINDOW} without",
+    "",
+    "returns",
+    above(0.0),
+)
+_HABITUATES = Claim(
+    _PLACE,
+    f"trials whose model of {_ACTION} has habituated in the end",
+    "%",
+    "habituates within the 50",
+    at_least(_MOST),
+)
+_DIPS = Claim(
+    _PLACE,
+    f"mean reward, first {_DIP} actions with it minus last {_WINDOW} without",
+    "",
+    "a small dip",
+    below(0.0),
+)
+_RECOVERS = Claim(
+    _PLACE,
+    f"mean reward, last {_WINDOW} actions minus last {_WINDOW} without it",
+    "",
+    "the same",
+    near(0.0, _TOLERANCE),
+)
+_TAKEN = Claim(_PLACE, f"{_ACTION} taken", "times a trial")
+
+
+def _claims(grown: Grown) -> tuple[Claim, ...]:
+    rewarded = rewarded_claim(_PLACE, _ACTION, grown.report, grown.region)
+    more = (_SUCCEEDS, _RETURNS, _HABITUATES) if grown.affords else (_DIPS, _RECOVERS)
+    return (rewarded, _TAKEN, *more)
+
+
+CLAIMS: Claims = {
+    **{name: _claims(grown) for name, grown in FIGURES.items()},
+    _META: tuple(grown.has() for grown in FIGURES.values()),
 }
 
 _NOTES = (
@@ -116,9 +174,9 @@ def joined_after(catalogs: Sequence[CatalogDocument]) -> int:
 
 
 def _counts(grown: Grown, catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
-    yield share_of_actions(catalogs, _ACTION, grown.source, grown.claim)
+    yield share_of_actions(_claims(grown)[0], catalogs, _ACTION)
     own = [float(actions_of(each).count(_ACTION)) for each in catalogs]
-    yield mean_of(f"{_ACTION} taken", "times a trial", "", own, None)
+    yield mean_of(_TAKEN, own)
 
 
 def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Iterator[Quantity]:
@@ -126,18 +184,15 @@ def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> I
     reward = rewards(catalogs)
     firsts = [_first_reward(each) for each in catalogs]
     known = [each for each in firsts if each is not None]
-    name = f"reward of the first {_ACTION} that succeeds"
-    yield mean_of(name, "", "large", known, above(0.0), seed=seed)
+    yield mean_of(_SUCCEEDS, known, seed=seed)
     after = reward[:, joined : joined + _WINDOW].mean(axis=1)
     more = after - _before(reward, joined).mean(axis=1)
-    name = f"mean reward, first {_WINDOW} actions with it minus last {_WINDOW} without"
-    yield mean_of(name, "", "returns", more.tolist(), above(0.0), seed=seed)
+    yield mean_of(_RETURNS, more.tolist(), seed=seed)
     own = [
         each.affordances[_ACTION].habituation for each in catalogs if _ACTION in each.affordances
     ]
     over = sum(each is not None and each.habituated for each in own)
-    name = f"trials whose model of {_ACTION} has habituated in the end"
-    yield percentage(name, "habituates within the 50", over, len(catalogs), at_least(_MOST))
+    yield percentage(_HABITUATES, over, len(catalogs))
 
 
 def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Iterator[Quantity]:
@@ -145,11 +200,9 @@ def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Ite
     reward = rewards(catalogs)
     before = _before(reward, joined).mean(axis=1)
     dip = reward[:, joined : joined + _DIP].mean(axis=1) - before
-    name = f"mean reward, first {_DIP} actions with it minus last {_WINDOW} without"
-    yield mean_of(name, "", "a small dip", dip.tolist(), below(0.0), seed=seed)
+    yield mean_of(_DIPS, dip.tolist(), seed=seed)
     end = reward[:, -_WINDOW:].mean(axis=1) - before
-    name = f"mean reward, last {_WINDOW} actions minus last {_WINDOW} without it"
-    yield mean_of(name, "", "the same", end.tolist(), near(0.0, _TOLERANCE), seed=seed)
+    yield mean_of(_RECOVERS, end.tolist(), seed=seed)
 
 
 def _meta(explored: Sequence[Sequence[CatalogDocument]]) -> Result:
@@ -158,11 +211,7 @@ def _meta(explored: Sequence[Sequence[CatalogDocument]]) -> Result:
     for grown, catalogs in zip(FIGURES.values(), explored, strict=True):
         label = grown.series.label
         hits = sum(tally([each], _ACTION)[0] > 0 for each in catalogs)
-        source, claim = (
-            ("all", at_least(_MOST)) if grown.affords else ("none", at_most(100 - _MOST))
-        )
-        name = f"{label}: catalogs that have {_ACTION}"
-        quantities.append(percentage(name, source, hits, len(catalogs), claim))
+        quantities.append(percentage(grown.has(), hits, len(catalogs)))
         nodes[label] = CatalogNode(label, _layers(catalogs))
     for grown, catalogs in zip(FIGURES.values(), explored, strict=True):
         if grown.affords:

@@ -23,7 +23,7 @@ from cbdsl_reproduction.chapter_4.learning_curves import per_transition
 from cbdsl_reproduction.chapter_5.schema_trees import SchemaPicture
 from cbdsl_reproduction.chapter_5.three_learners import dip_length
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import above, below
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import (
@@ -33,6 +33,7 @@ from cbdsl_reproduction.interval import (
     resampled_interval,
 )
 from cbdsl_reproduction.quantity import Quantity
+from cbdsl_reproduction.region import above, below
 from cbdsl_reproduction.series import PICKANDPLACE, Series
 from cbdsl_reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner
 
@@ -50,6 +51,33 @@ _QUICK = (2, 3, 2)
 _AROUND = 5
 # Least shares of chosen and of rewarded transfers if only a transfer can succeed, %.
 _CHOSEN, _REWARDED = 90.0, 85.0
+
+_DIPS = Claim(
+    "Section 7.1.2, Figure 7.4",
+    f"Figure 7.4: reward per transition in the {_AROUND} episodes after {{first}}, "
+    "less that before",
+    "",
+    "a dip",
+    below(0),
+)
+# The bound is the number of episodes of ASSIMILATE.
+_RECOVERS = Claim(
+    "Section 7.1.2, Figure 7.4",
+    "Figure 7.4: length of the dip",
+    "episodes",
+    "about 20, and back by the end",
+    bound=below,
+)
+_FAR = "Figures 7.5 and 7.6, held out, thing and goal far apart"
+_CHOOSES, _TRANSFERS, _AT_ONCE = (
+    Claim("Section 7.1.2, Figures 7.5 and 7.6", name, "%", "", above(least))
+    for name, least in (
+        (f"{_FAR}: a transfer from hand to hand is chosen", _CHOSEN),
+        (f"{_FAR}: it is, and comes to the reward", _REWARDED),
+        ("held out, both on one side: rewarded at once", _REWARDED),
+    )
+)
+CLAIMS: Claims = {"fig-7.4-7.6": (_DIPS, _RECOVERS, _CHOOSES, _TRANSFERS, _AT_ONCE)}
 
 
 class AssimilatedTrial(NamedTuple):
@@ -211,12 +239,8 @@ def quantities(trials: Sequence[AssimilatedTrial], seed: int) -> Iterator[Quanti
         before = rewards[:, first - _AROUND : first].mean(axis=1)
         after = rewards[:, first : first + _AROUND].mean(axis=1)
         yield mean_of(
-            f"Figure 7.4: reward per transition in the {_AROUND} episodes after {first}, less that "
-            "before",
-            "",
-            "a dip",
+            _DIPS.named(first=str(first)),
             (after - before).tolist(),
-            below(0),
             seed=seed,
             note=f"{before.mean():.3f} before, {after.mean():.3f} after",
         )
@@ -231,16 +255,15 @@ def quantities(trials: Sequence[AssimilatedTrial], seed: int) -> Iterator[Quanti
     def placed_so(episode: Experience) -> bool:
         return transferred(episode) and _earns_at_once(episode)
 
-    names = "Figures 7.5 and 7.6, held out, thing and goal far apart"
-    for title, episodes, holds, least in (
-        (f"{names}: a transfer from hand to hand is chosen", far, transferred, _CHOSEN),
-        (f"{names}: it is, and comes to the reward", far, placed_so, _REWARDED),
-        ("held out, both on one side: rewarded at once", near, _earns_at_once, _REWARDED),
+    for claim, episodes, holds in (
+        (_CHOOSES, far, transferred),
+        (_TRANSFERS, far, placed_so),
+        (_AT_ONCE, near, _earns_at_once),
     ):
         shares = [100 * sum(map(holds, own)) / len(own) for own in episodes if own]
         note = f"mean over the trials; {sum(map(len, episodes))} episodes in all"
         if shares:
-            yield mean_of(title, "%", "", shares, above(least), seed=seed, note=note)
+            yield mean_of(claim, shares, seed=seed, note=note)
 
 
 def _rewards(trials: Sequence[AssimilatedTrial]) -> Floats:
@@ -258,15 +281,7 @@ def _recovery(rewards: Floats, first: int, seed: int) -> Quantity:
     if len(rewards) > 1:
         interval = resampled_interval(list(rewards), lambda drawn: length(np.array(drawn)), seed)
     left = rewards.shape[1] - first
-    return Quantity(
-        "Figure 7.4: length of the dip",
-        "episodes",
-        "about 20, and back by the end",
-        length(rewards),
-        below(float(left)),
-        interval=interval,
-        chance=TAIL,
-    )
+    return Quantity(_RECOVERS.at(float(left)), length(rewards), interval, TAIL)
 
 
 def _transfers(schema: SchemaDocument) -> set[str]:

@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from cbdsl_reproduction.chapter_4.learning_curves import per_transition
 from cbdsl_reproduction.chart import Chart, Line
-from cbdsl_reproduction.claim import near
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import estimate
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.interval import interquartile_interval, interquartile_mean, interval_of
+from cbdsl_reproduction.region import near
 from cbdsl_reproduction.series import PICKANDPLACE, Series
 from cbdsl_reproduction.trial_runner import TrialRunner, trial_runner
 
@@ -18,6 +19,14 @@ Floats = NDArray[np.float64]
 
 # Final episodes of a trial that define its level; level of the source's curve, by eye.
 _LAST, _LEVEL, _TOLERANCE = 10, 0.15, 0.03
+_APPROACHES = Claim(
+    "Section 7.1.1, Figure 7.3",
+    f"{PICKANDPLACE.label}: reward per transition in the last {_LAST} episodes",
+    "",
+    f"approaches {_LEVEL}",
+    near(_LEVEL, _TOLERANCE),
+)
+CLAIMS: Claims = {"fig-7.3": (_APPROACHES,)}
 
 
 def run(settings: RunSettings, name: str) -> Result:
@@ -26,13 +35,10 @@ def run(settings: RunSettings, name: str) -> Result:
         rewards = gather(dexter, settings, name)
     level: Floats = rewards[:, -_LAST:].mean(axis=1)
     quantity = estimate(
-        f"{PICKANDPLACE.label}: reward per transition in the last {_LAST} episodes",
-        "",
-        f"approaches {_LEVEL}",
+        _APPROACHES,
         level,
         interquartile_mean,
         interval_of(interquartile_mean, settings.seed),
-        near(_LEVEL, _TOLERANCE),
         seed=settings.seed,
         note=f"{len(rewards)} trials of {rewards.shape[1]} episodes, all of them exploring",
     )

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from statistics import median
 
+from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.experiment import Result, RunSettings
 from cbdsl_reproduction.kept_trials import kept_trials
 from cbdsl_reproduction.percentage import percentage, same_percentage
@@ -35,6 +36,19 @@ STACKS: Mapping[str, int | None] = {
     "basketball_on_football_on_blue_box": None,
     "football_on_basketball_on_blue_box": None,
 }
+
+
+def _claim(stack: str, printed: int | None) -> Claim:
+    """Return the claim about a stack; percentages of five trials are multiples of 20."""
+    place = f"Section 7.3.2, Table 7.{2 if stack.count('_on_') > 1 else 1}"
+    name = stack.replace("_", " ")
+    if printed is None:
+        return Claim(place, name, "%")
+    trials = (printed * _THERE // 100, _THERE)
+    return Claim(place, name, "%", f"{printed} %", trials=trials)
+
+
+CLAIMS: Claims = {"table-7.1-7.2": tuple(_claim(*stack) for stack in STACKS.items())}
 
 _NOTES = (
     "A stack stands where each thing rests on the one below it alone, 1 s after it was let go at "
@@ -70,13 +84,6 @@ def _quantities(trials: Mapping[str, Sequence[StackTrial]]) -> Iterator[Quantity
         printed = STACKS[name]
         released = [each.pace for each in own if each.released]
         pace = f"; pace {1e3 * median(released):.0f} mm/s" if released else ""
-        label, note = name.replace("_", " "), f"{len(released)} let go{pace}"
-        stands, count = sum(each.stands for each in own), len(own)
-        if printed is None or count < 2:
-            source = "" if printed is None else f"{printed} %"
-            yield percentage(label, source, stands, count, None, note=note)
-        else:
-            # Percentages of five trials are multiples of 20, so that the division is exact.
-            yield same_percentage(
-                label, (printed * _THERE // 100, _THERE), stands, count, note=note
-            )
+        note, count = f"{len(released)} let go{pace}", len(own)
+        judge = percentage if printed is None or count < 2 else same_percentage
+        yield judge(_claim(name, printed), sum(each.stands for each in own), count, note=note)
