@@ -1,4 +1,4 @@
-"""Experience of one finished episode."""
+"""Experience: finished episode in the form that learners use and journals store."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from cbdsl.storage.journal import RowForm
 
 @dataclass(frozen=True)
 class Experience:
-    """Finished episode in the form that learners use.
+    """Finished episode in the form that learners use, a row of the journal of a trial.
+
+    It is no ``EpisodeResult``. Journals store neither names nor reasons of endings, and results
+    store no transitions, so that neither can be read as the other.
 
     Attributes:
         context: Name of the stage's context.
@@ -42,6 +45,16 @@ class Experience:
     def reward(self) -> int:
         """Sum of the rewards of its transitions."""
         return sum(transition.reward for transition in self.transitions)
+
+    @property
+    def rewarding(self) -> tuple[str, ...]:
+        """Members that earned the reward."""
+        return tuple(name for transition in self.transitions for name in transition.rewarding)
+
+    @property
+    def end(self) -> str:
+        """State that it ended in."""
+        return self.transitions[-1].next_state
 
 
 def _read(row: Mapping[str, Any]) -> Experience:

@@ -13,7 +13,7 @@ from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.model import ModelDocument
-from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.policy import Curve, PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.learning.experience import EPISODES, Experience
@@ -25,30 +25,6 @@ from cbdsl.storage.journal import rows_of
 from cbdsl.yaml_text.library import Library, is_of
 
 _JOURNAL = ".episodes.jsonl"
-
-
-class Episode(NamedTuple):
-    """Episode of a learning trial.
-
-    Attributes:
-        context: Context of its stage.
-        seed: Seed with which ``cb run`` meets the same world, or ``None`` without a journal.
-        reward: Reward that it earned.
-        transitions: Number of transitions.
-        ticks: Number of control ticks.
-        sim_seconds: Simulated duration, s, or ``None``.
-        rewarding: Members that earned the reward, or ``None``.
-        end: State that it ended in, or ``None``.
-    """
-
-    context: str
-    seed: int | None
-    reward: int
-    transitions: int
-    ticks: int
-    sim_seconds: float | None = None
-    rewarding: tuple[str, ...] | None = None
-    end: str | None = None
 
 
 class Joint(NamedTuple):
@@ -95,7 +71,8 @@ class Learned:
         policy: Document of the policy.
         programs: Names of the programs among its members.
         models: Internal models of the policy.
-        episodes: Episodes that it was learned from.
+        curve: Learning curve of the policy.
+        experiences: Episodes of the journal beside it; empty without a journal.
         notes: Sentences about missing parts.
     """
 
@@ -104,7 +81,8 @@ class Learned:
     policy: PolicyDocument
     programs: frozenset[str]
     models: tuple[InternalModel, ...]
-    episodes: tuple[Episode, ...]
+    curve: Curve
+    experiences: tuple[Experience, ...]
     notes: tuple[str, ...]
 
 
@@ -147,7 +125,7 @@ def read_learned(file: Path) -> Learned:
     if policy.curve is None or not policy.curve.reward:
         raise UsageError(f"{file}: a written policy, without episodes; try cb show policy {file}")
     require_legible(policy, file)
-    episodes = tuple(_from_journal(file, len(policy.curve.reward)) or _from_curve(policy))
+    experiences = _from_journal(file, len(policy.curve.reward))
     models = []
     # A policy without one of its densities is still worth a page; a note states the reason.
     for name, document in _models(file, policy):
@@ -157,7 +135,9 @@ def read_learned(file: Path) -> Learned:
             notes.append(f"Without the internal model {document}: {_reason(error)}.")
     digest = digest_of_bytes(file.read_bytes())
     programs = frozenset(_programs(library, file, policy))
-    return Learned(file, digest, policy, programs, tuple(models), episodes, tuple(notes))
+    return Learned(
+        file, digest, policy, programs, tuple(models), policy.curve, experiences, tuple(notes)
+    )
 
 
 def _reason(error: Exception) -> str:
@@ -215,16 +195,8 @@ def _model(library: Library, file: Path, name: str | None, document: str) -> Int
     return InternalModel(name, model, limits)
 
 
-def _from_curve(policy: PolicyDocument) -> Iterator[Episode]:
-    assert policy.curve is not None
-    curve = policy.curve
-    for row in zip(curve.context, curve.reward, curve.transitions, curve.ticks, strict=True):
-        context, reward, transitions, ticks = row
-        yield Episode(context, None, reward, transitions, ticks)
-
-
-def _from_journal(file: Path, number: int) -> list[Episode]:
-    """Return the first episodes of the journal beside a policy, if there is one.
+def _from_journal(file: Path, number: int) -> tuple[Experience, ...]:
+    """Return the first episodes of the journal beside a policy; empty without a journal.
 
     Args:
         file: File of the policy.
@@ -235,28 +207,14 @@ def _from_journal(file: Path, number: int) -> list[Episode]:
     """
     path = file.with_suffix(_JOURNAL)
     if not path.exists():
-        return []
+        return ()
     try:
         lines = path.read_bytes().splitlines(keepends=True)
     except OSError as error:
         raise UsageError(f"{path}: {reason(error)}") from error
     # The first line is the header of the journal. Episodes beyond those of the policy are left out.
     rows, _ = rows_of(b"".join(lines[: 1 + number]), path)
-    experiences = [EPISODES.parse(row, path, line) for line, row in enumerate(rows[1:], 2)]
+    experiences = tuple(EPISODES.parse(row, path, line) for line, row in enumerate(rows[1:], 2))
     if len(experiences) < number:
         raise UsageError(f"{path}: holds {len(experiences)} episodes, and {file.name} {number}")
-    return [_episode(experience) for experience in experiences]
-
-
-def _episode(experience: Experience) -> Episode:
-    transitions = experience.transitions
-    return Episode(
-        context=experience.context,
-        seed=experience.seed,
-        reward=experience.reward,
-        transitions=len(transitions),
-        ticks=experience.ticks,
-        sim_seconds=experience.sim_seconds,
-        rewarding=tuple(name for each in transitions for name in each.rewarding),
-        end=transitions[-1].next_state,
-    )
+    return experiences

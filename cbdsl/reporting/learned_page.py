@@ -6,6 +6,7 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -67,14 +68,14 @@ def _where(groups: Sequence[TrialGroup]) -> str:
         for trial in group.trials
         if trial.policy.provenance is not None
     )
-    episodes = sum(len(trial.episodes) for group in groups for trial in group.trials)
+    episodes = sum(len(trial.curve.reward) for group in groups for trial in group.trials)
     fields = f"{count(trials, 'trial')}, {count(episodes, 'episode')}"
     return f"{fields} on {', '.join(stages)}" if stages else fields
 
 
 def _verdict(learned: Sequence[Learned]) -> str:
-    episodes = [episode for each in learned for episode in each.episodes]
-    return f"{percent(sum(e.reward > 0 for e in episodes) / len(episodes))} rewarded"
+    rewards = [reward for each in learned for reward in each.curve.reward]
+    return f"{percent(sum(reward > 0 for reward in rewards) / len(rewards))} rewarded"
 
 
 def _summary(results: Sequence[Measured]) -> str:
@@ -107,12 +108,16 @@ def _interval(band: Band, place: int) -> str:
 def _contexts(groups: Sequence[TrialGroup]) -> str:
     rows = []
     for group in groups:
-        episodes = [episode for trial in group.trials for episode in trial.episodes]
-        for context in dict.fromkeys(sorted(each.context for each in episodes)):
-            own = [each for each in episodes if each.context == context]
-            hits = sum(each.reward > 0 for each in own)
-            rate = float(np.mean([each.reward / each.transitions for each in own]))
-            steps = float(np.median([each.transitions for each in own]))
+        episodes = [
+            row
+            for curve in (trial.curve for trial in group.trials)
+            for row in zip(curve.context, curve.reward, curve.transitions, strict=True)
+        ]
+        for context in sorted({context for context, _, _ in episodes}):
+            own = [(reward, many) for name, reward, many in episodes if name == context]
+            hits = sum(reward > 0 for reward, _ in own)
+            rate = float(np.mean([reward / many for reward, many in own]))
+            steps = float(np.median([many for _, many in own]))
             rows.append((group.name, context, len(own), hits, percent(hits / len(own)),
                          f"{rate:.3f}", f"{steps:g}"))  # fmt: skip
     headings = ("learning task", "context", "episodes", "rewarded", "success rate",
@@ -151,10 +156,10 @@ def _trial(learned: Learned, place: int, above: float) -> str:
 
 def _transitions(learned: Learned, above: float) -> PolicyTransitions:
     """Return the policy's graph, with rewarded states from the journal, if there is one."""
-    ends = [(episode.end, episode.reward > 0) for episode in learned.episodes]
+    ends = [(each.end, each.reward > 0) for each in learned.experiences]
     # One unrewarded episode suffices: a final state counts as rewarded only without exception.
     unrewarded = {end for end, rewarded in ends if not rewarded}
-    known = {end for end, _ in ends if end is not None}
+    known = {end for end, _ in ends}
     return policy_transitions(
         learned.policy, above, False, learned.programs, known - unrewarded if known else None
     )
@@ -259,12 +264,30 @@ def _data(results: Sequence[Measured], learned: Sequence[Learned]) -> str:
         "trials": [
             {
                 "again": _again(each),
-                "episodes": [episode._asdict() for episode in each.episodes],
+                "episodes": list(_episodes(each)),
             }
             for each in learned
         ],
     }
     return bundle.text(header)
+
+
+def _episodes(learned: Learned) -> Iterator[dict[str, Any]]:
+    """Yield the rows of the table of episodes, with parts of the journal, if there is one."""
+    curve = learned.curve.model_dump(mode="json")
+    unknown = dict.fromkeys(("seed", "sim_seconds", "rewarding", "end"))
+    for row, experience in zip_longest(zip(*curve.values(), strict=True), learned.experiences):
+        known = (
+            unknown
+            if experience is None
+            else {
+                "seed": experience.seed,
+                "sim_seconds": experience.sim_seconds,
+                "rewarding": experience.rewarding,
+                "end": experience.end,
+            }
+        )
+        yield {**dict(zip(curve, row, strict=True)), **known}
 
 
 def _again(learned: Learned) -> str:

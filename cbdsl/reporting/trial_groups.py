@@ -38,15 +38,18 @@ class TrialGroup(NamedTuple):
     def episodes(self) -> int:
         """Number of episodes that all trials have."""
         # Trials of a group may differ in length, and curves over trials need all trials.
-        return min(len(trial.episodes) for trial in self.trials)
+        return min(len(trial.curve.reward) for trial in self.trials)
 
     def rates(self) -> Floats:
         """Return reward per transition, by trial and episode, shape (trials, episodes)."""
-        return self._table([[e.reward / e.transitions for e in t.episodes] for t in self.trials])
+        curves = [trial.curve for trial in self.trials]
+        return self._table(
+            [[r / n for r, n in zip(c.reward, c.transitions, strict=True)] for c in curves]
+        )
 
     def hits(self) -> Floats:
         """Return 1 for rewarded episodes, else 0, shape (trials, episodes)."""
-        return self._table([[float(e.reward > 0) for e in t.episodes] for t in self.trials])
+        return self._table([[float(r > 0) for r in trial.curve.reward] for trial in self.trials])
 
     def _table(self, rows: Sequence[Sequence[float]]) -> Floats:
         return np.array([row[: self.episodes] for row in rows], dtype=float)

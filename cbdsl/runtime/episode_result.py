@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class EpisodeResult:
-    """Outcome of an episode.
+    """Outcome of an episode, for callers, pages and files.
+
+    Learners need the transitions instead, and journals store them: see ``Experience``.
 
     Attributes:
         program, stage, context, seed: Names of program, stage and context, and the seed.

@@ -59,7 +59,7 @@ def test_each_trial_has_all_its_states_and_the_same_diagram_as_alone(
     sections = text.split('<section class="trial"')[1:]
     assert len(sections) == len(learned)
     for each, section in zip(learned, sections, strict=True):
-        rewarded = {episode.end for episode in each.episodes if episode.reward}
+        rewarded = {episode.end for episode in each.experiences if episode.reward}
         graph = policy_transitions(each.policy, 0.2, False, each.programs, rewarded)
         assert svg(policy_graph(graph)) in section
         cells = re.findall(r'<span class="letter p-.*?</th>', section)
@@ -76,7 +76,8 @@ def test_data_hold_every_episode(learned: list[Learned], text: str) -> None:
     told = header(text)
     assert [group["trials"] for group in told["groups"]] == [3]
     for each, trial in zip(learned, told["trials"], strict=True):
-        assert [row["seed"] for row in trial["episodes"]] == [e.seed for e in each.episodes]
+        assert [row["seed"] for row in trial["episodes"]] == [e.seed for e in each.experiences]
+        assert [row["ticks"] for row in trial["episodes"]] == list(each.curve.ticks)
 
 
 def test_names_cannot_be_markup(learned: list[Learned]) -> None:

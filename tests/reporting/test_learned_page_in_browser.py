@@ -82,7 +82,7 @@ def test_curves_of_all_groups_are_drawn(shown: Page, learned: list[Learned]) -> 
 
 def test_keys_report_the_values_of_each_episode(shown: Page, learned: list[Learned]) -> None:
     shown.value("document.querySelector('.plot').focus()")
-    rates = [episode.reward / episode.transitions for episode in learned[3].episodes]
+    rates = [each.reward / len(each.transitions) for each in learned[3].experiences]
     for key, place in (("Home", 0), ("ArrowRight", 1), ("ArrowRight", 2), ("End", 19),
                        ("ArrowLeft", 18)):  # fmt: skip
         shown.press(key)
@@ -120,11 +120,11 @@ def test_episodes_are_listed_once_their_section_opens(shown: Page, learned: list
     rows = "document.querySelector('#trial-0 .episodes tbody')?.rows"
     assert not shown.value(f"{rows}?.length")
     shown.value("document.querySelector('#trial-0 .episodes').open = true")
-    shown.wait(f"{rows}?.length === {len(learned[0].episodes)}")
+    shown.wait(f"{rows}?.length === {len(learned[0].experiences)}")
     cells = shown.value(f"[...{rows}].map((row) => [...row.cells].map((c) => c.textContent))")
-    for told, episode in zip(cells, learned[0].episodes, strict=True):
+    for told, episode in zip(cells, learned[0].experiences, strict=True):
         assert (told[1], told[3]) == (episode.context, str(episode.seed))
-        assert (told[4], told[5]) == (str(episode.reward), str(episode.transitions))
+        assert (told[4], told[5]) == (str(episode.reward), str(len(episode.transitions)))
 
 
 def test_text_can_be_read_in_light_and_in_dark(shown: Page) -> None:

@@ -29,7 +29,10 @@ class FeatureForm(NamedTuple):
 
 @dataclass(frozen=True)
 class ActionOutcome:
-    """Outcome of one action.
+    """Outcome of one action, a row of the journal of an exploration.
+
+    It is no record of an episode: an action may be ``noop``, or unable to begin. The features of
+    all known actions, from which models predict rewards, take the place of its transitions.
 
     Attributes:
         action: Name of the action.
