@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.storage.file_lock import LockedError, lock
@@ -52,19 +53,33 @@ class RecordingFolder:
             OSError: If the folder cannot be written, or its file system does not support locks.
         """
         name = self.path / f".episode_{seed}.lock"
-        with name.open("wb") as file:
-            try:
-                lock(file)
-            except LockedError as error:
-                raise UsageError(
-                    f"{self.path}: another process is recording the episode with seed {seed} here; "
-                    "choose another folder"
-                ) from error
+        with self._locked(name, seed):
             try:
                 self._require_absent(seed)
                 yield
             finally:
                 name.unlink(missing_ok=True)
+
+    def _locked(self, name: Path, seed: int) -> BinaryIO:
+        """Return the open and locked file of a name."""
+        while True:
+            file = name.open("wb")
+            try:
+                lock(file)
+                # Another process may have removed the file after it was opened here. Then its lock
+                # protects nothing, because the name is free or that of a third process's file.
+                if _is_file_of(name, file):
+                    return file
+            except LockedError as error:
+                file.close()
+                raise UsageError(
+                    f"{self.path}: another process is recording the episode with seed {seed} here; "
+                    "choose another folder"
+                ) from error
+            except BaseException:
+                file.close()
+                raise
+            file.close()
 
     def _require_absent(self, seed: int) -> None:
         there = next((file for file in self.files(seed) if os.path.lexists(file)), None)
@@ -73,3 +88,10 @@ class RecordingFolder:
                 f"{there}: there is a recording already; choose another folder, or replace it "
                 "with --overwrite"
             )
+
+
+def _is_file_of(name: Path, file: BinaryIO) -> bool:
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), name.stat())
+    except FileNotFoundError:
+        return False

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import errno
 import os
+import secrets
+import stat
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -18,9 +20,10 @@ def make_room(path: Path) -> None:
     Raises:
         OSError: The folder cannot be created or written to.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
+    folder = _target(path).parent
+    folder.mkdir(parents=True, exist_ok=True)
     _require_replaceable(path)
-    with tempfile.TemporaryFile(dir=path.parent):
+    with tempfile.TemporaryFile(dir=folder):
         pass
 
 
@@ -37,6 +40,8 @@ def write_bytes(contents: bytes, path: Path) -> None:
 def replace_file(path: Path, fill: Callable[[BinaryIO], object]) -> None:
     """Write a file atomically, so that no reader sees a partial file.
 
+    An existing file keeps its permissions, and a symbolic link to it stays a link.
+
     Args:
         path: Path of the file.
         fill: Function that writes the contents.
@@ -45,11 +50,12 @@ def replace_file(path: Path, fill: Callable[[BinaryIO], object]) -> None:
         OSError: The file cannot be written; the error names it.
     """
     _require_replaceable(path)
+    target = _target(path)
     try:
-        _replace(path, fill)
+        _replace(target, fill)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from error
-    _sync_folder(path.parent)
+    _sync_folder(target.parent)
 
 
 # The contents go to a temporary file in the same folder, thus in the same file system. A rename
@@ -57,18 +63,25 @@ def replace_file(path: Path, fill: Callable[[BinaryIO], object]) -> None:
 # before the rename, and the folder's entry after it. After a loss of power the file is therefore
 # also one of the two.
 def _replace(path: Path, fill: Callable[[BinaryIO], object]) -> None:
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path))
+    temporary = path.parent / f"{_prefix(path)}{secrets.token_hex(8)}"
+    # The system creates a new file with the permissions that the user's mask leaves.
+    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
         with os.fdopen(handle, "wb") as file:
+            with suppress(FileNotFoundError):
+                os.fchmod(file.fileno(), stat.S_IMODE(path.stat().st_mode))
             fill(file)
             file.flush()
             os.fsync(file.fileno())  # before the rename replaces the old contents
-        # The temporary file was created for its owner only.
-        os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     except BaseException:
         os.unlink(temporary)
         raise
+
+
+def _target(path: Path) -> Path:
+    """Return the file behind symbolic links, which a rename would replace."""
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 def _sync_folder(folder: Path) -> None:
@@ -101,7 +114,8 @@ def remove_leftovers(path: Path) -> None:
     Raises:
         OSError: A temporary file cannot be removed.
     """
-    for leftover in path.parent.glob(f"{escape(_prefix(path))}*"):
+    target = _target(path)
+    for leftover in target.parent.glob(f"{escape(_prefix(target))}*"):
         leftover.unlink()
 
 

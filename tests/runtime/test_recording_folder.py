@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import BinaryIO
 
 import pytest
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.runtime import recording_folder
 from cbdsl.runtime.recording_folder import RecordingFolder
 
 
@@ -41,5 +43,25 @@ def test_recording_folder_is_locked_for_one_process(tmp_path: Path) -> None:
         with other.claim(4):  # of another seed there is no quarrel
             pass
     with other.claim(3):
+        pass
+    assert not list(tmp_path.iterdir())
+
+
+def test_claim_of_a_lock_that_was_removed_meanwhile_locks_the_next_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Open the lock file just before its holder removes it, and lock it just after."""
+    one, other, third = (RecordingFolder(tmp_path, overwrite=True) for _ in range(3))
+    holder = one.claim(3)
+    holder.__enter__()
+    original = recording_folder.lock
+
+    def lock_after_release(file: BinaryIO) -> None:
+        monkeypatch.setattr(recording_folder, "lock", original)
+        holder.__exit__(None, None, None)
+        original(file)
+
+    monkeypatch.setattr(recording_folder, "lock", lock_after_release)
+    with other.claim(3), pytest.raises(UsageError, match="another process"), third.claim(3):
         pass
     assert not list(tmp_path.iterdir())

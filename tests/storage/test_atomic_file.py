@@ -43,3 +43,41 @@ def test_leftovers_of_killed_writers_are_removed(
     remove_leftovers(path)
     (left,) = tmp_path.iterdir()
     assert left.name.startswith(".[a].yaml.yaml")
+
+
+@pytest.mark.parametrize("is_relative", [True, False])
+def test_write_text_through_a_symbolic_link_keeps_the_link(
+    is_relative: bool, tmp_path: Path
+) -> None:
+    elsewhere, link = tmp_path / "shared" / "x.yaml", tmp_path / "knowledge" / "x.yaml"
+    link.parent.mkdir()
+    link.symlink_to(Path("../shared/x.yaml") if is_relative else elsewhere)
+    make_room(link)
+    for text in ("created through the link", "replaced through the link"):
+        write_text(text, link)
+        assert link.is_symlink() and elsewhere.read_text("utf-8") == text
+    assert [file.name for file in elsewhere.parent.iterdir()] == ["x.yaml"]
+    (elsewhere.parent / ".x.yaml.unfinished-1").touch()
+    remove_leftovers(link)
+    assert [file.name for file in elsewhere.parent.iterdir()] == ["x.yaml"]
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o077, 0o002])
+def test_write_text_creates_a_file_with_the_permissions_of_the_mask(
+    mask: int, tmp_path: Path
+) -> None:
+    before = os.umask(mask)
+    try:
+        write_text("new", tmp_path / "new")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "new").stat().st_mode & 0o777 == 0o666 & ~mask
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o755])
+def test_write_text_keeps_the_permissions_of_an_existing_file(mode: int, tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.touch()
+    path.chmod(mode)
+    write_text("new", path)
+    assert path.stat().st_mode & 0o777 == mode
