@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import Composition
+from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.schema import Schema
 
 
@@ -55,12 +55,14 @@ def _joined(backgrounds: list[Composition]) -> Composition | None:
     """Return one composition of several; the first has the highest priority."""
     if not backgrounds:
         return None
-    # A later entry of a dictionary has a higher priority, so the backgrounds are inserted in
-    # reverse. The controllers are part of the key, because the same primitive moves other joints
-    # under another allocation.
-    joined = {
-        (primitive.name, primitive.controllers): primitive
-        for background in reversed(backgrounds)
-        for primitive in background.primitives
-    }
+    # The last primitive of a composition has the highest priority, so the backgrounds are inserted
+    # in reverse. The controllers are part of the key, because the same primitive moves other joints
+    # under another allocation. A primitive of several backgrounds has its highest priority: a
+    # dictionary would keep the place of the first insertion, which is the lowest one.
+    joined: dict[tuple[str, tuple[Controller, ...]], Primitive] = {}
+    for background in reversed(backgrounds):
+        for primitive in background.primitives:
+            key = primitive.name, primitive.controllers
+            joined.pop(key, None)
+            joined[key] = primitive
     return Composition(tuple(joined.values()))
