@@ -12,6 +12,7 @@ from cbdsl.backends.backend import BackendError, ResumableBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.pose import Pose
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
 from tests.backends.conftest import (
@@ -102,6 +103,26 @@ def test_moved_object_is_put_back_on_request(
     unseeing.resume(stage, None)
     wanted = start if returns else moved
     assert unseeing.truth.pose("moving").position == pytest.approx(wanted, abs=1e-6)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.02, 0.2])
+def test_put_back_near_a_fingertip_leaves_the_object(
+    gap: float, unseeing: Simulated, dexter: RobotDocument
+) -> None:
+    stage = going_on("nothing", place={"on": "table", "x": 1.2})
+    began(unseeing, stage)
+    run(unseeing, 0.2)
+    before = unseeing.truth.pose("moving")
+    (cell, *_) = dexter.load_cells["right_hand"].values()
+    # The fingertip is within 2 cm of its link's origin, and half an edge of the box is 5 cm.
+    above = np.array([0.0, 0.0, 0.05 + gap])
+    place = Pose(unseeing.truth.link_pose(cell.link).position + above, np.eye(3))
+    unseeing.truth.put_back("moving", place)
+    expected = place if gap > 0.1 else before
+    assert unseeing.truth.pose("moving").position == pytest.approx(expected.position, abs=1e-9)
+    run(unseeing, 0.2)
+    if gap < 0.1:
+        assert unseeing.truth.pose("moving").position == pytest.approx(before.position, abs=1e-3)
 
 
 @pytest.fixture(scope="module", params=list(BACKENDS))

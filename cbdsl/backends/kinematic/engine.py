@@ -8,7 +8,7 @@ from cbdsl.backends.kinematic.hands import FingertipContact, Hands
 from cbdsl.backends.kinematic.manipulation import Manipulation
 from cbdsl.backends.kinematic.servos import Servos
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.staging.engine import Engine
+from cbdsl.backends.staging.engine import ROOM, Engine
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.link_tree import LinkTree
@@ -128,7 +128,13 @@ class KinematicEngine(Engine):
 
     def put_back(self, name: str, pose: Pose) -> None:
         """Put an object back; of the robot, only fingertips can be in its way. See ``Engine``."""
-        thing = self._world.things[name]
+        thing, before = self._world.things[name], self._world.things[name].pose
+        was_resting = thing.resting
         thing.put(pose)
+        # Distances are measured in place, so the object is moved there first.
+        if self._hands.near(self._world, name, ROOM):
+            thing.put(before)
+            thing.resting = was_resting
+            return
         thing.launch(np.zeros(3))
         thing.rolling[:] = 0.0

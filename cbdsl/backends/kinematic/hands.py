@@ -182,11 +182,21 @@ class Hands:
         Returns:
             Whether any fingertip touches anything.
         """
+        return self._touch(world, self._balls, contacts)
+
+    def near(self, world: World, name: str, distance: float) -> bool:
+        """Return whether a fingertip is nearer to an object than a distance, m."""
+        contacts = np.zeros((len(self._balls), len(world.solids), 7))
+        # A ball whose radius is larger by the distance touches the same objects.
+        self._touch(world, self._balls + np.array([0.0, 0.0, 0.0, distance]), contacts)
+        return bool((contacts[:, list(world.things).index(name), 0] > 0.0).any())
+
+    def _touch(self, world: World, balls: Floats, contacts: Floats) -> bool:
         solids, placements = world.walls.at(world.solids), self._tree.placements
         if solids is world.solids:
-            return depths(solids, placements, self._carriers, self._balls, contacts)
-        each = np.zeros((len(self._balls), len(solids), 7))
-        touching = depths(solids, placements, self._carriers, self._balls, each)
+            return depths(solids, placements, self._carriers, balls, contacts)
+        each = np.zeros((len(balls), len(solids), 7))
+        touching = depths(solids, placements, self._carriers, balls, each)
         # Of a hollow object's walls, each fingertip touches the one in which it is deepest.
         for thing in range(len(world.solids)):
             own = each[:, world.walls.owners == thing]
