@@ -349,7 +349,7 @@ class Simulation(Section):
     efforts: dict[str, Torque] = {}
     """Joint torques that replace the URDF's."""
     surfaces: tuple[TipSurface, ...] = ()
-    """Materials of links; the others have those of the URDF."""
+    """Materials of links, the last one of those that name a link; other links have the engine's."""
     no_contact: tuple[tuple[LinkName, ...], ...] = ()
     """Groups of links without contacts among each other; a trailing * matches any ending."""
     mujoco: MujocoSection = MujocoSection.model_construct()

@@ -10,8 +10,8 @@ import pybullet as p
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.meshes import require_collisions, require_known_endings
-from cbdsl.backends.staging.links import matching_links
-from cbdsl.documents.robot import RobotDocument, Simulation
+from cbdsl.backends.staging.links import link_surfaces, matching_links
+from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.quaternion import rotations
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
@@ -98,13 +98,13 @@ class BulletRobot:
         fastest = timestep * np.array([joint.velocity for joint in limits])
         self._largest_error = fastest / max(simulation.position_gain, 1e-9)
         self._gains = simulation.position_gain, simulation.velocity_gain
-        self._soften(count, simulation)
+        self._soften(count)
         self._ignore_contacts(simulation.no_contact)
 
     def _matching(self, patterns: Iterable[str]) -> list[int]:
         return [self.links[name] for name in matching_links(self._document, self._model, patterns)]
 
-    def _soften(self, count: int, simulation: Simulation) -> None:
+    def _soften(self, count: int) -> None:
         """Set damping to that of the servos alone, and surfaces to those of the robot file."""
         for link in range(-1, count):
             p.changeDynamics(
@@ -115,18 +115,16 @@ class BulletRobot:
                 jointDamping=0,
                 physicsClientId=self._client,
             )
-        for surface in simulation.surfaces:
+        for link, surface in link_surfaces(self._document, self._model).items():
             given = {"contactStiffness": surface.stiffness, "contactDamping": surface.damping}
-            options = {key: value for key, value in given.items() if value is not None}
-            for link in self._matching(surface.links):
-                p.changeDynamics(
-                    self.id,
-                    link,
-                    lateralFriction=surface.friction,
-                    frictionAnchor=int(surface.friction_anchor),
-                    physicsClientId=self._client,
-                    **options,
-                )
+            p.changeDynamics(
+                self.id,
+                self.links[link],
+                lateralFriction=surface.friction,
+                frictionAnchor=int(surface.friction_anchor),
+                physicsClientId=self._client,
+                **{key: value for key, value in given.items() if value is not None},
+            )
 
     def _ignore_contacts(self, groups: Iterable[Iterable[str]]) -> None:
         for group in groups:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fnmatch
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -13,6 +12,7 @@ from cbdsl.backends.cameras.limbs import solid_shapes
 from cbdsl.backends.kinematic.depths import depths
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.staging.links import link_surfaces
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.link_tree import LinkTree
 from cbdsl.kinematics.pose import Pose
@@ -93,6 +93,7 @@ class Hands:
         self, robot: RobotDocument, model: UrdfModel, joints: Joints, tree: LinkTree
     ) -> None:
         self._robot, self._model, self._joints, self._tree = robot, model, joints, tree
+        self._surfaces = link_surfaces(robot, model)
         self.cells = tuple(
             (hand, finger) for hand, fingers in robot.load_cells.items() for finger in fingers
         )
@@ -125,10 +126,7 @@ class Hands:
         return Fingertip(index, link, centre, radius, self._friction(link), joints)
 
     def _friction(self, link: str) -> float:
-        for surface in self._robot.simulation.surfaces:
-            if any(fnmatch.fnmatchcase(link, pattern) for pattern in surface.links):
-                return surface.friction
-        return _FRICTION
+        return self._surfaces[link].friction if link in self._surfaces else _FRICTION
 
     def _carrier(self, link: str) -> str:
         """Return the link at the tip of the arm that moves a fingertip; the base without an arm."""

@@ -12,7 +12,7 @@ import numpy as np
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.mujoco.contact import ContactSettings
 from cbdsl.backends.mujoco.geometry import add_shape
-from cbdsl.backends.staging.links import matching_links
+from cbdsl.backends.staging.links import link_surfaces, matching_links
 from cbdsl.backends.staging.scenario import GRAVITY
 from cbdsl.documents.robot import Coupling, MujocoSection, RobotDocument
 from cbdsl.kinematics.pose import Pose, displacement
@@ -92,9 +92,7 @@ class _Links:
         self._spec, self._model, self._joints = spec, model, Joints(robot)
         self._contact = ContactSettings(robot.simulation.mujoco)
         self._friction = {
-            link: surface.friction
-            for surface in robot.simulation.surfaces
-            for link in matching_links(robot, model, surface.links)
+            link: surface.friction for link, surface in link_surfaces(robot, model).items()
         }
         below: dict[str, list[UrdfJoint]] = {}
         for joint in model.joints.values():

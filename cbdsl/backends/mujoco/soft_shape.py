@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from cbdsl.backends.mujoco.robot_spec import body_name
-from cbdsl.backends.staging.links import matching_links
+from cbdsl.backends.staging.links import link_surfaces
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
 
@@ -79,18 +79,17 @@ def soft_shapes(robot: RobotDocument, model: UrdfModel, compiled: Any) -> Iterat
         model: URDF model of the robot.
         compiled: MuJoCo's model of the robot.
     """
-    for surface in robot.simulation.surfaces:
+    for link, surface in link_surfaces(robot, model).items():
         if surface.stiffness is None:
             continue
-        for link in matching_links(robot, model, surface.links):
-            body = compiled.body(body_name(link))
-            mobility = float(compiled.body_invweight0[body.id][0])
-            first = int(body.geomadr[0])
-            for number in range(first, first + int(body.geomnum[0])):
-                yield SoftShape(
-                    compiled.geom(number).name,
-                    surface.friction,
-                    surface.stiffness,
-                    surface.damping or 0.0,
-                    mobility,
-                )
+        body = compiled.body(body_name(link))
+        mobility = float(compiled.body_invweight0[body.id][0])
+        first = int(body.geomadr[0])
+        for number in range(first, first + int(body.geomnum[0])):
+            yield SoftShape(
+                compiled.geom(number).name,
+                surface.friction,
+                surface.stiffness,
+                surface.damping or 0.0,
+                mobility,
+            )

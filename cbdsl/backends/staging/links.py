@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import RobotDocument, TipSurface
 from cbdsl.robot.urdf import UrdfModel
 
 
@@ -37,3 +37,16 @@ def matching_links(
             )
         links += matching
     return tuple(links)
+
+
+def link_surfaces(robot: RobotDocument, model: UrdfModel) -> Mapping[str, TipSurface]:
+    """Return the material of each link that has one in a robot file; the last one counts.
+
+    Raises:
+        BackendError: A pattern matches no link.
+    """
+    return {
+        link: surface
+        for surface in robot.simulation.surfaces
+        for link in matching_links(robot, model, surface.links)
+    }
