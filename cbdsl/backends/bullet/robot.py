@@ -115,11 +115,11 @@ class BulletRobot:
                 jointDamping=0,
                 physicsClientId=self._client,
             )
-        for link, surface in link_surfaces(self._document, self._model).items():
+        for name, surface in link_surfaces(self._document, self._model).items():
             given = {"contactStiffness": surface.stiffness, "contactDamping": surface.damping}
             p.changeDynamics(
                 self.id,
-                self.links[link],
+                self.links[name],
                 lateralFriction=surface.friction,
                 frictionAnchor=int(surface.friction_anchor),
                 physicsClientId=self._client,
