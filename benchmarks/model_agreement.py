@@ -132,7 +132,7 @@ def by_bullet(robot: RobotDocument, model: UrdfModel) -> Placing:
     """Return placements of the engine ``bullet``."""
     import pybullet  # noqa: TID251 (the judge, not the robot)
 
-    from cbdsl.backends.bullet.robot import BulletRobot
+    from cbdsl.backends.bullet.articulation import BulletRobot
 
     body = BulletRobot(pybullet.connect(pybullet.DIRECT), robot, model, 1 / 240)
 

@@ -182,7 +182,7 @@ def episode(request: RunRequest, cameras: str, where: str, seed: int) -> Episode
 def warm(request: RunRequest) -> None:
     """Import modules and load machine code before the first fork."""
     from cbdsl.api.rehearsal import rehearse
-    from cbdsl.backends.ros2 import server  # noqa: F401
+    from cbdsl.backends.ros2 import topic_server as server  # noqa: F401
 
     rehearse(request)
 

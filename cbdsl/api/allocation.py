@@ -51,7 +51,7 @@ def exchanged(request: RunRequest, member: str, program: str) -> CheckedProgram:
     Raises:
         UsageError: The program cannot take the place of the member.
     """
-    from cbdsl.checking.member_exchange import MemberExchange
+    from cbdsl.checking.open_members import MemberExchange
     from cbdsl.checking.program import examiner
     from cbdsl.checking.session import Session
     from cbdsl.diagnostics.errors import UsageError

@@ -209,8 +209,8 @@ class CameraCalibration:
 
     def _identity(self) -> dict[str, Any]:
         """Return all data on which the views depend."""
-        from cbdsl.checking.knowledge.digest import program_digest
-        from cbdsl.documents.digest import digest
+        from cbdsl.checking.knowledge.program_digest import program_digest
+        from cbdsl.documents.document_digest import digest
 
         run = self.run
         program = program_digest(run.program_file, run.library).sha256

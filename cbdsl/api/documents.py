@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from cbdsl.documents.catalog import CatalogDocument, StepColumns
-from cbdsl.documents.digest import digest
+from cbdsl.documents.document_digest import digest
 from cbdsl.documents.form import BoxForm
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.model import Gaussian, Kernel, ModelDocument

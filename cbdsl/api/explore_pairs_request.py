@@ -98,7 +98,7 @@ class ExplorePairsRequest:
         """
         from cbdsl.api.relations import read_relation_tree, read_relations
         from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.documents.digest import digest
+        from cbdsl.documents.document_digest import digest
         from cbdsl.documents.policy import Identity
         from cbdsl.training.impedance_gauge import ImpedanceGauge
         from cbdsl.training.known_relations import KnownRelations

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
-    from cbdsl.documents.digest import ProgramDigest
     from cbdsl.documents.document import Section
+    from cbdsl.documents.document_digest import ProgramDigest
     from cbdsl.documents.relations import RelationsDocument
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.training.learning_task import LearningTask
@@ -173,7 +173,7 @@ class LearnRequest:
         """Return the program to learn, with all its allocations for a policy, and its digest."""
         from cbdsl.api.run_request import read_policy
         from cbdsl.checking.assimilation import program_to_assimilate
-        from cbdsl.checking.knowledge.digest import (
+        from cbdsl.checking.knowledge.program_digest import (
             policy_digest,
             program_digest,
             substitute_digests,

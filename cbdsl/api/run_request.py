@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.documents.digest import ProgramDigest
     from cbdsl.documents.document import Document
+    from cbdsl.documents.document_digest import ProgramDigest
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.stage import StageDocument
@@ -53,7 +53,7 @@ class RunRequest:
     @property
     def digest(self) -> ProgramDigest:
         """Digest of the program and of the policies that it uses."""
-        from cbdsl.checking.knowledge.digest import program_digest
+        from cbdsl.checking.knowledge.program_digest import program_digest
 
         return program_digest(self.program_file, self.library)
 
@@ -186,7 +186,7 @@ def _stages_for(robot: str, program_file: Path, library: Library) -> str:
 def _under_policy(
     program: CheckedProgram, name: str, program_file: Path, library: Library
 ) -> CheckedProgram:
-    from cbdsl.checking.knowledge.learned import with_policy
+    from cbdsl.checking.knowledge.policy_agreement import with_policy
 
     return with_policy(program, read_policy(program, name, program_file, library), library)
 

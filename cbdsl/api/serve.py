@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.backends.ros2.server import Moment
+    from cbdsl.backends.ros2.topic_server import Moment
     from cbdsl.documents.robot import RobotDocument
 
 # Window of the real-time factor, s, and the factor below which it is reported.
@@ -54,7 +54,7 @@ def serve_robot(
     """
     from cbdsl.api.robots import read_robot, read_stage
     from cbdsl.backends.ros2.injected_faults import Faults, read_fault
-    from cbdsl.backends.ros2.server import RobotServer, simulated_robot
+    from cbdsl.backends.ros2.topic_server import RobotServer, simulated_robot
     from cbdsl.robot.control_rate import with_control_rate
 
     if trace is not None:

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cbdsl.checking.member_exchange import MemberExchange, OpenMember
+from cbdsl.checking.open_members import MemberExchange, OpenMember
 from cbdsl.checking.program import examine_program, examiner
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session

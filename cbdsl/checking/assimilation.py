@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from cbdsl.checking.allocations import allocations
-from cbdsl.checking.knowledge.learned import with_policy
+from cbdsl.checking.knowledge.policy_agreement import with_policy
 from cbdsl.checking.prior_looks import derived_looks
 from cbdsl.checking.program import examiner
 from cbdsl.checking.robot.checked_robot import CheckedRobot
@@ -18,7 +18,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.program.allocation import allocate
+from cbdsl.program.allocated_program import allocate
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Relative
 from cbdsl.program.schema import Schema

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.knowledge.learned import check_policy
+from cbdsl.checking.knowledge.policy_agreement import check_policy
 from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from cbdsl.checking.knowledge.learned import check_policy, with_policy
+from cbdsl.checking.knowledge.policy_agreement import check_policy, with_policy
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
 from cbdsl.diagnostics.diagnostics import Diagnostics

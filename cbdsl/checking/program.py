@@ -16,8 +16,8 @@ from cbdsl.checking.rules.actions import Actions
 from cbdsl.checking.rules.compositions import Compositions
 from cbdsl.checking.rules.guards import check_guards
 from cbdsl.checking.rules.outcome_states import check_ends, read_ends
-from cbdsl.checking.rules.suspicious import check_suspicious
-from cbdsl.checking.rules.unused import check_unused
+from cbdsl.checking.rules.suspicious_parts import check_suspicious
+from cbdsl.checking.rules.unused_parts import check_unused
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
 from cbdsl.checking.used_programs import Budget, UsedPrograms

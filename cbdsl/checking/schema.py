@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from cbdsl.checking.allotments import exchangeable
-from cbdsl.checking.knowledge.learned import check_policy, with_policy
+from cbdsl.checking.knowledge.policy_agreement import check_policy, with_policy
 from cbdsl.checking.lookup.document_search import find_document
-from cbdsl.checking.member_exchange import MemberExchange
+from cbdsl.checking.open_members import MemberExchange
 from cbdsl.checking.prior_looks import look_of
 from cbdsl.checking.question_tree import QuestionTrees
 from cbdsl.checking.session import Session
@@ -20,7 +20,7 @@ from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
-from cbdsl.program.allocation import allocate
+from cbdsl.program.allocated_program import allocate
 from cbdsl.program.checked import CheckedProgram, PriorLook
 from cbdsl.program.controller import Controller
 from cbdsl.program.schema import Ranking, Schema, components
@@ -142,7 +142,7 @@ class _SchemaCheck:
 
     def _unchanged(self, program: Path) -> None:
         """Check that the policies and substitutes with which a schema was learned are unchanged."""
-        from cbdsl.checking.knowledge.digest import policy_digest, substitute_digests
+        from cbdsl.checking.knowledge.program_digest import policy_digest, substitute_digests
 
         provenance, library = self._document.provenance, self._session.library
         if provenance is None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from cbdsl.checking.dependencies import Dependencies
-from cbdsl.checking.knowledge.learned import check_policy, with_policy
+from cbdsl.checking.knowledge.policy_agreement import check_policy, with_policy
 from cbdsl.checking.lookup.document_search import find_document
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import Steps

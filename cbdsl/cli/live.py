@@ -17,7 +17,7 @@ from cbdsl.backends.quiet import quiet_stderr
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, composed_program
 from cbdsl.reporting.live.feed import Feed
-from cbdsl.reporting.live.server import LiveServer
+from cbdsl.reporting.live.page_server import LiveServer
 from cbdsl.reporting.live.transport import Transport
 
 if TYPE_CHECKING:

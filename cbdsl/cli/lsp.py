@@ -17,7 +17,7 @@ def lsp() -> None:
     Editors start this server and end it; see docs/how_to/set_up_an_editor.md.
     """
     try:
-        from cbdsl.editor.server import build
+        from cbdsl.editor.language_server import build
     except ModuleNotFoundError as error:
         raise UsageError(
             f"cb lsp needs {error.name}, which is not installed: pip install 'cbdsl[editor]'"

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from cbdsl.cli.legible_output import raw
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.legible_text import legible
-from cbdsl.diagnostics.report import ValidationReport
 from cbdsl.diagnostics.text_format import text
+from cbdsl.diagnostics.validation_report import ValidationReport
 
 if TYPE_CHECKING:
     from rich.console import Console

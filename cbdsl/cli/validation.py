@@ -14,7 +14,7 @@ from cbdsl.cli.standard_streams import read_standard_input
 
 if TYPE_CHECKING:
     from cbdsl.diagnostics.diagnostic import Diagnostic
-    from cbdsl.diagnostics.report import ValidationReport
+    from cbdsl.diagnostics.validation_report import ValidationReport
     from cbdsl.yaml_text.library import Library
 
 #: Writer of each format: a module of ``cbdsl.diagnostics``, and its function of a report.
@@ -84,7 +84,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     from cbdsl.checking.session import Session
     from cbdsl.checking.suppression import apply_suppressions
     from cbdsl.cli.terminal import print_problem
-    from cbdsl.diagnostics.report import ValidationReport
+    from cbdsl.diagnostics.validation_report import ValidationReport
     from cbdsl.documents.kinds import KINDS, entry_of
     from cbdsl.yaml_text.composer import MOST_BYTES
     from cbdsl.yaml_text.library import Library

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Severity
-from cbdsl.diagnostics.report import ValidationReport
+from cbdsl.diagnostics.validation_report import ValidationReport
 
 _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
 # Escapes of characters that workflow commands reserve; the escape sign itself comes first.

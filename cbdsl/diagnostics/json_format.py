@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
-from cbdsl.diagnostics.report import ValidationReport
+from cbdsl.diagnostics.validation_report import ValidationReport
 
 #: Version, increased if a key changes its meaning or is removed, but not for a new key.
 VERSION = 1

@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.entry import Entry
-from cbdsl.diagnostics.report import ValidationReport
+from cbdsl.diagnostics.validation_report import ValidationReport
 
 _SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"

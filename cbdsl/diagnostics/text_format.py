@@ -6,7 +6,7 @@ import os
 import sys
 
 from cbdsl.diagnostics.counting import count
-from cbdsl.diagnostics.report import ValidationReport
+from cbdsl.diagnostics.validation_report import ValidationReport
 
 
 def text(report: ValidationReport) -> str:

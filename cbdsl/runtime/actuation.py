@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from cbdsl.control.compiled_tick import RESTED, UNSOUND, ActingArrays, TickArrays, tick
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.stack import Stack
-from cbdsl.control.tick import RESTED, UNSOUND, ActingArrays, TickArrays, tick
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.numeric.handle import bind

@@ -8,8 +8,8 @@ from typing import Any, Protocol
 from pydantic import BaseModel
 
 from cbdsl.documents.catalog import CatalogProvenance, JoinedActions
-from cbdsl.documents.digest import ProgramDigest, digest
 from cbdsl.documents.document import Document
+from cbdsl.documents.document_digest import ProgramDigest, digest
 from cbdsl.documents.policy import Identity
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

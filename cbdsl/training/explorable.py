@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from cbdsl.documents.digest import ProgramDigest
+from cbdsl.documents.document_digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.learning.catalogs.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram

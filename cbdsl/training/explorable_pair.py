@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from cbdsl.documents.digest import ProgramDigest
+from cbdsl.documents.document_digest import ProgramDigest
 from cbdsl.learning.catalogs.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.resource import Resource

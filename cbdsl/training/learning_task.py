@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cbdsl.backends.backend import Backend
-from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.document import Section
+from cbdsl.documents.document_digest import ProgramDigest
 from cbdsl.documents.policy import Provenance
 from cbdsl.documents.relations import RelationsDocument
 from cbdsl.documents.robot import RobotDocument

@@ -8,8 +8,8 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from cbdsl.backends.backend import BACKENDS
-from cbdsl.documents.digest import ProgramDigest, digest
 from cbdsl.documents.document import Document
+from cbdsl.documents.document_digest import ProgramDigest, digest
 from cbdsl.documents.policy import Identity, Provenance
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

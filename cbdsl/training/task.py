@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from cbdsl.backends.backend import Backend, embody
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.documents.digest import digest
+from cbdsl.documents.document_digest import digest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.training.task_observer import TaskObserver

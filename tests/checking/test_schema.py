@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.document import check_document
-from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.program import check_program, examine_program
 from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session

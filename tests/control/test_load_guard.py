@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cbdsl.control.compiled_tick import MOVED
 from cbdsl.control.load_guard import LOAD_GUARD
 from cbdsl.control.potentials.spring import spring
-from cbdsl.control.tick import MOVED
 from cbdsl.types.resource_type import POSITION
-from tests.control.test_tick import ALL, JOINTS, Bench, Case, made
+from tests.control.test_compiled_tick import ALL, JOINTS, Bench, Case, made
 
 CASE = Case(spring("position", 3), made("spring", POSITION))
 BOUND, PACE = 10.0, 2e-4  # N, m per tick

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from cbdsl.documents.digest import digest
+from cbdsl.documents.document_digest import digest
 from cbdsl.documents.form import BallForm, BoxForm, CylinderForm, MeshForm
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library

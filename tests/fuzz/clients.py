@@ -21,8 +21,8 @@ from cbdsl.editor.fixes import fixed
 from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
 from cbdsl.editor.rename import renaming
+from cbdsl.reporting.live.page_server import RequestError
 from cbdsl.reporting.live.requests import Requests
-from cbdsl.reporting.live.server import RequestError
 from cbdsl.reporting.live.transport import Transport
 from tests.conftest import ROOT
 from tests.editor.test_random_edits import PIECES

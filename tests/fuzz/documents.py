@@ -9,8 +9,8 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.catalogue import catalogue
 from cbdsl.diagnostics.errors import DiagnosticsError
-from cbdsl.diagnostics.report import ValidationReport
 from cbdsl.diagnostics.text_format import text
+from cbdsl.diagnostics.validation_report import ValidationReport
 from cbdsl.documents.kinds import KINDS
 from cbdsl.yaml_text.library import Library, shipped
 from tests.conftest import ROOT

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.document import check_document
-from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.session import Session
 from cbdsl.documents.catalog import CATALOG, CatalogDocument
 from cbdsl.documents.program import ProgramDocument

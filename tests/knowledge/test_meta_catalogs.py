@@ -8,9 +8,9 @@ import shlex
 import pytest
 
 from cbdsl.checking.document import check_document
-from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.session import Session
-from cbdsl.documents.digest import digest
+from cbdsl.documents.document_digest import digest
 from cbdsl.documents.meta_catalog import META_CATALOG, MetaCatalogDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument

@@ -12,8 +12,8 @@ from cbdsl.backends.backend import Backend, embody
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.checking.document import check_document
-from cbdsl.checking.knowledge.digest import program_digest
-from cbdsl.checking.knowledge.learned import with_policy
+from cbdsl.checking.knowledge.policy_agreement import with_policy
+from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.session import Session
 from cbdsl.documents.model import MODEL
 from cbdsl.documents.policy import POLICY, PolicyDocument

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.document import check_document
-from cbdsl.checking.knowledge.digest import policy_digest
+from cbdsl.checking.knowledge.program_digest import policy_digest
 from cbdsl.checking.session import Session
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.yaml_text.library import Library

@@ -12,7 +12,7 @@ import pinocchio
 import pybullet
 import pytest
 
-from cbdsl.backends.bullet.robot import BulletRobot
+from cbdsl.backends.bullet.articulation import BulletRobot
 from cbdsl.backends.mujoco.robot_spec import body_name, make_robot_spec
 from cbdsl.kinematics.joint_tree import JointTree
 from cbdsl.kinematics.link_tree import LinkTree

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from cbdsl.backends.backend import find_backend
-from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.program import check_program
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
-from cbdsl.documents.digest import ProgramDigest
+from cbdsl.documents.document_digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
-from cbdsl.documents.digest import ProgramDigest
+from cbdsl.documents.document_digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.program import check_program
 from cbdsl.documents.policy import Provenance
 from cbdsl.documents.program import ProgramDocument

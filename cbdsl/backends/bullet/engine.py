@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pybullet as p
 
+from cbdsl.backends.bullet.articulation import BulletRobot
 from cbdsl.backends.bullet.composed import create_composed
-from cbdsl.backends.bullet.robot import BulletRobot
 from cbdsl.backends.staging.engine import ROOM, Engine
 from cbdsl.backends.staging.load_cells import ContactPoint, sum_wrenches
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cbdsl.checking.knowledge.impossible import is_always_defined
+from cbdsl.checking.knowledge.impossible_states import is_always_defined
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.outcome import Unknown

@@ -18,7 +18,7 @@ from cbdsl.checking.controller.effector_units import in_task_units
 from cbdsl.checking.controller.field_options import ControllerSpec, check_field
 from cbdsl.checking.controller.influence import acting_chains
 from cbdsl.checking.controller.modifiers import read_modifiers
-from cbdsl.checking.controller.relative import check_relative
+from cbdsl.checking.controller.relative_reference import check_relative
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps

@@ -34,7 +34,9 @@ def _check_program(
     loaded: Loaded[RelationsDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check that the program of the tests is the one with which the samples were measured."""
-    from cbdsl.checking.knowledge.digest import program_digest  # only learned relations need it
+    from cbdsl.checking.knowledge.program_digest import (
+        program_digest,  # only learned relations need it
+    )
 
     document, library = loaded.document, session.library
     provenance = document.provenance

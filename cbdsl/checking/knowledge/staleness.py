@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from cbdsl.checking.knowledge.digest import policy_digest, program_digest
+from cbdsl.checking.knowledge.program_digest import policy_digest, program_digest
 from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.documents.digest import digest
 from cbdsl.documents.document import Document
+from cbdsl.documents.document_digest import digest
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.policy import Identity, PolicyDocument
 from cbdsl.documents.program import ProgramDocument

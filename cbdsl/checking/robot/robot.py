@@ -7,9 +7,9 @@ import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cbdsl.checking.robot.beyond_reason import check_speeds, note_assumptions
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.drivers import check_drivers
+from cbdsl.checking.robot.implausible_settings import check_speeds, note_assumptions
 from cbdsl.checking.robot.limits import is_of_another_kind, limit_details
 from cbdsl.checking.robot.meshes import check_meshes
 from cbdsl.checking.robot.model_agreement import check_bodies, check_mimics, note_rests

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from cbdsl.checking.knowledge.impossible import is_always_defined
+from cbdsl.checking.knowledge.impossible_states import is_always_defined
 from cbdsl.checking.knowledge.states import is_sound
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.diagnostic import Place

@@ -9,7 +9,7 @@ from typing import Any
 
 from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram
-from cbdsl.reporting.live.server import RequestError
+from cbdsl.reporting.live.page_server import RequestError
 from cbdsl.reporting.live.transport import IdleError, Transport
 from cbdsl.runtime.program_composer import Composer, ComposerError
 

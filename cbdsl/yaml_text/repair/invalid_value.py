@@ -15,9 +15,9 @@ from cbdsl.types.quantity_problem import quantity_problem
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.comma import decimal_comma
 from cbdsl.yaml_text.repair.entry_problem import key_problem, left_out, named_instead, text_problem
-from cbdsl.yaml_text.repair.form import form
 from cbdsl.yaml_text.repair.row import suggested_row
-from cbdsl.yaml_text.repair.shape import SchemaShape
+from cbdsl.yaml_text.repair.schema_shape import SchemaShape
+from cbdsl.yaml_text.repair.sketch import form
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 _EXPECTED = {

@@ -10,9 +10,9 @@ from pydantic_core import ErrorDetails
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.nearest import nearest_name
 from cbdsl.diagnostics.wording import diagnose
-from cbdsl.yaml_text.repair.form import form
 from cbdsl.yaml_text.repair.invalid_value import InvalidValue, diagnose_value
-from cbdsl.yaml_text.repair.shape import SchemaShape
+from cbdsl.yaml_text.repair.schema_shape import SchemaShape
+from cbdsl.yaml_text.repair.sketch import form
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
 
 

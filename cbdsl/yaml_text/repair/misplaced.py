@@ -16,7 +16,7 @@ from pydantic import BaseModel
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place
 from cbdsl.diagnostics.wording import diagnose
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.repair.shape import SchemaShape
+from cbdsl.yaml_text.repair.schema_shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]

@@ -11,7 +11,7 @@ from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_name
 from cbdsl.yaml_text.composer import Composed
 from cbdsl.yaml_text.loaded import Invalid, Loaded
-from cbdsl.yaml_text.repair.kind import identify
+from cbdsl.yaml_text.repair.kind_identification import identify
 from cbdsl.yaml_text.repair.mending import mend
 from cbdsl.yaml_text.repair.salvage import salvage
 from cbdsl.yaml_text.source_map import SourceMap

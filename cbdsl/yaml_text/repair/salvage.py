@@ -25,7 +25,7 @@ from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.invalid_values import diagnostics_of, path_of
 from cbdsl.yaml_text.repair.misplaced import find_moves, move
-from cbdsl.yaml_text.repair.shape import SchemaShape
+from cbdsl.yaml_text.repair.schema_shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]

@@ -29,7 +29,7 @@ def _measure(
     condition: JudgedCondition, body: BodyChoice, seeds: Sequence[int]
 ) -> Iterator[EpisodeVerdict]:
     """Yield the verdict on each pair."""
-    from cbdsl.api.impedance import measure_impedance
+    from cbdsl.api.impedance_measurement import measure_impedance
     from cbdsl.api.relations import read_namer
     from cbdsl.api.simulation_fixture import simulation_fixture
 

@@ -11,7 +11,7 @@ import numpy as np
 import pybullet as p
 import pytest
 
-from cbdsl.backends.bullet.robot import BulletRobot
+from cbdsl.backends.bullet.articulation import BulletRobot
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf_reader import read_urdf
 

@@ -169,7 +169,7 @@ class Trial:
 
     def _serve(self, *, restarted: bool = False) -> None:
         from cbdsl.backends.ros2.injected_faults import Faults, InjectedFault
-        from cbdsl.backends.ros2.server import RobotServer, simulated_robot
+        from cbdsl.backends.ros2.topic_server import RobotServer, simulated_robot
 
         document = self._standing() if restarted else self._robot
         served = simulated_robot("kinematic", document, self._urdf)

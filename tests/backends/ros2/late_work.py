@@ -16,7 +16,7 @@ from numba.core import event
 
 from cbdsl.backends.drivers.backend import DrivenBackend
 from cbdsl.backends.drivers.safety_supervisor import State
-from cbdsl.backends.ros2.server import Moment, RobotServer
+from cbdsl.backends.ros2.topic_server import Moment, RobotServer
 
 
 class LateWork(event.Listener):

@@ -20,7 +20,7 @@ from cbdsl.backends.drivers.views import with_views
 from cbdsl.backends.ros2.dds_types import JointState
 from cbdsl.backends.ros2.ros2_link import Ros2Link
 from cbdsl.backends.ros2.ros_node import RosNode
-from cbdsl.backends.ros2.server import RobotServer, simulated_robot
+from cbdsl.backends.ros2.topic_server import RobotServer, simulated_robot
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
 

@@ -16,8 +16,8 @@ from cbdsl.reporting.live.exploration_view import ExplorationView
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.live_page import live_page
 from cbdsl.reporting.live.live_view import LiveView
+from cbdsl.reporting.live.page_server import LiveServer
 from cbdsl.reporting.live.requests import Requests
-from cbdsl.reporting.live.server import LiveServer
 from cbdsl.reporting.live.transport import Transport
 from tests.reporting.browser import CHROMIUM, browser
 from tests.reporting.conftest import Shown

@@ -20,8 +20,8 @@ from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, comp
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.live_page import live_page
 from cbdsl.reporting.live.live_view import LiveView
+from cbdsl.reporting.live.page_server import LiveServer
 from cbdsl.reporting.live.requests import Requests
-from cbdsl.reporting.live.server import LiveServer
 from cbdsl.reporting.live.transport import Transport
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.program_composer import Composer

@@ -13,8 +13,8 @@ from cbdsl.reporting.live import transport as timing
 from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, composed_program
 from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.live_view import LiveView
+from cbdsl.reporting.live.page_server import RequestError
 from cbdsl.reporting.live.requests import Requests
-from cbdsl.reporting.live.server import RequestError
 from cbdsl.reporting.live.transport import Transport
 from cbdsl.runtime.program_composer import Composer
 from tests.conftest import ROOT

@@ -9,7 +9,7 @@ import numpy as np
 import pybullet as p
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.bullet.meshes import require_collisions, require_known_endings
+from cbdsl.backends.bullet.mesh_requirements import require_collisions, require_known_endings
 from cbdsl.backends.staging.links import link_surfaces, matching_links
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.quaternion import rotations

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.documents.digest import ProgramDigest, digest
 from cbdsl.documents.document import Document
+from cbdsl.documents.document_digest import ProgramDigest, digest
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument

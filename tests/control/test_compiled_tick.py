@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from cbdsl.control.compiled_tick import MOVED, RESTED, UNSOUND, ActingArrays, TickArrays, tick
 from cbdsl.control.conditions.predicate import PREDICATE, PREDICATES, settings_of
 from cbdsl.control.conditions.rate import bounds_of, displace
 from cbdsl.control.law import Law, LawSettings, Step
@@ -22,7 +23,6 @@ from cbdsl.control.potentials.spring import spring
 from cbdsl.control.slot import IDLE, SEARCH, TRACK
 from cbdsl.control.slot_step import _stride
 from cbdsl.control.stack import Stack
-from cbdsl.control.tick import MOVED, RESTED, UNSOUND, ActingArrays, TickArrays, tick
 from cbdsl.kinematics.forward import JOINT
 from cbdsl.kinematics.rotation import exp
 from cbdsl.numeric.arrays import Floats

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.knowledge.program_digest import program_digest
 from cbdsl.checking.program import check_program
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.program.binding import internal_models

@@ -10,7 +10,7 @@ import pybullet as p
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.bullet.robot import BulletRobot
+from cbdsl.backends.bullet.articulation import BulletRobot
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.joints import Joints

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from cbdsl.checking.knowledge.impossible import check_possible, reads_what_is_known
+from cbdsl.checking.knowledge.impossible_states import check_possible, reads_what_is_known
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.robot.pace import check_gain, check_window
 from cbdsl.checking.rules.wait_cycles import check_waiting

@@ -7,7 +7,13 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel
 
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.repair.shape import SchemaShape, fields_of, is_section, required_keys, shape_of
+from cbdsl.yaml_text.repair.schema_shape import (
+    SchemaShape,
+    fields_of,
+    is_section,
+    required_keys,
+    shape_of,
+)
 from cbdsl.yaml_text.source_map import Step
 
 # Deeper levels are abbreviated.

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import pytest
 
 from cbdsl.api.load import load
-from cbdsl.program.allocation import _joined
+from cbdsl.program.allocated_program import _joined
 from cbdsl.program.controller import Composition, Primitive
 from cbdsl.yaml_text.library import shipped
 

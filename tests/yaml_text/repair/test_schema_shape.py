@@ -20,7 +20,7 @@ from cbdsl.documents.form import (
 from cbdsl.documents.kinds import models
 from cbdsl.documents.program import ControllerSection, ProgramDocument
 from cbdsl.documents.stage import StageDocument, ThingSection
-from cbdsl.yaml_text.repair.shape import SchemaShape
+from cbdsl.yaml_text.repair.schema_shape import SchemaShape
 
 KINDS = models()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.checking.knowledge.impossible import check_possible
+from cbdsl.checking.knowledge.impossible_states import check_possible
 from cbdsl.checking.knowledge.model import examine_model
 from cbdsl.checking.knowledge.states import check_states
 from cbdsl.checking.lookup.document_search import find_document
@@ -88,7 +88,9 @@ class _PolicyCheck:
 
     def _unchanged(self, program_file: Path) -> None:
         """Check that the program is the one for which the policy was learned."""
-        from cbdsl.checking.knowledge.digest import program_digest  # only learned policies need it
+        from cbdsl.checking.knowledge.program_digest import (
+            program_digest,  # only learned policies need it
+        )
 
         provenance = self._document.provenance
         if provenance is None:

@@ -9,7 +9,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.repair.form import form
+from cbdsl.yaml_text.repair.sketch import form
 
 
 @pytest.mark.parametrize(
