@@ -6,7 +6,7 @@ each finished episode before the next one begins, and continue interrupted trial
 
 from __future__ import annotations
 
-from cbdsl.backends.backend import Backend, embody, find_backend
+from cbdsl.backends.backend import AttendedBackend, Backend, embody, find_backend
 from cbdsl.backends.simulated_backend import SimulatedBackend
 
 # `cbdsl.simulate` opens the robot of a program; this function makes a backend alone.
@@ -24,6 +24,7 @@ from cbdsl.training.workers.local_workers import run_on_workers
 
 __all__ = [
     "EPISODES",
+    "AttendedBackend",
     "Backend",
     "BackendEpisodeRunner",
     "DamagedJournalError",

@@ -30,6 +30,7 @@ from cbdsl_reproduction.judges import (
     relations,
     scenes,
     schemas,
+    served,
     stacks,
     success_rates,
     touch_table,
@@ -66,6 +67,7 @@ _ALL = (
     five_skills.JUDGE,
     mounted_touch.JUDGE,
     relations.JUDGE,
+    served.JUDGE,
 )
 
 #: Judges in the order of ``cb judge --list``.
