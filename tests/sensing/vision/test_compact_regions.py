@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from cbdsl.sensing.channels import Moments, Region
-from cbdsl.sensing.vision.instances import is_compact
+from cbdsl.sensing.vision.merged_regions import is_compact
 
 Booleans = NDArray[np.bool_]
 X, Y = np.meshgrid(np.linspace(-20.0, 20.0, 801), np.linspace(-20.0, 20.0, 801))
