@@ -2,22 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
+from collections.abc import Mapping
 
-from cbdsl.runtime.action_levels import Active
+from cbdsl.runtime.child_run import ChildRun
 from cbdsl.runtime.context_reader import ContextReader
-
-
-class LookingProgram(Protocol):
-    """Run of a program that searches for a feature; see ``ProgramRun``."""
-
-    predicate: str
-
-    def activate(self) -> None: ...
-    def advance(self) -> None: ...
-    def deactivate(self) -> None: ...
-    def active(self) -> Sequence[Active]: ...
 
 
 class FeatureLooks:
@@ -31,15 +19,13 @@ class FeatureLooks:
         current: Program that searches now, if any.
     """
 
-    def __init__(
-        self, programs: Mapping[str, LookingProgram], context: ContextReader | None
-    ) -> None:
+    def __init__(self, programs: Mapping[str, ChildRun], context: ContextReader | None) -> None:
         self._programs, self._context = programs, context
         self.forget()
 
     def forget(self) -> None:
         """End all searches."""
-        self.current: LookingProgram | None = None
+        self.current: ChildRun | None = None
         self._pending: list[str] = []
 
     def begin(self) -> bool:
@@ -47,7 +33,7 @@ class FeatureLooks:
         self._pending = list(self._programs)
         return self._next()
 
-    def advance(self, look: LookingProgram) -> bool:
+    def advance(self, look: ChildRun) -> bool:
         """Advance the current search, or begin the next after its end; return whether one runs.
 
         Args:

@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
 
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.runtime.action_levels import ActionLevels
-
-
-class Child(Protocol):
-    """Run of a program that is used as an action."""
-
-    predicate: str
+from cbdsl.runtime.child_run import ChildRun
 
 
 class MemberState:
@@ -31,7 +25,7 @@ class MemberState:
         self,
         program: CheckedProgram,
         levels: ActionLevels,
-        children: Mapping[str, Child],
+        children: Mapping[str, ChildRun],
         plan: ControllerPlan,
         slots: slice,
     ) -> None:

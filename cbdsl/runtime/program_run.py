@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -13,16 +14,19 @@ from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition, title_of
 from cbdsl.runtime.action_clock import ActionClock
 from cbdsl.runtime.action_levels import ActionLevels, Active
+from cbdsl.runtime.action_switch import ActionSwitch
+from cbdsl.runtime.active_levels import ActiveLevels
+from cbdsl.runtime.child_run import ChildRun, subprogram_runs
 from cbdsl.runtime.context_reader import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.controller_runs import ControllerRuns
-from cbdsl.runtime.feature_looks import FeatureLooks, LookingProgram
+from cbdsl.runtime.feature_looks import FeatureLooks
 from cbdsl.runtime.lost_objects import LostObjects
 from cbdsl.runtime.member_state import MemberState
 from cbdsl.runtime.policies.own_policy import own_policy
 from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy
+from cbdsl.runtime.rewards import Rewards
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.state import matches
 
 
 # The state of a program is the tuple of its members' predicates (Eq 4.1): X inactive, - undefined,
@@ -74,18 +78,17 @@ class ProgramRun:
         self._lost = LostObjects(program, signals.vision, signals.robot.vision.channels.aliases)
         make.aim()
         self.runs: tuple[ControllerRun, ...] = make.all
-        self.children = self._make_children(signals, plan)
+        self.children = subprogram_runs(program, partial(self._inner, signals, plan))
         looks = {
-            feature: self._inner(look.program, signals, plan, f"look for {feature}")
+            feature: self._inner(signals, plan, look.program, f"look for {feature}")
             for feature, look in program.looks.items()
         }
         self._looks = FeatureLooks(looks, self._context)
         # These keys differ from all names of actions, because they consist of several words.
         self.children |= {f"look for {feature}": each for feature, each in looks.items()}
-        # Active levels of the current child, and the same above the background.
-        self._of_child: Sequence[Active] | None = None
-        self._of_action = ""
-        self._all_active: Sequence[Active] = ()
+        self._active = ActiveLevels(self._levels, self.children)
+        self._switch = ActionSwitch(self._levels, self.children)
+        self._rewards = Rewards(program, self._levels, self.children)
         slots = slice(first, first + len(self.runs))
         self._members = MemberState(program, self._levels, self.children, plan, slots)
         self._clock = ActionClock(program, period)
@@ -129,7 +132,7 @@ class ProgramRun:
         self._action: Action | None = None
         self._withdraws = False
         self._looks.forget()
-        self._of_action = ""
+        self._active.forget()
         self._composed: Sequence[Active] | None = None
         self._features: Features = NO_FEATURES
         self._clock.restart()
@@ -146,7 +149,7 @@ class ProgramRun:
         if not (self._policy.allocates and self._looks.begin()):
             self._choose(changed=True)
 
-    def _look_on(self, look: LookingProgram) -> None:
+    def _look_on(self, look: ChildRun) -> None:
         """Advance the search; choose an action once all searches have ended."""
         self._clock.advance_search()
         if not self._looks.advance(look):
@@ -173,21 +176,8 @@ class ProgramRun:
             return self._levels.alone
         look = self._looks.current
         if look is not None:
-            acting = look.active()
-            if acting is not self._of_child:
-                self._of_child, self._all_active = acting, self._levels.above_background(acting)
-            return self._all_active
-        if self._action is None:
-            return ()
-        name = self._action.name
-        if name not in self.children:
-            return self._levels.acting[name]
-        acting = self.children[name].active()
-        # A child returns the same object while the same controllers act, so that identity suffices.
-        if acting is not self._of_child or name != self._of_action:
-            self._of_child, self._all_active = acting, self._levels.with_child(self._action, acting)
-            self._of_action = name
-        return self._all_active
+            return self._active.of_search(look)
+        return () if self._action is None else self._active.of_action(self._action)
 
     def compose(self, names: Sequence[str] | None) -> None:
         """Let a stack act in place of actions, above the background.
@@ -216,21 +206,8 @@ class ProgramRun:
         self._composed, self.state = None, "X" * len(self.program.members)
         self._choose(changed=True)
 
-    def _make_children(self, signals: Signals, plan: ControllerPlan) -> dict[str, ProgramRun]:
-        """Return the runs of subprograms by action, one for each member and allocation."""
-        made: dict[tuple[str, str], ProgramRun] = {}
-        children = {}
-        for action in self.program.actions:
-            if action.program is None:
-                continue
-            key = action.part, action.allocation
-            if key not in made:
-                made[key] = self._inner(action.program, signals, plan, action.part)
-            children[action.name] = made[key]
-        return children
-
     def _inner(
-        self, program: CheckedProgram, signals: Signals, plan: ControllerPlan, name: str
+        self, signals: Signals, plan: ControllerPlan, program: CheckedProgram, name: str
     ) -> ProgramRun:
         """Return the run of a program that is used under a name."""
         use = f"{self._use}.{name}" if self._use else name
@@ -281,13 +258,13 @@ class ProgramRun:
 
     def _act(self, action: Action) -> None:
         child = self.children.get(action.name)
-        if child is not None and self._is_awaited(action):
+        if child is not None and self._switch.is_awaited(action):
             child.activate()
         # The child is first, because its predicate is part of the state that is read below.
         if child is not None:
             child.advance()
         self._clock.advance()
-        self._restart_quiescence(action)
+        self._switch.restart_quiescence(action)
         state = self._members.read(action)
         # A program limits its own transitions. It may also end again with its last predicate
         # within one tick, and then it is over although the state has not changed.
@@ -298,12 +275,6 @@ class ProgramRun:
         if state != self.state or overdue:
             self._transit(state)
 
-    def _is_awaited(self, action: Action) -> bool:
-        """Return whether a program that waits for its accompanying controllers begins now."""
-        if action.composition is None or self.children[action.name].predicate != "X":
-            return False
-        return all(lead.predicate == "1" for lead in self._levels.leads[action.name])
-
     def _is_overdue(self, action: Action, state: str) -> bool:
         """Return whether an action has used up its time, in total or without activity."""
         if self._clock.is_over:
@@ -311,17 +282,10 @@ class ProgramRun:
         strives = "0" in state or any(run.seeking for run in self._levels.stacks[action.name])
         return self._clock.is_idle(strives=strives)
 
-    def _restart_quiescence(self, action: Action) -> None:
-        """Restart the quiescence of controllers that wait for a search while it goes on."""
-        for seeker, waiting in self._levels.waiting.get(action.name, ()):
-            if seeker.seeking:
-                for run in waiting:
-                    run.restart_quiescence()
-
     def _transit(self, state: str) -> None:
         assert self._action is not None
         changed = state != self.state
-        rewarding = self._rewarding(self._action, state)
+        rewarding = self._rewards.rewarding(self._action, self.state, state)
         self.transitions += 1
         self._listener(
             Transition(
@@ -343,42 +307,16 @@ class ProgramRun:
         self.rewarded |= bool(rewarding)
         # A stated success or failure has precedence over a reward and over the number of
         # transitions.
-        if self._concludes(state):
-            return
-        if rewarding and self._reward_ends:
+        conclusion = self._rewards.conclusion(state)
+        if conclusion is not None:
+            self.outcome = conclusion.outcome
+            self._end("1" if conclusion.outcome == "success" else "-", conclusion.reason)
+        elif rewarding and self._reward_ends:
             self._end("1", "")
         elif self.transitions >= self.program.transitions:
             self._end("-", f"{self._title} used up its {self.transitions} transitions")
         else:
             self._choose(changed=changed)
-
-    def _concludes(self, state: str) -> bool:
-        """Return whether a state is one of success or failure; if so, end the program."""
-        program = self.program
-        for outcome, patterns in (("success", program.success), ("failure", program.failure)):
-            for pattern in patterns:
-                if matches(pattern, state):
-                    self.outcome = outcome
-                    ending = program.reasons.get(pattern, "") if outcome == "failure" else ""
-                    self._end("1" if outcome == "success" else "-", ending)
-                    return True
-        return False
-
-    def _rewarding(self, action: Action, state: str) -> tuple[str, ...]:
-        """Return the members that newly quiesce on a signal from the environment (Eq 4.2-4.4).
-
-        A program in the place of a rewarded controller is rewarded in the same way.
-        """
-        own = tuple(
-            self.program.members[lead.place]
-            for lead in self._levels.leads.get(action.name, ())
-            if state[lead.place] == "1" != self.state[lead.place] and lead.is_earned
-        )
-        child, stood_for = self.children.get(action.name), self.program.primitives.get(action.part)
-        if child is None or stood_for is None or not stood_for.rewarded or not child.rewarded:
-            return own
-        place = self.program.members.index(action.part)
-        return (*own, action.part) if state[place] == "1" != self.state[place] else own
 
     def _choose(self, *, changed: bool) -> None:
         if isinstance(self._policy, DeferredPolicy):
@@ -408,44 +346,23 @@ class ProgramRun:
 
     def _begin_action(self, choice: Choice, features: Features, changed: bool) -> None:
         if choice.action is None:
-            self._end(self._outcome(changed), self._no_action(choice, changed))
+            is_done = self.rewarded and not self._reward_ends
+            final = self._rewards.final(self.state, changed=changed, is_done=is_done)
+            self._end(final, self._no_action(choice, changed))
             return
         before, self._action = self._action, self._actions[choice.action, choice.allocation]
-        name = self._action.name
         self._features = {k: value for k, value in features.items() if not math.isnan(value)}
         self._members.forget()
         self._clock.begin_action()
-        if before is not None:
-            self._leave(before, self._action)
-        if self._action.program is not None and self._action.composition is None:
-            self.children[name].activate()
-        elif self._action.program is not None and self.children[name].predicate in "1-":
-            self.children[name].deactivate()  # it waits again
-        for run in self._levels.stacks.get(name, ()):
-            run.activate()
+        self._switch.start(self._action, before)
 
     def _begin_withdrawal(self) -> None:
         """Leave all control to the background until it is at rest."""
         if self._action is not None:
-            if self._action.program is not None:
-                self.children[self._action.name].deactivate()
-            for run in self._levels.stacks.get(self._action.name, ()):
-                run.deactivate()
-        for run in self.background:
-            run.deactivate()
-            run.activate()
+            self._switch.stop(self._action)
+        self._switch.restart_background()
         self._action, self._withdraws = None, True
         self._clock.begin_action()
-
-    def _leave(self, before: Action, after: Action) -> None:
-        child = self.children.get(before.name)
-        if child is not None and child is not self.children.get(after.name):
-            child.deactivate()
-        # Controllers of both actions go on without interruption.
-        kept = self._levels.stacks.get(after.name, ())
-        for run in self._levels.stacks.get(before.name, ()):
-            if run not in kept:
-                run.deactivate()
 
     def _no_action(self, choice: Choice, changed: bool) -> str:
         if choice.reason:
@@ -455,20 +372,6 @@ class ProgramRun:
         seconds = self._clock.seconds
         assert self._action is not None
         return f"{self._action.name} changed nothing in {seconds:.0f} s (state {self.state})"
-
-    def _outcome(self, changed: bool) -> str:
-        """Return the program's own predicate at the end of its policy.
-
-        A program without rewardable members succeeds when its last action is quiescent. One that
-        states its success achieves nothing else.
-        """
-        if self.program.success:
-            return "-"
-        leads = [lead for some in self._levels.leads.values() for lead in some]
-        rewardable = any(lead.earners for lead in leads)
-        if self.rewarded and not self._reward_ends:
-            return "1"
-        return "1" if changed and not rewardable and "1" in self.state else "-"
 
     def _end(self, predicate: str, ending: str) -> None:
         self.predicate = predicate

@@ -1,0 +1,89 @@
+"""Rewards of a program's transitions, and the outcomes that its states state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.runtime.action_levels import ActionLevels
+from cbdsl.runtime.child_run import ChildRun
+from cbdsl.types.state import matches
+
+
+class Conclusion(NamedTuple):
+    """Outcome of a program by its state.
+
+    Attributes:
+        outcome: ``success`` or ``failure``.
+        reason: Reason of a failure, as a clause; may be empty.
+    """
+
+    outcome: str
+    reason: str
+
+
+class Rewards:
+    """Rules that reward or conclude a program.
+
+    Args:
+        program: Program with the members.
+        levels: Controllers of its actions.
+        children: Runs of its subprograms, by action.
+    """
+
+    def __init__(
+        self, program: CheckedProgram, levels: ActionLevels, children: Mapping[str, ChildRun]
+    ) -> None:
+        self._program, self._levels, self._children = program, levels, children
+
+    def rewarding(self, action: Action, before: str, after: str) -> tuple[str, ...]:
+        """Return the members that newly quiesce on a signal from the environment (Eq 4.2-4.4).
+
+        A program in the place of a rewarded controller is rewarded in the same way.
+
+        Args:
+            action: Action that ran.
+            before: State before.
+            after: State after.
+        """
+        own = tuple(
+            self._program.members[lead.place]
+            for lead in self._levels.leads.get(action.name, ())
+            if after[lead.place] == "1" != before[lead.place] and lead.is_earned
+        )
+        stood_for = self._program.primitives.get(action.part)
+        child = self._children.get(action.name)
+        if child is None or stood_for is None or not stood_for.rewarded or not child.rewarded:
+            return own
+        place = self._program.members.index(action.part)
+        return (*own, action.part) if after[place] == "1" != before[place] else own
+
+    def conclusion(self, state: str) -> Conclusion | None:
+        """Return the outcome that a state stands for, or ``None``; success comes first."""
+        program = self._program
+        if any(matches(pattern, state) for pattern in program.success):
+            return Conclusion("success", "")
+        for pattern in program.failure:
+            if matches(pattern, state):
+                return Conclusion("failure", program.reasons.get(pattern, ""))
+        return None
+
+    def final(self, state: str, *, changed: bool, is_done: bool) -> str:
+        """Return the program's own predicate at the end of its policy.
+
+        A program without rewardable members succeeds when its last action is quiescent. One that
+        states its success achieves nothing else.
+
+        Args:
+            state: Last state.
+            changed: True if the last transition changed the state.
+            is_done: True if the program was rewarded, and a reward does not end it.
+        """
+        if self._program.success:
+            return "-"
+        if is_done:
+            return "1"
+        leads = (lead for some in self._levels.leads.values() for lead in some)
+        rewardable = any(lead.earners for lead in leads)
+        return "1" if changed and not rewardable and "1" in state else "-"
