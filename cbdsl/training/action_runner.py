@@ -57,7 +57,7 @@ class ActionRunner:
         self._actions = {each.name: each for each in actions}
         self._between, self._longest = between, longest
         self._observer = observer or EpisodeObserver()
-        self._runners: dict[str, Runner] = {}
+        self._runners: dict[tuple[str, tuple[str, ...]], Runner] = {}
         self._last: Runner | None = None
         self._turns = 0
 
@@ -90,6 +90,12 @@ class ActionRunner:
             self._last = None
             return ActionOutcome(name, ending=str(error), failed=name != NOOP)
         return replace(outcome, ahead=ahead, sim_seconds=outcome.sim_seconds + seconds)
+
+    def replay(self, name: str) -> None:
+        """Count an action of an earlier process, so that marks take turns as if it had gone on."""
+        action = self.known([name]).get(name)
+        if action is not None and action.marks:
+            self._turns += 1
 
     def look(self, known: Sequence[str], seed: int) -> dict[str, Features]:
         """Set the world up again, bring the robot back, and read the features of each action.
@@ -159,14 +165,16 @@ class ActionRunner:
         return ahead, result.sim_seconds
 
     def _runner(self, name: str, program: CheckedProgram, observed: Sequence[Resource]) -> Runner:
-        if name not in self._runners:
+        # An action that was found as a mark runs for itself, too, and then observes other signals.
+        key = name, tuple(each.name for each in observed)
+        if key not in self._runners:
             program = program._replace(
                 episode_time=min(self._longest, program.episode_time or self._longest)
             )
-            self._runners[name] = Runner(
+            self._runners[key] = Runner(
                 self._robot, self._kinematics, program, self._backend, observed=observed
             )
-        return self._runners[name]
+        return self._runners[key]
 
     def _run(
         self, runner: Runner, seed: int, reader: FeatureReader | None, *, undisturbed: bool

@@ -61,6 +61,7 @@ class ExplorationWork(ActionWork):
             elif len(self.finished) < self._course.count:
                 self._require_known(row, journal, line)
                 self.note(row)
+                self.runner.replay(row.action)
             else:
                 return
 

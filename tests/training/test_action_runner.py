@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.learning.catalogs.model_exploration import ModelConstants, ModelExploration
 from cbdsl.robot.resources import resources
+from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.training.action_runner import ActionRunner
@@ -44,25 +46,33 @@ def inspection(checked: Checked, dexter: RobotDocument) -> Explorable:
 
 
 @pytest.fixture
-def inspect(
+def runner(
     inspection: Explorable,
     checked: Checked,
     dexter: RobotDocument,
     kinematics: Kinematics,
     urdf: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> Inspect:
+) -> Callable[..., ActionRunner]:
+    """Return a function that makes a runner of an inspection."""
+
+    def make(*actions: Explorable) -> ActionRunner:
+        return ActionRunner(
+            dexter,
+            kinematics,
+            KinematicBackend(dexter, urdf),
+            stage_named("table_right"),
+            actions or [inspection],
+            checked("let_go"),
+            5.0,
+        )
+
+    return make
+
+
+@pytest.fixture
+def inspect(runner: Callable[..., ActionRunner], monkeypatch: pytest.MonkeyPatch) -> Inspect:
     """Return a function that runs an open inspection whose episode ends as given."""
-    backend = KinematicBackend(dexter, urdf)
-    runner = ActionRunner(
-        dexter,
-        kinematics,
-        backend,
-        stage_named("table_right"),
-        [inspection],
-        checked("let_go"),
-        5.0,
-    )
+    made = runner()
 
     def act(*, rewarded: bool, seconds: float) -> ActionOutcome:
         def episode(_: Any, reader: FeatureReader, *rest: Any, **options: Any) -> EpisodeResult:
@@ -72,9 +82,9 @@ def inspect(
                 "visualinspect", "", "", 0, rewarded, (), (), 0, 1.0, 1.0, "", "an ending"
             )
 
-        monkeypatch.setattr(runner, "_episode", lambda action, reader, *_: episode(action, reader))
-        monkeypatch.setattr(runner, "_come_back", lambda *_, **__: ({}, 0.0))
-        return runner.run("visualinspect", ["visualinspect"], 1)
+        monkeypatch.setattr(made, "_episode", lambda action, reader, *_: episode(action, reader))
+        monkeypatch.setattr(made, "_come_back", lambda *_, **__: ({}, 0.0))
+        return made.run("visualinspect", ["visualinspect"], 1)
 
     return act
 
@@ -108,3 +118,54 @@ def test_inspect_counts_each_execution_under_the_open_action(
     assert (affordance.tried, affordance.successes) == (20, round(20 * share))
     others = [each for name, each in exploration.affordances.items() if name != "visualinspect"]
     assert sum(each.tried for each in others) == 0
+
+
+@pytest.mark.parametrize("interrupted_after", range(5))
+def test_marks_take_the_same_turns_in_a_resumed_exploration(
+    interrupted_after: int,
+    inspection: Explorable,
+    runner: Callable[..., ActionRunner],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    blue = inspection.marks["blue"]
+    names = ("blue", "green", "red")
+    marks = {name: replace(blue, name=f"visualinspect_{name}") for name in names}
+    opened = replace(inspection, marks=marks)
+    turns: list[str] = []
+
+    def going_on() -> ActionRunner:
+        made = runner(opened)
+
+        def episode(own: Explorable, *_: object) -> EpisodeResult:
+            turns.append(own.name)
+            return EpisodeResult("", "", "", 0, False, (), (), 0, 1.0, 1.0, "", "")
+
+        monkeypatch.setattr(made, "_episode", episode)
+        monkeypatch.setattr(made, "_come_back", lambda *_, **__: ({}, 0.0))
+        return made
+
+    actions = ["visualinspect", "noop", *["visualinspect"] * 3]
+    current = going_on()
+    for number, action in enumerate(actions):
+        if number == interrupted_after:
+            current = going_on()
+            for earlier in actions[:number]:
+                current.replay(earlier)
+        current.run(action, ["visualinspect"], number)
+    assert turns == [f"visualinspect_{name}" for name in (*names, "blue")]
+
+
+def test_inspection_observes_marks_that_ran_as_actions_before(
+    inspection: Explorable, runner: Callable[..., ActionRunner], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, observed = runner(), []
+
+    def run(used: Runner, *_: object, **__: object) -> EpisodeResult:
+        observed.append({each.name for each in used.observed})
+        return EpisodeResult("", "", "", 0, False, (), (), 0, 1.0, 1.0, "", "")
+
+    monkeypatch.setattr(made, "_run", run)
+    monkeypatch.setattr(made, "_come_back", lambda *_, **__: ({}, 0.0))
+    for name in (HUE, "visualinspect"):
+        made.run(name, ["visualinspect", HUE], 1)
+    assert {each.name for each in inspection.observed} <= observed[1]
