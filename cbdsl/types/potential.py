@@ -58,6 +58,7 @@ class PotentialType(NamedTuple):
             a gradient.
         compares: Type name of its reference; ``None`` for the feedback's type.
         task: Type name of its error, gain and bounds; ``None`` for the feedback's type.
+        total: True if it is defined for all values of its signals.
     """
 
     name: str
@@ -73,6 +74,7 @@ class PotentialType(NamedTuple):
     field: bool = False
     compares: str | None = None
     task: str | None = None
+    total: bool = False
 
     @property
     def scalar(self) -> bool:
@@ -116,6 +118,7 @@ _BUILT_IN = (
             _MET, _MET, _MET, _MET, "bounded errors, turned by less than half a turn"
         ),
         implementation="cbdsl.control.potentials.spring:build",
+        total=True,
     ),
     *(
         PotentialType(
@@ -130,6 +133,7 @@ _BUILT_IN = (
                 _NOT_MET, _NOT_MET, _MET, _NOT_MET, "bounds, beside which all values are minima"
             ),
             implementation=f"cbdsl.control.potentials.bound:{builder}",
+            total=True,
         )
         for name, builder in (("at_most", "build_upper"), ("at_least", "build_lower"))
     ),
@@ -159,6 +163,7 @@ _BUILT_IN = (
         residual=True,
         navigation=Navigation(_MET, _MET, _MET, _MET, "between the joint limits"),
         implementation="cbdsl.control.potentials.range:build",
+        total=True,
     ),
     PotentialType(
         "manipulability",
@@ -229,11 +234,8 @@ class PotentialTable(Mapping[str, PotentialType]):
 
     def __init__(self) -> None:
         self._built_in = {potential.name: potential for potential in _BUILT_IN}
-        # These places only reserve the names against packages. They are never imported, because
-        # ``__getitem__`` returns built-in potentials first.
-        places = {name: f"{__name__}:{name}" for name in self._built_in}
         self.registry: Registry[PotentialType] = Registry(
-            "potential", "cbdsl.potentials", places, _validate
+            "potential", "cbdsl.potentials", {}, _validate, self._built_in
         )
 
     def __getitem__(self, name: str) -> PotentialType:

@@ -30,6 +30,7 @@ class Registry(Generic[Entry]):
         builtins: Places of the built-in entries, ``module:attribute`` by name.
         validate: Function that returns the entry from its name and the imported object; raises
             PluginError for an object that breaks the contract.
+        made: Built-in entries that need no import, by name.
     """
 
     def __init__(
@@ -38,9 +39,12 @@ class Registry(Generic[Entry]):
         group: str,
         builtins: Mapping[str, str],
         validate: Callable[[str, Any], Entry],
+        made: Mapping[str, Entry] | None = None,
     ) -> None:
         self.noun, self.group = noun, group
-        self._builtins, self._validate = dict(builtins), validate
+        self._made, self._validate = dict(made or {}), validate
+        # An entry without an import has no place; its name is still reserved against packages.
+        self._builtins = {**dict.fromkeys(self._made, ""), **builtins}
         self._loaded: dict[str, Entry] = {}
         self._faulty: dict[str, PluginError] = {}
         self._offers: dict[str, list[EntryPoint]] | None = None
@@ -135,6 +139,8 @@ class Registry(Generic[Entry]):
         self._loaded, self._faulty, self._offers = {}, {}, None
 
     def _load(self, name: str) -> Entry:
+        if name in self._made:
+            return self._made[name]
         if name in self._builtins:
             module, _, attribute = self._builtins[name].partition(":")
             return self._validate(name, getattr(import_module(module), attribute))

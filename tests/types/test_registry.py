@@ -126,3 +126,22 @@ def test_built_in_entries_cost_no_metadata() -> None:
         "assert 'importlib.metadata' in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_built_in_entries_without_import_are_found_like_all_others(folder: Path) -> None:
+    registry = Registry("number", GROUP, {"pi": "math:pi"}, _number, {"half": 0.5})
+    assert registry.names() == ("half", "pi") and registry.is_builtin("half")
+    assert registry.get("half") == 0.5 and list(registry.all()) == ["half", "pi"]
+    registry.refresh()
+    assert registry.get("half") == 0.5
+    write_package(folder, "greek", {GROUP: {"half": "greek:half"}}, greek="half = 1.5")
+    registry.refresh()
+    assert registry.get("half") == 0.5
+    (fault,) = registry.faults()
+    assert "this name is built in" in str(fault)
+
+
+def test_registry_of_potentials_returns_the_built_in_ones() -> None:
+    from cbdsl.types.potential import POTENTIALS
+
+    assert POTENTIALS.registry.all() == dict(POTENTIALS)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cbdsl.checking.knowledge.impossible_states import is_always_defined
+from cbdsl.checking.knowledge.impossible_states import is_mostly_defined
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.diagnostics.outcome import Unknown
@@ -145,4 +145,4 @@ def _takes_over(above: Controller, below: Controller) -> bool:
     """Return whether the upper controller may be undefined while the lower one is defined."""
     if above.onset is not None or above.requires != below.requires:
         return True
-    return above.feedback != below.feedback and not is_always_defined(above)
+    return above.feedback != below.feedback and not is_mostly_defined(above)

@@ -14,8 +14,8 @@ from cbdsl.yaml_text.source_map import SourceMap
 
 # The predicate - stands for a potential that cannot be computed, because a signal is undefined
 # (Eq 4.1). Joints, kinematics, constants and drawn references have a value in every tick, while a
-# camera may lose its object. Only residuals count as computable for any value of their signals:
-# other potentials have smaller domains, such as the free space of a harmonic function.
+# camera may lose its object. Potentials have smaller domains, too, such as the free space of a
+# harmonic function, or all points but the tip's own for ``look_at``.
 _ALWAYS_KNOWN = frozenset({Origin.PROPRIOCEPTION, Origin.KINEMATICS, Origin.CONSTANT, Origin.MODEL})
 
 
@@ -24,11 +24,16 @@ def reads_what_is_known(controller: Controller) -> bool:
     return all(resource.origin in _ALWAYS_KNOWN for resource in controller.resources)
 
 
-def is_always_defined(controller: Controller) -> bool:
-    """Return whether the potential of a controller can certainly be computed at any time."""
+def is_mostly_defined(controller: Controller) -> bool:
+    """Return whether a controller has a residual at any time, but for single values of signals."""
     waits = (controller.standoff, controller.requires, controller.onset)
     is_residual = POTENTIALS[controller.potential].residual
     return is_residual and not any(waits) and reads_what_is_known(controller)
+
+
+def is_always_defined(controller: Controller) -> bool:
+    """Return whether the potential of a controller can certainly be computed at any time."""
+    return POTENTIALS[controller.potential].total and is_mostly_defined(controller)
 
 
 def check_possible(
