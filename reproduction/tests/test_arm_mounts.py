@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import importlib
-from dataclasses import replace
+from dataclasses import astuple, replace
 from math import radians
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -156,6 +157,13 @@ def test_interrupted_search_of_mounts_resumes_with_the_same_result(
     picture = modules("mount_map").svg(parts)
     root = ElementTree.fromstring(picture)
     assert root.tag.endswith("svg") and ">today's</text>" in picture
+
+
+def test_search_of_mounts_without_a_spread_begins_near_the_mount_of_today(modules: Any) -> None:
+    search, mounts = modules("search_mounts"), modules("arm_mount")
+    drawn = search._draw(1, [SimpleNamespace(mount={})], 0, 10, 7)
+    assert isinstance(drawn, mounts.ArmMount) and drawn != mounts.TODAY
+    assert np.abs(np.subtract(astuple(drawn), astuple(mounts.TODAY))).max() < 2
 
 
 def test_the_score_prefers_near_hands_and_keeps_reach(modules: Any) -> None:

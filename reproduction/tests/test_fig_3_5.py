@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl_reproduction.chapter_3.fig_3_5 import _force_errors, run
-from cbdsl_reproduction.chapter_3.inspection import InspectionRun
+from cbdsl_reproduction.chapter_3.fig_3_5 import _force_errors, _quantities, run
+from cbdsl_reproduction.chapter_3.inspection import InspectionRun, Look
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.quantity import Verdict
 
@@ -22,6 +22,16 @@ def test_forces_are_kept_within_a_tenth_and_a_box_without_any_is_not_held() -> N
     assert astray.verdict is not Verdict.REPRODUCED and astray.note.startswith("30 of 60")
     dropped = _force_errors(kept[:30] + [pressed()] * 30)
     assert dropped.verdict is not Verdict.REPRODUCED and dropped.note.startswith("30 of 60")
+
+
+def test_ratios_compare_the_ends_of_the_same_trial() -> None:
+    """Leave out the first trial, whose box was never in both hands."""
+    picture = np.zeros((1, 1, 3), np.uint8)
+    table = [Look(picture, 0.5, phi) for phi in (100.0, 2.0, 4.0)]
+    runs = [InspectionRun(), InspectionRun(phis=[1.0, 0.5]), InspectionRun(phis=[2.0, 1.0])]
+    ours = {each.name: each.ours for each in _quantities(table, runs, seed=1)}
+    assert ours["φ_l on the table by φ_l, held"] == pytest.approx(2.0)
+    assert ours["φ_l on the table by φ_l, optimum"] == pytest.approx(4.0)
 
 
 @pytest.mark.slow

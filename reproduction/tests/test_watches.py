@@ -198,7 +198,8 @@ def test_pick_and_place_counts_an_object_left_on_the_pad(
     assert not concluded(watch, outcome="failure").outcomes["placed"]
 
 
-@pytest.mark.parametrize(("ticks", "is_false"), [(6, False), (7, True)])
+# The transition is in the tick after the last noted one, which has not been noted yet.
+@pytest.mark.parametrize(("ticks", "is_false"), [(5, False), (6, True)])
 def test_pick_and_place_doubts_a_reward_after_the_last_contact(ticks: int, is_false: bool) -> None:
     world = World("cube", "pad")
     world.loads["cube"] = {"pad"}
@@ -209,6 +210,15 @@ def test_pick_and_place_doubts_a_reward_after_the_last_contact(ticks: int, is_fa
         watch.note(None)
     watch.hear(reward("pick_and_place", "place"))
     assert concluded(watch).outcomes["rewarded without contact"] == is_false
+
+
+def test_pick_and_place_believes_a_reward_in_the_tick_of_the_first_contact() -> None:
+    world = World("cube", "pad")
+    watch = watch_of(pick_and_place.JUDGE, pick_and_place._Pad, world, _CUBE)
+    watch.note(None)
+    world.loads["cube"] = {"pad"}
+    watch.hear(reward("pick_and_place", "place"))
+    assert not concluded(watch).outcomes["rewarded without contact"]
 
 
 @pytest.mark.parametrize(
@@ -252,6 +262,22 @@ def test_watch_of_both_hands_doubts_a_reward_of_one_hand(
     assert outcomes["lifted"] == (not is_false)
     world.loads["ball"] = {"table"}
     assert not concluded(watch).outcomes["lifted"]
+
+
+@pytest.mark.parametrize(("ticks", "is_false"), [(0, False), (5, False), (6, True), (None, False)])
+def test_watch_of_both_hands_doubts_a_reward_after_the_last_contact(
+    ticks: int | None, is_false: bool
+) -> None:
+    """Leave the object for some ticks, or touch it first in the tick of the reward."""
+    world = World("ball")
+    watch = watch_of(both_hands.JUDGE, both_hands._Hands, world)
+    world.cells["ball"] = RIGHT | LEFT if ticks is not None else frozenset()
+    watch.note(None)
+    world.cells["ball"] = RIGHT | LEFT if ticks is None else frozenset()
+    for _ in range(ticks or 0):
+        watch.note(None)
+    watch.hear(reward("take_with_both", "squeeze"))
+    assert concluded(watch).outcomes["rewarded without contact"] == is_false
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from functools import partial
-from itertools import groupby
+from functools import partial, reduce
+from itertools import chain, groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -284,14 +284,16 @@ def _connected(regions: list[Region]) -> Regions:
     """Merge regions that overlap in an image; return them with the largest first."""
     if len(regions) == 1:
         return (regions[0],)
-    apart: list[Region] = []
+    # In an image, touching silhouettes of one colour are one connected region. Silhouettes are
+    # compared one by one: the ellipse of a union also covers places where nothing is, so that the
+    # result would depend on the order.
+    parts: list[list[Region]] = []
     for region in regions:
-        # In an image, touching silhouettes of one colour are one connected region.
-        for other in [each for each in apart if _overlap(each, region)]:
-            apart.remove(other)
-            region = _union(region, other)
-        apart.append(region)
-    return tuple(sorted(apart, key=lambda each: -each.area)[:MOST_REGIONS])
+        joined = [part for part in parts if any(_overlap(each, region) for each in part)]
+        parts = [part for part in parts if not any(part is each for each in joined)]
+        parts.append([*chain(*joined), region])
+    merged = (reduce(lambda union, each: _union(each, union), part) for part in parts)
+    return tuple(sorted(merged, key=lambda each: -each.area)[:MOST_REGIONS])
 
 
 def _overlap(one: Region, other: Region) -> bool:

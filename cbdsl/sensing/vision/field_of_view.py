@@ -94,7 +94,10 @@ class FieldOfView:
         return True in self.views(position, radius)
 
     def hidden_by(self, ball: Ball, others: Iterable[Ball]) -> list[bool]:
-        """Return for each camera whether another ball occludes at least half of a ball."""
+        """Return for each camera whether another ball occludes a ball within half its radius.
+
+        A large ball then covers a fifth of it or more, which shifts the centroid of its region.
+        """
         balls, (position, radius) = list(others), ball
         return [
             any(_is_before(eye, centre, size + radius / 2, position) for centre, size in balls)

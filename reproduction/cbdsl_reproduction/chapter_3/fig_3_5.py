@@ -103,13 +103,14 @@ def _quantities(
     }
     for place, claim in _DEPTH.items():
         yield mean_of(claim, [look.depth for look in looks[place]], seed=seed)
-    table = [look.phi for look in on_table]
-    ends = {
-        "held": [each.phis[0] for each in in_hands if each.phis],
-        "optimum": [each.phis[-1] for each in in_hands if each.phis],
-    }
-    for place, values in ends.items():
-        yield _ratio(place, table, values, seed)
+    for place, tick in (("held", 0), ("optimum", -1)):
+        # A trial whose box was never in both hands has no second end.
+        ends = [
+            (look.phi, inspected.phis[tick])
+            for look, inspected in zip(on_table, in_hands, strict=True)
+            if inspected.phis
+        ]
+        yield _ratio(place, ends, seed)
     yield _descents(in_hands)
     yield _force_errors(in_hands)
 
@@ -151,9 +152,8 @@ def _held(in_hands: Sequence[InspectionRun]) -> Quantity:
     return percentage(_HOLDS, held, trials, note=note)
 
 
-def _ratio(place: str, table: Sequence[float], values: Sequence[float], seed: int) -> Quantity:
-    """Return the ratio of phi_l on the table to phi_l at a place as a quantity."""
-    ends = list(zip(table, values, strict=False))
+def _ratio(place: str, ends: Sequence[tuple[float, float]], seed: int) -> Quantity:
+    """Return the ratio of phi_l on the table to phi_l at a place, of the same trials."""
     return Quantity(
         _RATIO[place],
         _quotient(ends),

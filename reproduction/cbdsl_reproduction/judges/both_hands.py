@@ -38,16 +38,23 @@ class _Hands(Watch):
         self._tick += 1
         if self._start is None:
             self._start = self._height()
-        for hand, _ in self.truth.touching(self._thing):
-            self._last_touch[hand] = self._tick
+        self._feel(self._tick)
         forces = self.truth.fingertip_forces().values()
         self._force = max(self._force, *(float(np.linalg.norm(force)) for force in forces))
 
     def hear(self, transition: Transition) -> None:
-        """Take in a change of state; rewards of programs that it uses are not for the hands."""
+        """Take in a change of state, which comes before its tick.
+
+        Rewards of programs that it uses are not for the hands.
+        """
         if transition.depth == 0 and "squeeze" in transition.rewarding:
+            self._feel(self._tick + 1)
             oldest = min(self._last_touch.values())
             self._is_false |= self._tick + 1 - oldest > _BEFORE
+
+    def _feel(self, tick: int) -> None:
+        for hand, _ in self.truth.touching(self._thing):
+            self._last_touch[hand] = tick
 
     def conclude(self, result: EpisodeResult) -> EpisodeVerdict:
         """Return whether the object is in both hands."""

@@ -37,13 +37,17 @@ class _Pad(Watch):
         if self._upright is None:
             self._upright = self.truth.rotation(self._thing)[:, 2]
         self._tick += 1
-        if self.truth.pressing(self._thing):
-            self._last_touch = self._tick
+        self._feel(self._tick)
 
     def hear(self, transition: Transition) -> None:
-        """Take in a change of state."""
+        """Take in a change of state, which comes before its tick."""
         if transition.program == "pick_and_place" and transition.reward:
-            self._is_false |= self._tick - self._last_touch > _BEFORE
+            self._feel(self._tick + 1)
+            self._is_false |= self._tick + 1 - self._last_touch > _BEFORE
+
+    def _feel(self, tick: int) -> None:
+        if self.truth.pressing(self._thing):
+            self._last_touch = tick
 
     def conclude(self, result: EpisodeResult) -> EpisodeVerdict:
         """Return whether the object is on the pad."""

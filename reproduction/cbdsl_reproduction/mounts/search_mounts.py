@@ -94,13 +94,14 @@ def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, see
     if number <= spread:
         return spread_over(spread, np.random.default_rng(seed))[number - 1]
     best = best_of(done, _PARENTS)
-    parent = best[number % len(best)]
+    # Without mounts all over the bounds, the first one is near today's.
+    parent = ArmMount(**best[number % len(best)].mount) if best else TODAY
     # The spread shrinks geometrically with the number of mounts, from a wide search to a local one.
     # Generators depend on seed and number alone, so that a continued search draws the same mounts.
     wide, narrow = _WIDTHS
     part = (number - spread) / max(1, trials - spread)
     width = wide * (narrow / wide) ** part
-    return near(ArmMount(**parent.mount), width, np.random.default_rng((seed, number)))
+    return near(parent, width, np.random.default_rng((seed, number)))
 
 
 def lines(shown: Sequence[MountTrial], today: MountTrial) -> Iterator[str]:

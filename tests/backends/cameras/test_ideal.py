@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection, Mapping
 
@@ -74,3 +75,15 @@ def test_region_that_touches_two_others_joins_them() -> None:
     apart, bridge = [region(30, 10), region(70, 10)], region(50, 11)
     assert len(_connected(apart)) == 2
     assert len(_connected([*apart, bridge])) == 1
+
+
+def test_regions_are_connected_alike_in_any_order() -> None:
+    """Compare silhouettes, not the ellipse of two that are connected, which is longer."""
+    row = [region(20, 10), region(39, 10), region(62, 10), region(92, 10)]
+    image = np.zeros((100, 200), np.uint8)
+    for each in row:
+        cv2.circle(image, (round(each.column), 50), 10, 255, -1)
+    assert len(connected_regions(image, 12)) == 3
+    for order in itertools.permutations(row):
+        areas = [each.area for each in _connected(list(order))]
+        assert areas == [row[0].area * 2, row[0].area, row[0].area]
