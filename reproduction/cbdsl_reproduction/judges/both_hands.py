@@ -38,7 +38,7 @@ class _Hands(Watch):
         self._tick += 1
         if self._start is None:
             self._start = self._height()
-        self._feel(self._tick)
+        self._note_contact(self._tick)
         forces = self.truth.fingertip_forces().values()
         self._force = max(self._force, *(float(np.linalg.norm(force)) for force in forces))
 
@@ -48,11 +48,11 @@ class _Hands(Watch):
         Rewards of programs that it uses are not for the hands.
         """
         if transition.depth == 0 and "squeeze" in transition.rewarding:
-            self._feel(self._tick + 1)
+            self._note_contact(self._tick + 1)
             oldest = min(self._last_touch.values())
             self._is_false |= self._tick + 1 - oldest > _BEFORE
 
-    def _feel(self, tick: int) -> None:
+    def _note_contact(self, tick: int) -> None:
         for hand, _ in self.truth.touching(self._thing):
             self._last_touch[hand] = tick
 

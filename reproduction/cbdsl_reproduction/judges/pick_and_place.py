@@ -37,15 +37,15 @@ class _Pad(Watch):
         if self._upright is None:
             self._upright = self.truth.rotation(self._thing)[:, 2]
         self._tick += 1
-        self._feel(self._tick)
+        self._note_contact(self._tick)
 
     def hear(self, transition: Transition) -> None:
         """Take in a change of state, which comes before its tick."""
         if transition.program == "pick_and_place" and transition.reward:
-            self._feel(self._tick + 1)
+            self._note_contact(self._tick + 1)
             self._is_false |= self._tick + 1 - self._last_touch > _BEFORE
 
-    def _feel(self, tick: int) -> None:
+    def _note_contact(self, tick: int) -> None:
         if self.truth.pressing(self._thing):
             self._last_touch = tick
 
