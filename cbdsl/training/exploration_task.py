@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -18,22 +19,19 @@ from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
 from cbdsl.learning.catalogs.exploration_observer import ExplorationObserver
 from cbdsl.learning.catalogs.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.storage.atomic_file import remove_leftovers
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.action_work import FinishedAction
 from cbdsl.training.catalog_provenance import catalog_provenance, identity_of
+from cbdsl.training.catalog_task import CatalogTask
 from cbdsl.training.catalog_writing import catalog_document
 from cbdsl.training.explorable import Explorable
 from cbdsl.training.exploration_phases import Phase, open_journal
 from cbdsl.training.exploration_work import ExplorationWork, Forms
-from cbdsl.training.task_files import exploration_journal, require_free
-from cbdsl.training.task_loop import run_items
 from cbdsl.training.task_observer import TaskObserver
-from cbdsl.yaml_text.writer import write
 
 
 @dataclass(frozen=True)
-class ExplorationTask:
+class ExplorationTask(CatalogTask):
     """Exploration with all its inputs; it can be sent to another process.
 
     Attributes:
@@ -74,21 +72,6 @@ class ExplorationTask:
     cameras: str | None = None
     joins: bool = False
 
-    @property
-    def journal(self) -> Path:
-        """File of its actions, each written when it is over."""
-        return exploration_journal(self.path)
-
-    def require_ready(self, *, resume: bool) -> None:
-        """Check that the outcome can be written, before the robot moves.
-
-        Raises:
-            JournalError: If other files are in the way.
-            OSError: If the files cannot be written.
-        """
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        require_free(self.journal, [self.path], "explored", resume=resume)
-
     def run(
         self,
         body: Backend,
@@ -124,12 +107,7 @@ class ExplorationTask:
             work = ExplorationWork(
                 self._begin, self.actions, runner, journal, self, body.renderer, watcher
             )
-            run_items(work, journal.append, observer or TaskObserver())
-            document = self._document(work)
-            # The locked journal ensures that no other process writes the catalog now.
-            remove_leftovers(self.path)
-            write(document, self.path)
-        return document
+            return self.complete(work, journal.append, observer, partial(self._document, work))
 
     def _begin(self, forms: Forms) -> Exploration:
         """Return the exploration before its first action."""

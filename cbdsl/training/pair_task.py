@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from cbdsl.backends.backend import Backend, BackendError
@@ -16,22 +17,19 @@ from cbdsl.learning.catalogs.action_outcome import ACTIONS, NOOP, ActionOutcome
 from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
 from cbdsl.learning.catalogs.pair_exploration import PairExploration
 from cbdsl.runtime.episode import EpisodeError, Runner
-from cbdsl.storage.atomic_file import remove_leftovers
 from cbdsl.storage.journal import Journal
 from cbdsl.training.action_work import ActionWork, FinishedAction
 from cbdsl.training.catalog_provenance import catalog_provenance, identity_of
+from cbdsl.training.catalog_task import CatalogTask
 from cbdsl.training.explorable_pair import ExplorablePair
 from cbdsl.training.impedance_gauge import ImpedanceGauge
 from cbdsl.training.known_relations import KnownRelations, impedance_section
 from cbdsl.training.meta_catalog_writing import meta_catalog_document
-from cbdsl.training.task_files import exploration_journal, require_free
-from cbdsl.training.task_loop import run_items
 from cbdsl.training.task_observer import TaskObserver
-from cbdsl.yaml_text.writer import write
 
 
 @dataclass(frozen=True)
-class PairTask:
+class PairTask(CatalogTask):
     """Exploration of pairs, with all its inputs.
 
     The experimenter shows the two requested objects in a world that is set up again. The robot is
@@ -72,21 +70,6 @@ class PairTask:
         """Number of this exploration among several with its seed."""
         return 0
 
-    @property
-    def journal(self) -> Path:
-        """File of its actions, each written when it is over."""
-        return exploration_journal(self.path)
-
-    def require_ready(self, *, resume: bool) -> None:
-        """Check that the outcome can be written, before the robot moves.
-
-        Raises:
-            JournalError: If other files are in the way.
-            OSError: If the files cannot be written.
-        """
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        require_free(self.journal, [self.path], "explored", resume=resume)
-
     def run(
         self,
         body: Backend,
@@ -111,21 +94,21 @@ class PairTask:
             # without the robot.
             for outcome in journal.rows[: self.count]:
                 work.note(outcome)
-            run_items(work, journal.append, observer or TaskObserver())
-            document = meta_catalog_document(
-                self.path.stem,
-                self.things,
-                self.relation,
-                self.pairs,
-                work.exploration,
-                self._impedances(work.finished),
-                self._provenance(body.renderer, len(work.finished)),
-            )
-            if self.relations is not None:
-                document = document.model_copy(update={"relations": self.relations.name})
-            remove_leftovers(self.path)
-            write(document, self.path)
-        return document
+            return self.complete(work, journal.append, observer, partial(self._document, work))
+
+    def _document(self, work: PairWork) -> MetaCatalogDocument:
+        document = meta_catalog_document(
+            self.path.stem,
+            self.things,
+            self.relation,
+            self.pairs,
+            work.exploration,
+            self._impedances(work.finished),
+            self._provenance(work.renderer, len(work.finished)),
+        )
+        if self.relations is None:
+            return document
+        return document.model_copy(update={"relations": self.relations.name})
 
     def _provenance(self, renderer: str, actions: int) -> CatalogProvenance:
         own = catalog_provenance(self, self.pairs, "explore_pairs", renderer, actions)
