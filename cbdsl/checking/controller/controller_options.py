@@ -101,7 +101,7 @@ def _check_end(context: ProgramContext, steps: Steps, hand: str, diagnostics: Di
     for cell in robot.load_cells[hand].values():
         joint = model.joints.get(cell.joint)
         if joint is not None and is_of_another_kind(node.value, joint.unit):
-            diagnostics.add("CB590", node.place, name=cell.joint, unit=joint.unit)
+            diagnostics.add("CB590", node.place, text=node.value, name=cell.joint, unit=joint.unit)
             return
 
 

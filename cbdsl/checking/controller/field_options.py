@@ -194,7 +194,8 @@ class _Field:
         cells = [math.floor((b - a) / spacing + 1e-9) for a, b in zip(lower, upper, strict=True)]
         if min(cells) < 2:
             axis = cells.index(min(cells))
-            self._add("CB525", problem=f"the workspace has less than two cells along axis {axis}")
+            problem = f"the workspace has less than two cells along axis {axis}; reduce the spacing"
+            self._add("CB525", problem=problem)
         elif math.prod(n + 1 for n in cells) > _MOST_VERTICES:
             vertices = " x ".join(str(n + 1) for n in cells)
             self._add("CB526", "spacing", vertices=vertices)
@@ -236,7 +237,7 @@ class _Field:
             return
         for axis, (a, b) in enumerate(zip(lower, upper, strict=True)):
             if a > b:
-                problem = f"the box ends before it begins along axis {axis}"
+                problem = f"the box ends before it begins along axis {axis}; exchange its corners"
                 self._add("CB525", "obstacles", i, problem=problem)
                 return
         if obstacle.shaft is not None and self._size < 2:

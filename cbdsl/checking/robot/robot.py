@@ -398,7 +398,9 @@ class _ModelCheck:
         for joint in effector.joints:
             limits = self._model.joints.get(joint)
             if limits is not None and is_of_another_kind(node.value, limits.unit):
-                self._diagnostics.add("CB390", node.place, name=joint, unit=limits.unit)
+                self._diagnostics.add(
+                    "CB390", node.place, text=node.value, name=joint, unit=limits.unit
+                )
                 return
 
     def _postures(self, name: str, effector: Effector) -> None:
@@ -410,7 +412,9 @@ class _ModelCheck:
                 node = self._source.node(("effectors", name, "postures", posture, i))
                 unit = limits.unit
                 if is_of_another_kind(node.value, unit):
-                    self._diagnostics.add("CB390", node.place, name=joint, unit=unit)
+                    self._diagnostics.add(
+                        "CB390", node.place, text=node.value, name=joint, unit=unit
+                    )
                 elif not limits.lower <= angle <= limits.upper:
                     span = limits.lower, limits.upper
                     limits_text = limit_details(node.value, angle, span, unit)

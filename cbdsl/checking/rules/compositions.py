@@ -75,7 +75,7 @@ class Compositions:
                 self._refuse_part(key, i, part, f"is not a part of '{key}'", list(rewarded))
         if parts and not any(rewarded.get(part, True) for part in parts):
             names = [name for name, is_rewarded in rewarded.items() if is_rewarded]
-            self._refuse_part(key, 0, parts[0], "reads nothing of the environment", names)
+            self._refuse_part(key, 0, parts[0], "reads no heading and no force", names)
 
     def _refuse_part(self, key: str, i: int, part: str, why: str, names: Sequence[str]) -> None:
         place = self._context.source.place("rewards", key, i)

@@ -34,10 +34,10 @@ _EXPECTED = {
     "bool_parsing": "true or false",
 }
 _PROBLEMS = {
-    "greater_than": "it must be greater than {gt:g}",
-    "greater_than_equal": "it must be at least {ge:g}",
-    "less_than": "it must be less than {lt:g}",
-    "less_than_equal": "it must be at most {le:g}",
+    "greater_than": "{given} given, more than {gt:g} required",
+    "greater_than_equal": "{given} given, at least {ge:g} required",
+    "less_than": "{given} given, less than {lt:g} required",
+    "less_than_equal": "{given} given, at most {le:g} allowed",
     "too_short": "{actual_length} given, at least {min_length} required",
     "too_long": "{actual_length} given, at most {max_length} allowed",
 }
@@ -175,7 +175,8 @@ def _special(
             return diagnose("CB205", source.place(*path), problem=problem)
     if error["type"] == "too_long" and (comma := decimal_comma(source.node(path))):
         return diagnose("CB205", source.place(*path), problem=comma)
-    problem = _PROBLEMS.get(error["type"], error["msg"]).format(**context)
+    given = describe(source.node(path).value)
+    problem = _PROBLEMS.get(error["type"], error["msg"]).format(given=given, **context)
     return diagnose("CB208", source.place(*path), problem=problem)
 
 
