@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.documents.schema import SchemaDocument
-from cbdsl.reporting.drawing.catalog_icon import WIDTH as ICON_WIDTH
-from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon, icon_parts
+from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
 from cbdsl.reporting.drawing.policy_graph import policy_graph
 from cbdsl.reporting.drawing.policy_transitions import (
     ABOVE,
@@ -16,13 +15,11 @@ from cbdsl.reporting.drawing.svg import svg
 
 __all__ = [
     "ABOVE",
-    "ICON_WIDTH",
     "Layer",
     "PolicyTransitions",
     "catalog_icon",
     "draw_policy",
     "draw_schema",
-    "icon_parts",
     "policy_transitions",
 ]
 

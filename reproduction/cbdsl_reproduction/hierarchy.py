@@ -24,7 +24,7 @@ class Hierarchy:
 
     def svg(self) -> str:
         """Return the picture as the text of an SVG file."""
-        return catalog_hierarchy(self.nodes)
+        return catalog_hierarchy(self.title, self.nodes)
 
     def data(self) -> dict[str, object]:
         """Return the numbers of rewards and attempts of each affordance, for scripts."""

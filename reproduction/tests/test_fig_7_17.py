@@ -67,7 +67,7 @@ def test_outcome_as_in_the_source_is_reproduced(tmp_path: Path) -> None:
     result = outcome(tmp_path, lifted=False, stands=True)
     assert set(verdicts(result).values()) == {Verdict.REPRODUCED}
     assert [each.name for each in result.charts] == ["fig-7.16", "fig-7.17"]
-    assert result.charts[0].svg().count("<ellipse") == 6
+    assert result.charts[0].svg().count("blob ") == 6
 
 
 def test_lifted_box_and_falling_stack_are_missed(tmp_path: Path) -> None:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl_reproduction.figure import VERMILION, drawing, shade
+
 Floats = NDArray[np.float64]
 
-# Sizes of the picture, px; size of a cell, rad; least shares of the maximum to be drawn, or a peak.
-_SIDE, _GAP, _TOP, _CELL, _SEEN, _PEAK = 420, 50, 44, 0.04, 0.02, 0.1
+# Size of a cell, rad; least shares of the maximum to be drawn, or a peak.
+_CELL, _SEEN, _PEAK = 0.04, 0.02, 0.1
 
 
 @dataclass(frozen=True)
@@ -80,49 +81,21 @@ class PostureDensity:
     def svg(self) -> str:
         """Return the picture as the text of an SVG file."""
         (left, right), (low, high) = self._ends()
-        scale = _SIDE / (right - left)
-        width, height = _SIDE + 2 * _GAP, _TOP + (high - low) * scale + _GAP
-        parts = [
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height:.0f}" '
-            'font-family="sans-serif" font-size="11">',
-            f'<rect width="{width}" height="{height:.0f}" fill="#ffffff"/>',
-            f'<text x="{_GAP}" y="20" font-size="12" font-weight="bold">'
-            f"{escape(self.title)}</text>",
-            *self._cells(scale),
-            *self._frame(scale),
-        ]
-        return "\n".join([*parts, "</svg>", ""])
+        across, down = self.limits
+        grid = self.grid()
+        most = max(float(grid.max(initial=0.0)), np.finfo(float).tiny)
+        shares = np.ma.masked_less(grid / most, _SEEN)
+        with drawing(5.2, 4.4, self.title) as draft:
+            axes = draft.axes
+            shade(axes, "density", shares, (left, low), (_CELL, _CELL), 1.0, cmap="Blues")
+            x, y = self.postures.T
+            dots = axes.scatter(x, y, s=5, color=VERMILION, zorder=2)
+            dots.set_gid("postures")
+            axes.set(xlim=(left, right), ylim=(high, low), aspect="equal")
+            axes.set_xlabel(f"{across}, rad", parse_math=False)
+            axes.set_ylabel(f"{down}, rad; {len(self.postures)} postures", parse_math=False)
+        return draft.svg
 
     def _ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
         first, second = self.limits.values()
         return first, second
-
-    def _cells(self, scale: float) -> Iterator[str]:
-        grid, side = self.grid(), _CELL * scale
-        most = max(float(grid.max(initial=0.0)), np.finfo(float).tiny)
-        for column, row in np.argwhere(grid >= _SEEN * most):
-            yield (
-                f'<rect x="{_GAP + column * side:.1f}" y="{_TOP + row * side:.1f}" '
-                f'width="{side:.2f}" height="{side:.2f}" fill="#0072b2" '
-                f'fill-opacity="{grid[column, row] / most:.2f}"/>'
-            )
-
-    def _frame(self, scale: float) -> Iterator[str]:
-        (left, right), (low, high) = self._ends()
-        tall, (across, down) = (high - low) * scale, self.limits
-        below = _TOP + tall + 14
-        yield (
-            f'<rect x="{_GAP}" y="{_TOP}" width="{_SIDE}" height="{tall:.1f}" fill="none" '
-            'stroke="#888888"/>'
-        )
-        for pan, tilt in self.postures:
-            x, y = _GAP + (pan - left) * scale, _TOP + (tilt - low) * scale
-            yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="1.5" fill="#d55e00"/>'
-        for angle, x in ((left, _GAP), (0.0, _GAP - left * scale), (right, _GAP + _SIDE)):
-            yield f'<text x="{x:.1f}" y="{below:.1f}" text-anchor="middle">{angle:.3g}</text>'
-        for angle, y in ((low, float(_TOP)), (0.0, _TOP - low * scale), (high, _TOP + tall)):
-            yield f'<text x="{_GAP - 4}" y="{y + 4:.1f}" text-anchor="end">{angle:.3g}</text>'
-        yield (
-            f'<text x="{_GAP}" y="{_TOP + tall + 34:.1f}">{escape(across)} to the right, '
-            f"{escape(down)} downwards, rad; {len(self.postures)} postures</text>"
-        )

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from html import escape
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl_reproduction.figure import drawing, shade
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 Floats = NDArray[np.float64]
 
-_COLUMNS, _SIDE, _GAP, _TOP, _CELLS = 5, 130, 14, 44, 18
+_COLUMNS, _CELLS = 5, 18
 
 
 @dataclass(frozen=True)
@@ -40,43 +45,29 @@ class PosturePanels:
     def svg(self) -> str:
         """Return the picture as the text of an SVG file."""
         rows = -(-len(self.panels) // _COLUMNS)
-        width = _COLUMNS * (_SIDE + _GAP) + _GAP
-        height = _TOP + rows * (_SIDE + 2 * _GAP + 8) + _GAP
-        parts = [
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
-            'font-family="sans-serif" font-size="11">',
-            f'<rect width="{width}" height="{height}" fill="#ffffff"/>',
-            f'<text x="{_GAP}" y="20" font-size="12" font-weight="bold">'
-            f"{escape(self.title)}</text>",
-        ]
-        for index, (name, postures) in enumerate(self.panels.items()):
-            left = _GAP + index % _COLUMNS * (_SIDE + _GAP)
-            top = _TOP + index // _COLUMNS * (_SIDE + 2 * _GAP + 8)
-            parts.extend(self._panel(name, postures, left, top))
         first, second = self.limits
-        parts.append(
-            f'<text x="{_GAP}" y="{height - 4}">{escape(first)} to the right, '
-            f"{escape(second)} downwards, over all of their limits</text></svg>"
-        )
-        return "".join(parts)
+        with drawing(7.2, 0.6 + 1.5 * rows, self.title, rows=rows, columns=_COLUMNS) as draft:
+            for axes in draft.panels[len(self.panels) :]:
+                axes.set_axis_off()
+            for axes, (name, postures) in zip(draft.panels, self.panels.items(), strict=False):
+                self._draw(axes, name, postures)
+            words = f"{first} to the right, {second} downwards, over all of their limits"
+            draft.figure.supxlabel(words, size="medium").set_parse_math(False)
+        return draft.svg
 
-    def _panel(self, name: str, postures: Floats, left: int, top: int) -> Iterator[str]:
+    def _draw(self, axes: Axes, name: str, postures: Floats) -> None:
         counted = f"{name}: {len(postures)}" if len(postures) else f"{name}: nothing"
-        yield f'<text x="{left}" y="{top - 4}">{escape(counted)}</text>'
-        yield (
-            f'<rect x="{left}" y="{top}" width="{_SIDE}" height="{_SIDE}" fill="none" '
-            'stroke="#888888"/>'
-        )
+        axes.set_title(counted, parse_math=False, weight="normal")
+        (left, right), (low, high) = self.limits.values()
+        axes.set(xticks=(), yticks=())
+        axes.spines[["top", "right"]].set_visible(True)
         if not len(postures):
             return
-        counts, _, _ = np.histogram2d(
-            postures[:, 0], postures[:, 1], _CELLS, list(self.limits.values())
-        )
-        cell = _SIDE / _CELLS
-        for column, row in np.argwhere(counts > 0):
-            shade = 0.25 + 0.75 * counts[column, row] / counts.max()
-            yield (
-                f'<rect x="{left + column * cell:.1f}" y="{top + row * cell:.1f}" '
-                f'width="{cell:.1f}" height="{cell:.1f}" fill="#0072b2" '
-                f'fill-opacity="{shade:.2f}"/>'
-            )
+        x, y = postures.T
+        counts, _, _ = np.histogram2d(x, y, _CELLS, list(self.limits.values()))
+        # The lightest cell stays visible.
+        cells = np.ma.masked_equal(counts, 0) + counts.max() / 3
+        size = (right - left) / _CELLS, (high - low) / _CELLS
+        darkest = 4 * counts.max() / 3
+        shade(axes, f"cells {name}", cells, (left, low), size, darkest, cmap="Blues")
+        axes.set(xlim=(left, right), ylim=(high, low), aspect="auto")

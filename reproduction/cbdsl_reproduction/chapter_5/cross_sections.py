@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from html import escape
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl_reproduction.figure import BLUE, GREEN, PURPLE, VERMILION, drawing, shade
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 Floats = NDArray[np.float64]
 
-# Scale, px/m; gaps around panels, px; size of a cell and margin around the content, m.
-_SCALE, _GAP, _TOP, _CELL, _MARGIN = 300, 40, 60, 0.02, 0.1
+# Size of a cell and margin around the content, m; least share of the maximum to be drawn.
+_CELL, _MARGIN, _SEEN = 0.02, 0.1, 0.02
 _VIEWS = (("(a) from above", 0, 1), ("(b) from the side", 0, 2))
-_COLORS = ("#0072b2", "#d55e00", "#cc79a7")
+_COLORS = (BLUE, VERMILION, PURPLE)
 
 
 @dataclass(frozen=True)
@@ -71,86 +76,37 @@ class CrossSections:
     def svg(self) -> str:
         """Return the picture as the text of an SVG file."""
         lower, upper = self._corners()
-        left, panels = float(_GAP), list[str]()
-        for title, across, up in _VIEWS:
-            frame = _Section(left, lower[[across, up]], upper[[across, up]])
-            panels.extend(self._panel(frame, title, across, up))
-            left += frame.width + _GAP
-        heights = [upper[up] - lower[up] for _, _, up in _VIEWS]
-        height = _TOP + max(heights) * _SCALE + 2 * _GAP
-        return (
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {left:.0f} {height:.0f}" '
-            'font-family="sans-serif" font-size="11">'
-            f'<rect width="{left:.0f}" height="{height:.0f}" fill="#ffffff"/>'
-            f'<text x="{_GAP}" y="20" font-size="12" font-weight="bold">'
-            f"{escape(self.title)}</text>{''.join(panels)}{''.join(self._legend(height))}</svg>"
-        )
+        with drawing(7.2, 3.8, self.title, columns=len(_VIEWS)) as draft:
+            for axes, (title, across, up) in zip(draft.panels, _VIEWS, strict=True):
+                axes.set_title(title, weight="normal")
+                self._draw(axes, lower[[across, up]], upper[[across, up]], across, up)
+            draft.figure.legend(
+                *draft.axes.get_legend_handles_labels(), loc="outside lower left", ncols=4
+            )
+        return draft.svg
 
     def _corners(self) -> tuple[Floats, Floats]:
         shown = np.concatenate([self.positions, self.outline])
         return shown.min(axis=0) - _MARGIN, shown.max(axis=0) + _MARGIN
 
-    def _panel(self, frame: _Section, title: str, across: int, up: int) -> Iterator[str]:
-        axes = "xyz"
-        yield f'<text x="{frame.left:.1f}" y="{_TOP - 8}">{title}: {axes[across]} to the right, '
-        yield f"{axes[up]} upwards, m</text>"
-        yield from self._cells(frame, across, up)
-        low, high = self.outline[:, [across, up]]
-        yield frame.box(low, high, 'fill="none" stroke="#009e73" stroke-width="2"')
-        for color, own in zip(_COLORS, self.samples.values(), strict=False):
-            for place in own[:, [across, up]]:
-                x, y = frame.at(place)
-                yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2" fill="{color}"/>'
-        yield frame.box(frame.lower, frame.upper, 'fill="none" stroke="#888888"')
-        yield from frame.labels()
+    def _draw(self, axes: Axes, lower: Floats, upper: Floats, across: int, up: int) -> None:
+        from matplotlib.patches import Rectangle
 
-    def _cells(self, frame: _Section, across: int, up: int) -> Iterator[str]:
-        grid = [
-            np.arange(low, high, _CELL) for low, high in zip(frame.lower, frame.upper, strict=True)
-        ]
-        corners = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 2)
-        density = self.density(across, up, corners + _CELL / 2)
+        grid = [np.arange(low, high, _CELL) for low, high in zip(lower, upper, strict=True)]
+        places = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1) + _CELL / 2
+        density = self.density(across, up, places.reshape(-1, 2)).reshape(places.shape[:2])
         most = max(float(density.max(initial=0.0)), np.finfo(float).tiny)
-        for corner, value in zip(corners, density / most, strict=True):
-            if value >= 0.02:
-                upper = np.minimum(corner + _CELL, frame.upper)
-                yield frame.box(corner, upper, f'fill="#000000" fill-opacity="{0.6 * value:.2f}"')
-
-    def _legend(self, height: float) -> Iterator[str]:
-        x = float(_GAP)
+        shares = np.ma.masked_less(density / most, _SEEN)
+        # A grey of half the depth leaves the marks visible.
+        shade(axes, "density", shares, lower.tolist(), (_CELL, _CELL), 2.0, cmap="Greys")
+        low, high = self.outline[:, [across, up]]
+        table = Rectangle((low[0], low[1]), *(high - low), fill=False, edgecolor=GREEN)
+        table.set_label("outline of the table")
+        axes.add_patch(table)
         for color, (name, own) in zip(_COLORS, self.samples.items(), strict=False):
-            yield f'<circle cx="{x:.0f}" cy="{height - 14:.0f}" r="4" fill="{color}"/>'
-            yield f'<text x="{x + 8:.0f}" y="{height - 10:.0f}">{escape(name)}: {len(own)}</text>'
-            x += 130
-        yield f'<text x="{x:.0f}" y="{height - 10:.0f}" fill="#009e73">table</text>'
-
-
-@dataclass(frozen=True)
-class _Section:
-    """Part of a plane in the picture: its left edge, px, and its corners, m, shape (2,)."""
-
-    left: float
-    lower: Floats
-    upper: Floats
-
-    @property
-    def width(self) -> float:
-        return float(self.upper[0] - self.lower[0]) * _SCALE
-
-    def at(self, place: Floats) -> tuple[float, float]:
-        """Return the pixel coordinates of a position, px."""
-        x, y = (place[0] - self.lower[0]) * _SCALE, (self.upper[1] - place[1]) * _SCALE
-        return self.left + float(x), _TOP + float(y)
-
-    def box(self, low: Floats, high: Floats, style: str) -> str:
-        x, y = self.at(np.array((low[0], high[1])))
-        wide, tall = (high - low) * _SCALE
-        return f'<rect x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{tall:.1f}" {style}/>'
-
-    def labels(self) -> Iterator[str]:
-        """Yield the labels of the ends of both axes, rounded to cm."""
-        (x, y), (right, top) = self.at(self.lower), self.at(self.upper)
-        for label, at in ((self.lower[0], x), (self.upper[0], right)):
-            yield f'<text x="{at:.1f}" y="{y + 12:.1f}" text-anchor="middle">{label:.2f}</text>'
-        for label, at in ((self.lower[1], y), (self.upper[1], top)):
-            yield f'<text x="{x - 3:.1f}" y="{at:.1f}" text-anchor="end">{label:.2f}</text>'
+            x, y = own[:, [across, up]].T
+            dots = axes.scatter(x, y, s=9, color=color, label=f"{name}: {len(own)}", zorder=2)
+            dots.set_gid(f"samples {name}")
+        axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), aspect="equal")
+        axes.set_xlabel(f"{'xyz'[across]}, m")
+        axes.set_ylabel(f"{'xyz'[up]}, m")
