@@ -12,22 +12,22 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.api.calibrate import CalibrationOutcome, calibrate
-    from cbdsl.api.calibrate_request import CalibrateRequest
     from cbdsl.api.check import check
     from cbdsl.api.evaluate import SuccessRate, evaluate
     from cbdsl.api.explore import ExplorationOutcome, explore
     from cbdsl.api.explore_pairs import PairExplorationOutcome, explore_pairs
-    from cbdsl.api.explore_pairs_request import ExplorePairsRequest
-    from cbdsl.api.explore_request import ExploreRequest
     from cbdsl.api.learn import LearningOutcome, learn, learn_trials
-    from cbdsl.api.learn_request import LearnRequest
     from cbdsl.api.load import load
     from cbdsl.api.open_robot import OpenRobot, open_robot
     from cbdsl.api.propose_robot import RobotProposal, propose_robot
+    from cbdsl.api.requests.calibrate_request import CalibrateRequest
+    from cbdsl.api.requests.explore_pairs_request import ExplorePairsRequest
+    from cbdsl.api.requests.explore_request import ExploreRequest
+    from cbdsl.api.requests.learn_request import LearnRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.api.run import run
-    from cbdsl.api.run_request import RunRequest
     from cbdsl.api.simulate import SimulatedRobot, simulate
-    from cbdsl.api.truth import Truth
+    from cbdsl.api.simulation.truth import Truth
     from cbdsl.diagnostics.diagnostic import Diagnostic
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.program.transition import Transition
@@ -47,24 +47,24 @@ _HOMES = {
     "evaluate": "cbdsl.api.evaluate",
     "simulate": "cbdsl.api.simulate",
     "propose_robot": "cbdsl.api.propose_robot",
-    "CalibrateRequest": "cbdsl.api.calibrate_request",
+    "CalibrateRequest": "cbdsl.api.requests.calibrate_request",
     "CalibrationOutcome": "cbdsl.api.calibrate",
     "Diagnostic": "cbdsl.diagnostics.diagnostic",
     "DiagnosticsError": "cbdsl.diagnostics.errors",
     "EpisodeResult": "cbdsl.runtime.episode_result",
     "SuccessRate": "cbdsl.api.evaluate",
     "ExplorationOutcome": "cbdsl.api.explore",
-    "ExplorePairsRequest": "cbdsl.api.explore_pairs_request",
-    "ExploreRequest": "cbdsl.api.explore_request",
-    "LearnRequest": "cbdsl.api.learn_request",
+    "ExplorePairsRequest": "cbdsl.api.requests.explore_pairs_request",
+    "ExploreRequest": "cbdsl.api.requests.explore_request",
+    "LearnRequest": "cbdsl.api.requests.learn_request",
     "LearningOutcome": "cbdsl.api.learn",
     "OpenRobot": "cbdsl.api.open_robot",
     "PairExplorationOutcome": "cbdsl.api.explore_pairs",
     "RobotProposal": "cbdsl.api.propose_robot",
-    "RunRequest": "cbdsl.api.run_request",
+    "RunRequest": "cbdsl.api.requests.run_request",
     "SimulatedRobot": "cbdsl.api.simulate",
     "Transition": "cbdsl.program.transition",
-    "Truth": "cbdsl.api.truth",
+    "Truth": "cbdsl.api.simulation.truth",
     "UsageError": "cbdsl.diagnostics.errors",
 }
 

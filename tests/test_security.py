@@ -77,7 +77,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         "reporting/test_drawn_links.py:test_read_links_of_a_recording_shows_no_mesh_from_elsewhere",
     ),
     "characters that move or change a terminal are written as escapes": (
-        "cli/test_legible_output.py:test_command_on_harmful_names_and_texts_prints_legible_text",
+        "cli/process/test_legible_output.py:test_command_on_harmful_names_and_texts_prints_legible_text",
     ),
     "an installed package with entry points of `cbdsl` runs as part of `cb`": (
         "plugins/test_documents.py:test_plugin_document_is_found_by_name_without_diagnostics",
@@ -93,13 +93,13 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_HERE}test_mesh_of_a_stage_by_any_path_is_read_as_a_mesh_alone",
     ),
     "Dask sends code both ways": (
-        "cli/test_workers.py:test_plain_scheduler_on_another_machine_gives_a_warning",
+        "cli/arguments/test_workers.py:test_plain_scheduler_on_another_machine_gives_a_warning",
     ),
     "use [TLS](docs/how_to/learn_on_a_cluster.md#on-a-cluster) between machines.": (
         "test_docs.py:test_links_of_a_page_lead_to_files",
     ),
     "`cb` warns of a plain scheduler that is not on this machine": (
-        "cli/test_workers.py:test_plain_scheduler_on_another_machine_gives_a_warning",
+        "cli/arguments/test_workers.py:test_plain_scheduler_on_another_machine_gives_a_warning",
     ),
     "DDS authenticates none of them": (
         "backends/ros2/test_follower.py:test_follower_refuses_a_second_writer",

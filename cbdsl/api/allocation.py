@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.program.checked import CheckedProgram
 
 
@@ -21,7 +21,7 @@ def allocated(request: RunRequest, policy: str | Path) -> CheckedProgram:
         DiagnosticsError: The policy has errors.
         UsageError: Less than two allocations fit, or no controller uses a seen position.
     """
-    from cbdsl.api.run_request import read_policy
+    from cbdsl.api.requests.run_request import read_policy
     from cbdsl.checking.assimilation import program_to_assimilate
     from cbdsl.checking.session import Session
 

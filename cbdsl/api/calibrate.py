@@ -62,8 +62,8 @@ def calibrate(
         UsageError: An item is missing, not installed or unsuitable, or the views do not suffice.
         OSError: A file cannot be written.
     """
-    from cbdsl.api.calibrate_request import CalibrateRequest
     from cbdsl.api.open_robot import open_robot
+    from cbdsl.api.requests.calibrate_request import CalibrateRequest
     from cbdsl.backends.engines import default_engine
 
     request = CalibrateRequest(

@@ -16,7 +16,7 @@ from gymnasium.spaces import Discrete, MultiDiscrete
 from numpy.typing import NDArray
 
 from cbdsl.api.open_robot import open_robot
-from cbdsl.api.run_request import RunRequest
+from cbdsl.api.requests.run_request import RunRequest
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.policies.policy import DeferredPolicy

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
-    from cbdsl.api.truth import Truth
+    from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.api.simulation.truth import Truth
     from cbdsl.runtime.episode_result import EpisodeResult
 
 
@@ -84,7 +84,7 @@ def evaluate(
     from dataclasses import replace
 
     from cbdsl.api.load import load
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.engines import default_engine
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.yaml_text.library import Library

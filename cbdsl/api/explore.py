@@ -81,8 +81,8 @@ def explore(
         UsageError: An item is missing, not installed or unsuitable, or a file is in the way.
         OSError: A file cannot be written.
     """
-    from cbdsl.api.explore_request import ExploreRequest
     from cbdsl.api.open_robot import open_robot
+    from cbdsl.api.requests.explore_request import ExploreRequest
     from cbdsl.backends.engines import default_engine
     from cbdsl.training.task_observer import ItemListener
 

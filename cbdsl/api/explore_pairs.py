@@ -76,8 +76,8 @@ def explore_pairs(
         UsageError: An item is missing, not installed or unsuitable, or a file is in the way.
         OSError: A file cannot be written.
     """
-    from cbdsl.api.explore_pairs_request import ExplorePairsRequest
     from cbdsl.api.open_robot import open_robot
+    from cbdsl.api.requests.explore_pairs_request import ExplorePairsRequest
     from cbdsl.backends.engines import default_engine
     from cbdsl.training.task_observer import ItemListener
 

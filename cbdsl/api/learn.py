@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.api.learn_request import LearnRequest
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.learn_request import LearnRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.learning.experience import Experience
     from cbdsl.training.learning_task import LearningTask
 
@@ -72,9 +72,9 @@ def learn(
         UsageError: An item is missing, not installed or unsuitable, or a file is in the way.
         OSError: A document cannot be written.
     """
-    from cbdsl.api.learn_request import LearnRequest
     from cbdsl.api.load import load
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.learn_request import LearnRequest
+    from cbdsl.api.requests.run_request import RunRequest
 
     request = LearnRequest(
         run=program if isinstance(program, RunRequest) else load(program),

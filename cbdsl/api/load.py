@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
 
 
 def load(
@@ -38,7 +38,7 @@ def load(
         DiagnosticsError: A document has errors; its ``diagnostics`` list them.
         UsageError: There is no such document, or the documents do not fit each other.
     """
-    from cbdsl.api.run_request import read_request
+    from cbdsl.api.requests.run_request import read_request
     from cbdsl.diagnostics.errors import UsageError
 
     if policy is not None and schema is not None:

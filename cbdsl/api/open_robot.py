@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from cbdsl.api.shared_body import BodyEpisode, SharedBody
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
     from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.program.transition import Transition
@@ -73,7 +73,7 @@ class OpenRobot:
         from dataclasses import replace
 
         from cbdsl.api.load import load
-        from cbdsl.api.run_request import RunRequest
+        from cbdsl.api.requests.run_request import RunRequest
         from cbdsl.diagnostics.errors import UsageError
 
         self._body.require_open()
@@ -215,7 +215,7 @@ def open_robot(
         UsageError: An item is missing, not installed, or does not fit.
     """
     from cbdsl.api.load import load
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import embody
     from cbdsl.backends.backend_calls import closing_backend
     from cbdsl.backends.engines import default_engine

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.program.transition import Transition
     from cbdsl.runtime.episode_result import EpisodeResult
     from cbdsl.runtime.tick import Tick

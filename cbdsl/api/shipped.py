@@ -11,7 +11,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.yaml_text.library import Library, shipped
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
 
 D = TypeVar("D", bound=Document)
 

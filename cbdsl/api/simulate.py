@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.api.open_robot import OpenRobot
-    from cbdsl.api.run_request import RunRequest
-    from cbdsl.api.truth import Truth
+    from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.api.simulation.truth import Truth
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def simulate(
             simulation.
     """
     from cbdsl.api.open_robot import open_robot
-    from cbdsl.api.truth import Truth
+    from cbdsl.api.simulation.truth import Truth
     from cbdsl.backends.simulated_backend import SimulatedBackend
     from cbdsl.diagnostics.errors import UsageError
 

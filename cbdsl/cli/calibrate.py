@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cbdsl.api.calibrate_request import CalibrateRequest
-from cbdsl.cli.assignments import read_assignments
-from cbdsl.cli.native_output import shown_on_failure
-from cbdsl.cli.options import BodyNumber, Cameras, Seed, With
-from cbdsl.cli.progress import Progress
-from cbdsl.cli.simulation import BackendName, needing_simulation, simulation
-from cbdsl.cli.termination import termination_interrupts
+from cbdsl.api.requests.calibrate_request import CalibrateRequest
+from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.options import BodyNumber, Cameras, Seed, With
+from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
+from cbdsl.cli.output.progress import Progress
+from cbdsl.cli.process.native_output import shown_on_failure
+from cbdsl.cli.process.termination import termination_interrupts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from cbdsl.api.calibrate_request import CameraCalibration
+    from cbdsl.api.requests.calibrate_request import CameraCalibration
     from cbdsl.calibration.estimate import Estimate
     from cbdsl.documents.calibration import CalibrationDocument
 

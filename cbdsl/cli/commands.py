@@ -18,6 +18,9 @@ _BUILT_IN = (
     "explore", "report", "calibrate", "lsp", "fmt", "export", "warm", "drive",
 )  # fmt: skip
 
+#: Modules of commands that are not named like their command.
+_MODULES = {"show": "show.show"}
+
 #: Packages of this project that add commands.
 _PACKAGES = {"reproduce": "cbdsl-reproduction"}
 
@@ -61,6 +64,6 @@ def _validate(name: str, entry: object) -> Command:
 COMMANDS: Registry[Command] = Registry(
     "command",
     "cbdsl.commands",
-    {name: f"cbdsl.cli.{name}:{name}" for name in _BUILT_IN},
+    {name: f"cbdsl.cli.{_MODULES.get(name, name)}:{name}" for name in _BUILT_IN},
     _validate,
 )

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.api.robots import read_robot
-from cbdsl.api.serve import serve_robot
-from cbdsl.cli.attendance import Interface, TerminalPerson
-from cbdsl.cli.options import Cameras, Rate
-from cbdsl.cli.simulation import BackendName, needing_simulation
-from cbdsl.cli.terminal import print_json, print_table
-from cbdsl.cli.termination import stop_requests
+from cbdsl.api.reading.robots import read_robot
+from cbdsl.api.simulation.serve import serve_robot
+from cbdsl.cli.arguments.options import Cameras, Rate
+from cbdsl.cli.episodes.attendance import Interface, TerminalPerson
+from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
+from cbdsl.cli.output.terminal import print_json, print_table
+from cbdsl.cli.process.termination import stop_requests
 
 if TYPE_CHECKING:
     from cbdsl.backends.drivers.backend import DrivenBackend
@@ -68,7 +68,7 @@ def serve(
     Commands are followed as by a joint trajectory controller, which holds still at the end of a
     trajectory.
     """
-    from cbdsl.cli.compilation import told_of_compilation
+    from cbdsl.cli.output.compilation import told_of_compilation
 
     with needing_simulation(), told_of_compilation(), stop_requests() as stopped:
         serve_robot(

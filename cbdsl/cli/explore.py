@@ -8,19 +8,27 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.api.explore_request import ExploreRequest
-from cbdsl.cli.assignments import read_assignments
-from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait, live_options, live_page
-from cbdsl.cli.native_output import shown_on_failure
-from cbdsl.cli.options import Cameras, Resume, Seed, Set
-from cbdsl.cli.simulation import BackendName, needing_simulation, simulation
-from cbdsl.cli.termination import termination_interrupts
+from cbdsl.api.requests.explore_request import ExploreRequest
+from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.options import Cameras, Resume, Seed, Set
+from cbdsl.cli.episodes.live import (
+    Fast,
+    Live,
+    LiveClose,
+    LivePort,
+    LiveWait,
+    live_options,
+    live_page,
+)
+from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
+from cbdsl.cli.process.native_output import shown_on_failure
+from cbdsl.cli.process.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.reporting.text.catalog_text import catalog_text
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
-    from cbdsl.cli.live import LiveOptions
+    from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.cli.episodes.live import LiveOptions
     from cbdsl.training.exploration_task import ExplorationTask
 
 # Parameters that are not options of the recorded command. The programs are arguments, the number
@@ -163,7 +171,7 @@ def explore(
 def _run(
     task: ExplorationTask, request: RunRequest, live: LiveOptions | None, *, as_json: bool
 ) -> None:
-    from cbdsl.cli.exploration_progress import ExplorationProgress
+    from cbdsl.cli.output.exploration_progress import ExplorationProgress
     from cbdsl.reporting.live.exploration_view import ExplorationView
 
     with (

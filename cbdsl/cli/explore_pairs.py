@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from cbdsl.api.explore_pairs_request import ExplorePairsRequest
-from cbdsl.cli.assignments import read_assignments
-from cbdsl.cli.exploration_progress import ExplorationProgress
-from cbdsl.cli.native_output import shown_on_failure
-from cbdsl.cli.simulation import needing_simulation, simulation
-from cbdsl.cli.termination import termination_interrupts
+from cbdsl.api.requests.explore_pairs_request import ExplorePairsRequest
+from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.episodes.simulation import needing_simulation, simulation
+from cbdsl.cli.output.exploration_progress import ExplorationProgress
+from cbdsl.cli.process.native_output import shown_on_failure
+from cbdsl.cli.process.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:
     import typer
 
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.training.pair_task import PairTask
 
 # Options that apply only to the actions of a single object.

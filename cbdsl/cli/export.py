@@ -9,9 +9,9 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.api.run_request import read_program
-from cbdsl.cli.assignments import read_assignments
-from cbdsl.cli.options import Policy, Program, Recording, With
+from cbdsl.api.requests.run_request import read_program
+from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.options import Policy, Program, Recording, With
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.program.behavior_tree import behavior_tree

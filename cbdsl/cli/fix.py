@@ -7,8 +7,8 @@ from pathlib import Path
 
 from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
-from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
-from cbdsl.cli.terminal import print_problem
+from cbdsl.cli.arguments.chosen_files import STANDARD_INPUT, choose_files
+from cbdsl.cli.output.terminal import print_problem
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.editor.fixes import fixed
 from cbdsl.storage.atomic_file import write_text

@@ -9,10 +9,10 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
-from cbdsl.cli.options import Paths
-from cbdsl.cli.standard_streams import read_standard_input
-from cbdsl.cli.terminal import print_diagnostics, print_problem
+from cbdsl.cli.arguments.chosen_files import STANDARD_INPUT, choose_files
+from cbdsl.cli.arguments.options import Paths
+from cbdsl.cli.output.terminal import print_diagnostics, print_problem
+from cbdsl.cli.process.standard_streams import read_standard_input
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.ownership import is_declared
 from cbdsl.storage.atomic_file import write_text

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.api.learn_request import LearnRequest
-from cbdsl.api.run_request import read_request
+from cbdsl.api.requests.learn_request import LearnRequest
+from cbdsl.api.requests.run_request import read_request
 from cbdsl.checking.rules.reward import check_rewarded
-from cbdsl.cli.assignments import read_assignments
+from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.options import Cameras, Program, Resume, Seed, Set, With
+from cbdsl.cli.arguments.workers import require_workers, warn_of_open_scheduler
+from cbdsl.cli.episodes.live import Fast, Live, LiveClose, LivePort, LiveWait, live_options
+from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
 from cbdsl.cli.learning_tasks import one_by_one, side_by_side
-from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait, live_options
-from cbdsl.cli.native_output import shown_on_failure
-from cbdsl.cli.options import Cameras, Program, Resume, Seed, Set, With
-from cbdsl.cli.simulation import BackendName, needing_simulation
-from cbdsl.cli.terminal import print_diagnostics
-from cbdsl.cli.termination import termination_interrupts
-from cbdsl.cli.workers import require_workers, warn_of_open_scheduler
+from cbdsl.cli.output.terminal import print_diagnostics
+from cbdsl.cli.process.native_output import shown_on_failure
+from cbdsl.cli.process.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.json_schema import docstrings
@@ -32,7 +32,7 @@ from cbdsl.learning.learner import NAME_RELATIONS
 from cbdsl.storage.journal_follower import JournalFollower
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.documents.document import Section
     from cbdsl.training.learning_task import LearningTask
 

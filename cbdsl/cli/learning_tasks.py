@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.cli.learning_progress import LearningProgress
-from cbdsl.cli.live import live_page
-from cbdsl.cli.simulation import needing_simulation, simulation
-from cbdsl.cli.terminal import print_problem
+from cbdsl.cli.episodes.live import live_page
+from cbdsl.cli.episodes.simulation import needing_simulation, simulation
+from cbdsl.cli.output.learning_progress import LearningProgress
+from cbdsl.cli.output.terminal import print_problem
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.learning.experience import EPISODES
@@ -19,8 +19,8 @@ from cbdsl.storage.journal import JournalError
 from cbdsl.storage.journal_follower import JournalFollower
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
-    from cbdsl.cli.live import LiveOptions
+    from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.cli.episodes.live import LiveOptions
     from cbdsl.learning.experience import Experience
     from cbdsl.training.learning_task import LearningTask
 

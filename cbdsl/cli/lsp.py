@@ -7,7 +7,7 @@ import sys
 from importlib.metadata import version
 from pathlib import Path
 
-from cbdsl.cli.server_log import log_lines
+from cbdsl.cli.output.server_log import log_lines
 from cbdsl.diagnostics.errors import UsageError
 
 

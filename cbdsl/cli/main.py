@@ -8,9 +8,9 @@ import sys
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from cbdsl.cli.legible_output import legible_output
-from cbdsl.cli.standard_streams import fill_closed_streams
-from cbdsl.cli.words import asks_for_backends, require_words
+from cbdsl.cli.arguments.words import asks_for_backends, require_words
+from cbdsl.cli.process.legible_output import legible_output
+from cbdsl.cli.process.standard_streams import fill_closed_streams
 
 if TYPE_CHECKING:
     import typer
@@ -80,7 +80,7 @@ def _requested(words: list[str]) -> list[str]:
         UsageError: The command belongs to a package that is not installed.
     """
     from cbdsl.cli.commands import COMMANDS, missing_package
-    from cbdsl.cli.plugins import warn_of_faults
+    from cbdsl.cli.output.plugin_warnings import warn_of_faults
     from cbdsl.diagnostics.errors import UsageError
 
     if words and words[0] in COMMANDS:
@@ -131,7 +131,7 @@ def _deliver_lost_interrupts() -> None:
 
 def _report_notes(error: BaseException | None) -> None:
     """Print further failures beside an error, such as the halt of a robot."""
-    from cbdsl.cli.terminal import print_problem
+    from cbdsl.cli.output.terminal import print_problem
 
     # A `UsageError` often has no notes itself, but wraps the error that has them.
     while error is not None:
@@ -142,7 +142,7 @@ def _report_notes(error: BaseException | None) -> None:
 
 def _report(error: Exception) -> int:
     """Print an error without a traceback, and return the exit code."""
-    from cbdsl.cli.terminal import print_diagnostics, print_problem
+    from cbdsl.cli.output.terminal import print_diagnostics, print_problem
     from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
     from cbdsl.diagnostics.reason import reason
 

@@ -10,7 +10,7 @@ import typer
 
 from cbdsl.api.propose_robot import propose_robot
 from cbdsl.checking.lookup.document_search import for_robot
-from cbdsl.cli.terminal import print_problem
+from cbdsl.cli.output.terminal import print_problem
 from cbdsl.cli.validation import check_paths
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.program import ProgramDocument
@@ -102,7 +102,7 @@ def new_robot(
 @new.command("stage")
 def new_stage(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
     """Write a stage with a ball on a table within the robot's reach, or an empty one."""
-    from cbdsl.cli.bench import bench
+    from cbdsl.scaffold.bench import bench
 
     body, file = _located(robot)
     values = {"robot": body.name, **bench(body, file).values()}

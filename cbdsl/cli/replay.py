@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.cli.options import Open, Recording
-from cbdsl.cli.pages import open_page, require_room, write_page
+from cbdsl.cli.arguments.options import Open, Recording
+from cbdsl.cli.episodes.pages import open_page, require_room, write_page
 from cbdsl.diagnostics.errors import UsageError
 
 Out = Annotated[

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.cli.options import Above, Open
-from cbdsl.cli.pages import open_page, require_room, write_page
-from cbdsl.cli.show_meta_catalog import read_meta_catalog
+from cbdsl.cli.arguments.options import Above, Open
+from cbdsl.cli.episodes.pages import open_page, require_room, write_page
+from cbdsl.cli.show.meta_catalog import read_meta_catalog
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.yaml_text.library import is_of

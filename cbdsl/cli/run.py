@@ -11,22 +11,30 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.api.run_request import read_request
-from cbdsl.cli.assignments import read_assignments
-from cbdsl.cli.attendance import Interface, Yes, attend
-from cbdsl.cli.episode_page import recorded_for, require_page
-from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait, live_options, live_page
-from cbdsl.cli.native_output import shown_on_failure
-from cbdsl.cli.notes import notes
-from cbdsl.cli.options import BodyNumber, Cameras, Policy, Program, Rate, With
-from cbdsl.cli.recorder import Recorder
-from cbdsl.cli.simulation import BackendName, simulation
-from cbdsl.cli.termination import termination_interrupts
+from cbdsl.api.requests.run_request import read_request
+from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.options import BodyNumber, Cameras, Policy, Program, Rate, With
+from cbdsl.cli.episodes.attendance import Interface, Yes, attend
+from cbdsl.cli.episodes.episode_page import recorded_for, require_page
+from cbdsl.cli.episodes.live import (
+    Fast,
+    Live,
+    LiveClose,
+    LivePort,
+    LiveWait,
+    live_options,
+    live_page,
+)
+from cbdsl.cli.episodes.recorder import Recorder
+from cbdsl.cli.episodes.simulation import BackendName, simulation
+from cbdsl.cli.output.notes import notes
+from cbdsl.cli.process.native_output import shown_on_failure
+from cbdsl.cli.process.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.nearest import suggestion
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
     from cbdsl.documents.stage import StageDocument
     from cbdsl.kinematics.kinematics import Kinematics
@@ -99,7 +107,7 @@ class Telling:
 
     def print(self, result: EpisodeResult) -> None:
         """Print the outcome of an episode."""
-        from cbdsl.cli.narration import json_line
+        from cbdsl.cli.output.narration import json_line
 
         print(json_line(result) if self.as_json else f"  {result.ending}", flush=True)
 
@@ -296,8 +304,8 @@ def _episode(
 
 def _observers(telling: Telling, recording: Recording | None) -> Iterator[EpisodeObserver]:
     """Yield the observers of an episode, in the order of their output."""
-    from cbdsl.cli.narration import Narration
-    from cbdsl.cli.stack_narration import StackNarration
+    from cbdsl.cli.output.narration import Narration
+    from cbdsl.cli.output.stack_narration import StackNarration
 
     if not telling.as_json:
         yield Narration()

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.cli.assignments import read_assignments
-from cbdsl.cli.options import Paths
+from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.options import Paths
 from cbdsl.cli.validation import STANDARD_INPUT_NAME, check_paths
 
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.

@@ -9,8 +9,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
-from cbdsl.cli.standard_streams import read_standard_input
+from cbdsl.cli.arguments.chosen_files import STANDARD_INPUT, choose_files
+from cbdsl.cli.process.standard_streams import read_standard_input
 
 if TYPE_CHECKING:
     from cbdsl.diagnostics.diagnostic import Diagnostic
@@ -83,7 +83,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     from cbdsl.checking.safety_net import check_safely
     from cbdsl.checking.session import Session
     from cbdsl.checking.suppression import apply_suppressions
-    from cbdsl.cli.terminal import print_problem
+    from cbdsl.cli.output.terminal import print_problem
     from cbdsl.diagnostics.validation_report import ValidationReport
     from cbdsl.documents.kinds import KINDS, entry_of
     from cbdsl.yaml_text.composer import MOST_BYTES

@@ -6,14 +6,14 @@ import time
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from cbdsl.api.run_request import read_request
-from cbdsl.cli.native_output import shown_on_failure
-from cbdsl.cli.simulation import needing_simulation, simulation
-from cbdsl.cli.termination import termination_interrupts
+from cbdsl.api.requests.run_request import read_request
+from cbdsl.cli.episodes.simulation import needing_simulation, simulation
+from cbdsl.cli.process.native_output import shown_on_failure
+from cbdsl.cli.process.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:
-    from cbdsl.api.run_request import RunRequest
+    from cbdsl.api.requests.run_request import RunRequest
 
 # Programs that together call all compiled functions of control and sensing. They run on the engine
 # without physics, which is the fastest.
@@ -51,7 +51,7 @@ def warm() -> None:
 
 def _compile_potentials() -> None:
     """Compile all potentials, including potentials unused by the programs above."""
-    from cbdsl.cli.compilation import told_of_compilation
+    from cbdsl.cli.output.compilation import told_of_compilation
     from cbdsl.control.potential_registry import compile_potentials
 
     with told_of_compilation():

@@ -19,7 +19,12 @@ from cbdsl.api.documents import (
 )
 from cbdsl.api.program import CheckedProgram
 from cbdsl.api.sensing import EpisodeListeners, Runner
-from cbdsl.api.shipped import shipped_document, shipped_names, shipped_program, shipped_robot
+from cbdsl.api.shipped import (
+    shipped_document,
+    shipped_names,
+    shipped_program,
+    shipped_robot,
+)
 from cbdsl.api.trials import embody_simulated, find_backend
 from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.experiment import Result, RunSettings

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.api.simulation_fixture import simulation_fixture
+from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.documents.model import ModelDocument

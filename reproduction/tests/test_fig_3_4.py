@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from cbdsl.api.simulation_fixture import simulation_fixture
+from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.chapter_3 import fig_3_4
 from cbdsl_reproduction.chapter_3.fig_3_4 import _quantities, _Reach
 from cbdsl_reproduction.experiment import RunSettings

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.api.relations import read_relation_tree
+from cbdsl.api.reading.relations import read_relation_tree
 from cbdsl.types.decision_tree import decide
 from cbdsl.yaml_text.library import Library
 

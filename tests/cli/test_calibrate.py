@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.api.calibration import read_calibration
-from cbdsl.api.run_request import read_request
+from cbdsl.api.reading.calibration import read_calibration
+from cbdsl.api.requests.run_request import read_request
 from cbdsl.backends.cameras.camera_system import camera_errors
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument, CalibrationOrigin

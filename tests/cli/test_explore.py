@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.api.explored_actions import read_action
+from cbdsl.api.requests.explored_actions import read_action
 from cbdsl.checking.document import check_document
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.catalog import CatalogDocument

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.cli.learning_progress import LearningProgress
 from cbdsl.cli.learning_tasks import Supervision
+from cbdsl.cli.output.learning_progress import LearningProgress
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.training.learning_task import LearningTask
 from cbdsl.training.task_files import trial_journal

@@ -167,6 +167,6 @@ def test_a_programs_stack_is_shown_from_the_highest_priority(
 def test_names_are_whole_on_a_narrow_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("cbdsl.cli.terminal._WIDTH_OF_PIPES", 80)
+    monkeypatch.setattr("cbdsl.cli.output.terminal._WIDTH_OF_PIPES", 80)
     assert cb(monkeypatch, "show", "program", "reachtouch") == 0
     assert "…" not in capsys.readouterr().out

@@ -9,8 +9,8 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-from cbdsl.api.explored_actions import read_action
-from cbdsl.cli.assignments import read_assignments
+from cbdsl.api.requests.explored_actions import read_action
+from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.coloring import colored_words

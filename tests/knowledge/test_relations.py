@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.api.relations import read_relation_tree, read_relations
+from cbdsl.api.reading.relations import read_relation_tree, read_relations
 from cbdsl.documents.relations import RELATIONS
 from cbdsl.learning.catalogs.relation_tree import NamedImpedance, grow_relations
 from cbdsl.types.decision_tree import decide

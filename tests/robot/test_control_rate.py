@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.api.robots import read_robot
+from cbdsl.api.reading.robots import read_robot
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.robot.control_rate import with_control_rate
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.api.simulation_fixture import simulation_fixture
+from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 
 
 @pytest.mark.slow

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.api.run_request import read_request
-from cbdsl.api.simulation_fixture import simulation_fixture
-from cbdsl.cli.simulation import simulation
+from cbdsl.api.requests.run_request import read_request
+from cbdsl.api.simulation.simulation_fixture import simulation_fixture
+from cbdsl.cli.episodes.simulation import simulation
 from cbdsl.kinematics.pose import Pose
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner

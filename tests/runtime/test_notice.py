@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
+from cbdsl.api.simulation.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.vision.camera import heading

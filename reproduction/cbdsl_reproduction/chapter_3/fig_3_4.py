@@ -18,7 +18,7 @@ from cbdsl.api.control import Floats, Potential, manipulability_potential, range
 from cbdsl.api.documents import StageDocument
 from cbdsl.api.program import WrittenPolicy
 from cbdsl.api.sensing import EpisodeListeners, Runner, Tick
-from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
+from cbdsl.api.simulation.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.api.sensing import EpisodeListeners, Tick, channel_names
-from cbdsl.api.simulation_fixture import SimulationFixture, simulation_fixture
+from cbdsl.api.simulation.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.chapter_4.posture_panels import PosturePanels
 from cbdsl_reproduction.chapter_5.background_documents import write_backgrounds
 from cbdsl_reproduction.claim import Claim, Claims

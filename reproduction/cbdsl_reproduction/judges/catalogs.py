@@ -25,7 +25,7 @@ def _measure(
     condition: JudgedCondition, body: BodyChoice, seeds: Sequence[int]
 ) -> Iterator[EpisodeVerdict]:
     """Yield the verdict on each scene, whose number is its seed."""
-    from cbdsl.api.expect import expect
+    from cbdsl.api.simulation.expect import expect
 
     predictions = expect(
         condition.name,

@@ -29,9 +29,9 @@ def _measure(
     condition: JudgedCondition, body: BodyChoice, seeds: Sequence[int]
 ) -> Iterator[EpisodeVerdict]:
     """Yield the verdict on each pair."""
-    from cbdsl.api.impedance_measurement import measure_impedance
-    from cbdsl.api.relations import read_namer
-    from cbdsl.api.simulation_fixture import simulation_fixture
+    from cbdsl.api.reading.relations import read_namer
+    from cbdsl.api.simulation.impedance_measurement import measure_impedance
+    from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 
     name_of = read_namer(condition.name)
     with ExitStack() as stack:

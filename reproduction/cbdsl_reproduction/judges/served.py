@@ -16,10 +16,10 @@ from typing import cast
 
 from cbdsl import RunRequest, UsageError
 from cbdsl.api.control import Kinematics
-from cbdsl.api.rehearsal import rehearse
 from cbdsl.api.sensing import EpisodeListeners, Runner, Tick
-from cbdsl.api.serve import serve_robot
 from cbdsl.api.shipped import shipped_program
+from cbdsl.api.simulation.rehearsal import rehearse
+from cbdsl.api.simulation.serve import serve_robot
 from cbdsl.api.trials import AttendedBackend, Backend, embody
 from cbdsl_reproduction.judges.judge import ANY, BodyChoice, EpisodeVerdict, Judge, JudgedCondition
 

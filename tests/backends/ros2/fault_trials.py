@@ -320,7 +320,7 @@ class _Tapped:
 
 
 def _stage(document: RobotDocument) -> Any:
-    from cbdsl.api.robots import read_stage
+    from cbdsl.api.reading.robots import read_stage
 
     return read_stage(None, document)
 

@@ -12,8 +12,8 @@ import pytest
 
 pytest.importorskip("cyclonedds")
 
-from cbdsl.api.robots import read_robot, read_stage
-from cbdsl.api.run_request import read_request
+from cbdsl.api.reading.robots import read_robot, read_stage
+from cbdsl.api.requests.run_request import read_request
 from cbdsl.backends.backend import embody
 from cbdsl.backends.drivers.sample import Command
 from cbdsl.backends.drivers.views import with_views

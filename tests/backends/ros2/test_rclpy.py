@@ -52,7 +52,7 @@ def peer(document: RobotDocument, seed: int) -> Iterator[None]:
 
 def reach(seed: int) -> str:
     """Run the six-axis arm's program on the node; return the last words."""
-    from cbdsl.api.robots import read_stage
+    from cbdsl.api.reading.robots import read_stage
     from cbdsl.backends.drivers.backend import DrivenBackend
     from cbdsl.backends.drivers.person import Consent
     from cbdsl.checking.program import check_program

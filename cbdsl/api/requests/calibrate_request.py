@@ -1,0 +1,256 @@
+"""Request to calibrate: one object for ``cb calibrate`` and ``cbdsl.calibrate``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.backends.backend import Backend
+    from cbdsl.calibration.estimate import Estimate
+    from cbdsl.calibration.hand_views import HandViews
+    from cbdsl.documents.calibration import CalibrationDocument, CalibrationOrigin
+    from cbdsl.kinematics.kinematics import Kinematics
+    from cbdsl.storage.journal import Journal
+
+
+@dataclass(frozen=True)
+class CalibrateRequest:
+    """Calibration of a robot's cameras, with all its inputs.
+
+    Attributes:
+        robot: File or name of the robot.
+        program: File or name of the program that shows a held ball to the cameras.
+        stage: Stage on which the ball is handed over: file or name; the program's if ``None``.
+        out: File for the calibration, ``NAME.yaml``; ``knowledge/calibrations/ROBOT.yaml`` if
+            ``None``.
+        seed: Seed of all random draws.
+        backend: Name of the backend; the first installed one if ``None``.
+        cameras: Kind of the backend's cameras; the backend's default if ``None``.
+        body: Number of the simulated body; the stage's if ``None``.
+        values: Values of the program's parameters, by name.
+        command: Command that repeats the calibration, for the document; a function of the robot's
+            name and the name of the file.
+    """
+
+    robot: str
+    program: str = "show_ball"
+    stage: str | None = None
+    out: Path | None = None
+    seed: int = 0
+    backend: str | None = None
+    cameras: str | None = None
+    body: int | None = None
+    values: Mapping[str, str] = field(default_factory=dict)
+    command: Callable[[str, str], str] | None = None
+
+    def calibration(self) -> CameraCalibration:
+        """Return the calibration, read and checked, of a robot without corrections.
+
+        Raises:
+            DiagnosticsError: A document has errors.
+            UsageError: An item is unknown or unsuitable, or the file cannot be written.
+        """
+        from cbdsl.backends.engines import default_engine
+        from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.documents.calibration import CalibrationOrigin
+        from cbdsl.storage.atomic_file import make_room
+
+        run = self._run()
+        target = self.out or Path("knowledge/calibrations", f"{run.robot.name}.yaml")
+        _require_name(target)
+        try:
+            # Checked while nothing moves, and not when the result is there.
+            make_room(target)
+        except OSError as error:
+            raise UsageError(f"{target}: {error.strerror}") from error
+        backend = default_engine() if self.backend is None else self.backend
+        command = self.command or self._call
+        origin = CalibrationOrigin(
+            command=command(run.robot.name, target.name),
+            program=run.program.name,
+            stage=run.stage.name,
+            seed=self.seed,
+            body=run.stage.disturbance.body,
+            backend=backend,
+        )
+        return CameraCalibration(run, target, origin)
+
+    def _run(self) -> RunRequest:
+        """Return the request of the program that shows the ball, for an uncalibrated robot."""
+        from cbdsl.api.requests.run_request import read_request
+        from cbdsl.calibration.watching import require_sight_and_touch
+        from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.documents.robot import RobotDocument
+        from cbdsl.yaml_text.library import Library
+
+        library = Library()
+        robot = library.read(library.locate(RobotDocument, self.robot), RobotDocument).document
+        require_sight_and_touch(robot)
+        # The errors to estimate are relative to the poses of the model. A calibration that the
+        # robot already has would hide them.
+        run = read_request(
+            self.program, self.stage, None, self.values, body=self.body, uncalibrated=True
+        )
+        if run.robot.name != robot.name:
+            raise UsageError(
+                f"program '{self.program}' is for robot '{run.robot.name}', not for "
+                f"'{robot.name}'; name a program that shows a ball in its hand"
+            )
+        # Without a number of a body, each episode draws other camera errors, which no file can
+        # correct.
+        disturbance = run.stage.disturbance
+        if disturbance.body is None and (
+            disturbance.camera_position or disturbance.camera_rotation
+        ):
+            raise UsageError(
+                f"stage '{run.stage.name}' has other cameras in each episode; "
+                "a body's number keeps them"
+            )
+        return run
+
+    def _call(self, robot: str, out: str) -> str:
+        """Return the call in Python that repeats the calibration."""
+        names = ("program", "stage", "seed", "backend", "cameras", "body")
+        options = {name: getattr(self, name) for name in names} | {"values": dict(self.values)}
+        given = (f"{key}={value!r}" for key, value in options.items() if value not in (None, {}))
+        words = [f"{robot!r}", f"out={out!r}", *given]
+        return f"cbdsl.calibrate({', '.join(words)})"
+
+
+@dataclass(frozen=True)
+class CameraCalibration:
+    """Calibration of the cameras of one robot, read and checked.
+
+    Attributes:
+        run: Program that shows the ball, with its robot and its stage.
+        target: File of the calibration.
+        origin: Origin of the calibration, for its document.
+    """
+
+    run: RunRequest
+    target: Path
+    origin: CalibrationOrigin
+
+    @property
+    def journal(self) -> Path:
+        """File of the observations, until the calibration is written."""
+        return self.target.with_suffix(".jsonl")
+
+    def open_journal(self) -> Journal[HandViews]:
+        """Open the journal of the observations, with those of an interrupted run."""
+        from cbdsl.calibration.hand_views import HAND_VIEWS
+        from cbdsl.storage.journal import Journal
+
+        return Journal(self.journal, self._identity(), HAND_VIEWS)
+
+    def estimate(
+        self,
+        backend: Backend,
+        kinematics: Kinematics,
+        journal: Journal[HandViews],
+        progress: Callable[[int, int], None] = lambda done, total: None,
+    ) -> Mapping[str, Estimate]:
+        """Show the ball to the cameras, and estimate the errors of their poses.
+
+        Args:
+            backend: Backend of the robot.
+            kinematics: Kinematics of the robot.
+            journal: Journal that receives the observations.
+            progress: Function called with the numbers of shown and of all postures.
+
+        Returns:
+            Estimate of each camera, by its name.
+
+        Raises:
+            UsageError: The observations do not determine the cameras.
+        """
+        from cbdsl.calibration.estimate import estimate
+        from cbdsl.calibration.watching import watch
+        from cbdsl.diagnostics.errors import UsageError
+
+        run, seed = self.run, self.origin.seed
+        views = watch(
+            run.robot, kinematics, run.program, backend, run.stage, seed, progress, journal
+        )
+        try:
+            return estimate(run.robot.cameras, views)
+        except UsageError:
+            self.journal.unlink()  # more of the same would not help
+            raise
+
+    def write(self, estimates: Mapping[str, Estimate]) -> CalibrationDocument:
+        """Write the calibration and its picture, remove the journal, and return the document."""
+        from cbdsl.reporting.calibration_svg import CalibrationPanel, calibration_svg
+        from cbdsl.storage.atomic_file import write_text
+        from cbdsl.yaml_text.writer import write
+
+        document, robot = self._document(estimates), self.run.robot
+        panels = []
+        for name, each in estimates.items():
+            camera = robot.cameras[name]
+            size = camera.width, camera.height
+            panels.append(CalibrationPanel(name, size, each.points, each.before, each.after))
+        title = f"Cameras of {robot.name}, before and after calibration"
+        # The journal goes last, so that an interruption loses no observation.
+        write_text(calibration_svg(title, panels), self.picture)
+        write(document, self.target)
+        self.journal.unlink()
+        return document
+
+    @property
+    def picture(self) -> Path:
+        """File of the picture."""
+        return self.target.with_suffix(".svg")
+
+    def _identity(self) -> dict[str, Any]:
+        """Return all data on which the views depend."""
+        from cbdsl.checking.knowledge.program_digest import program_digest
+        from cbdsl.documents.document_digest import digest
+
+        run = self.run
+        program = program_digest(run.program_file, run.library).sha256
+        return {
+            "command": self.origin.command,
+            "robot": {"name": run.robot.name, "sha256": digest(run.robot)},
+            "program": {"name": run.program.name, "sha256": program},
+            "stage": {"name": run.stage.name, "sha256": digest(run.stage)},
+        }
+
+    def _document(self, estimates: Mapping[str, Estimate]) -> CalibrationDocument:
+        from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument
+
+        cameras, name = {}, self.run.robot.name
+        for camera, each in estimates.items():
+            position, rotation = each.deviations
+            cameras[camera] = CalibratedCamera(
+                position=each.correction.position,
+                rotation=each.correction.rotation,
+                # Six digits are micrometres and microradians.
+                position_deviation=round(position, 6),
+                rotation_deviation=round(rotation, 6),
+                views=len(each.points),
+                error_before=round(each.error(each.before), 3),
+                error_after=round(each.error(each.after), 3),
+            )
+        return CalibrationDocument(
+            cbdsl=1,
+            name=self.target.stem,
+            description=f"Where the cameras of {name} are, by what its hand showed them.",
+            kind="calibration",
+            robot=name,
+            cameras=cameras,
+            origin=self.origin,
+        )
+
+
+def _require_name(out: Path) -> None:
+    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.documents.document import NAME_PATTERN
+
+    if out.suffix != ".yaml" or not re.fullmatch(NAME_PATTERN, out.stem):
+        raise UsageError(f"{out}: a calibration is <name>.yaml, of letters, digits and _")

@@ -1,0 +1,80 @@
+"""Attendance: the person at the terminal of a real robot."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cbdsl.api.simulation.rehearsal import rehearse
+from cbdsl.diagnostics.errors import UsageError
+
+if TYPE_CHECKING:
+    from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.backends.backend import Backend
+
+Yes = Annotated[
+    bool,
+    typer.Option(
+        "--yes",
+        help="Real robot: confirm that the stage is set up and the robot may move, without "
+        "questions.",
+    ),
+]
+Interface = Annotated[
+    str | None,
+    typer.Option(
+        "--interface",
+        help="Real robot: network interface [loopback, invisible to other computers].",
+    ),
+]
+
+
+class TerminalPerson:
+    """Person who answers at the terminal.
+
+    Args:
+        yes: True if the person agreed in advance.
+    """
+
+    def __init__(self, *, yes: bool) -> None:
+        self._yes = yes
+
+    def confirm(self, text: str, question: str, *, released: bool) -> bool:
+        """Print a situation, and return the answer; see ``Person.confirm``.
+
+        Raises:
+            UsageError: No terminal is there to ask at.
+        """
+        # `--yes` answers only questions that may be answered in advance. A release after a
+        # disorderly stop, for example, needs a person.
+        if self._yes and released:
+            return True
+        if not sys.stdin.isatty():
+            way = "give --yes if the answer is yes" if released else "run it from a terminal"
+            raise UsageError(f"{question}? There is no terminal to answer at; {way}")
+        print(text, file=sys.stderr)
+        return typer.confirm(question[0].upper() + question[1:], err=True)
+
+
+def attend(backend: Backend, request: RunRequest, *, yes: bool, interface: str | None) -> None:
+    """Name the person at the terminal to a backend of a real robot, and rehearse the program.
+
+    Args:
+        backend: Backend, real or simulated.
+        request: Program to rehearse.
+        yes: True if the person agreed in advance.
+        interface: Network interface; loopback only if ``None``.
+
+    Raises:
+        UsageError: The backend is simulated, and --yes or --interface is given.
+    """
+    from cbdsl.backends.backend import AttendedBackend
+
+    if isinstance(backend, AttendedBackend):
+        backend.attend(TerminalPerson(yes=yes), interface)
+        rehearse(request)
+    elif yes or interface is not None:
+        option = "--yes" if yes else "--interface"
+        raise UsageError(f"{option} is for a real robot, such as with --backend ros2")

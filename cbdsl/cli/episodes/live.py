@@ -1,0 +1,173 @@
+"""``--live`` of commands that run episodes: a page in the browser while they run."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from threading import Event
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cbdsl.backends.quiet import quiet_stderr
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, composed_program
+from cbdsl.reporting.live.feed import Feed
+from cbdsl.reporting.live.page_server import LiveServer
+from cbdsl.reporting.live.transport import Transport
+
+if TYPE_CHECKING:
+    from cbdsl.api.requests.run_request import RunRequest
+    from cbdsl.backends.backend import Backend
+    from cbdsl.reporting.live.live_view import LiveView
+
+Live = Annotated[
+    bool,
+    typer.Option("--live", help="Show the run in the browser, in real time."),
+]
+Fast = Annotated[
+    bool, typer.Option("--fast", help="With --live: run at maximum speed instead of real time.")
+]
+LivePort = Annotated[
+    int | None,
+    typer.Option(
+        "--live-port", min=0, max=65535, help="With --live: port of the page [a free one]."
+    ),
+]
+LiveWait = Annotated[
+    bool, typer.Option("--live-wait", help="With --live: wait until a browser shows the page.")
+]
+LiveClose = Annotated[
+    bool,
+    typer.Option(
+        "--live-close", help="With --live: end after the last episode instead of at Ctrl-C."
+    ),
+]
+
+
+@dataclass(frozen=True)
+class LiveOptions:
+    """Options of the live page of a run.
+
+    Attributes:
+        port: Port of the page; 0 for any free port.
+        fast: True to run at maximum speed instead of real time.
+        waits: True to begin only when a browser shows the page.
+        closes: True to close the page after the last episode.
+    """
+
+    port: int
+    fast: bool
+    waits: bool
+    closes: bool
+
+
+def live_options(
+    live: bool, port: int | None, *, fast: bool, waits: bool, closes: bool
+) -> LiveOptions | None:
+    """Return the options of a live page, or ``None`` for no page.
+
+    Raises:
+        UsageError: An option of the page is given without ``--live``.
+    """
+    given = {
+        "--live-port": port is not None,
+        "--fast": fast,
+        "--live-wait": waits,
+        "--live-close": closes,
+    }
+    if live:
+        return LiveOptions(port or 0, fast, waits, closes)
+    alone = [name for name, is_given in given.items() if is_given]
+    if alone:
+        raise UsageError(f"{alone[0]} is about the page of a run: give --live, too")
+    return None
+
+
+@contextmanager
+def live_page(
+    options: LiveOptions | None,
+    request: RunRequest,
+    backend: Backend,
+    *,
+    composes: bool = False,
+    prints: bool = True,
+) -> Iterator[LiveView | None]:
+    """Serve a live page of the episodes within the context, and keep it until Ctrl-C.
+
+    Args:
+        options: Options of the page; ``None`` for no page.
+        request: Program, robot and stage.
+        backend: Backend of the episodes.
+        composes: True if the page may change the program.
+        prints: True if messages go to the standard output.
+
+    Raises:
+        UsageError: The port of the page is not available.
+    """
+    if options is None:
+        yield None
+        return
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
+    from cbdsl.reporting.live.live_page import live_page as page
+    from cbdsl.reporting.live.live_view import LiveView
+    from cbdsl.reporting.live.requests import Requests
+    from cbdsl.runtime.program_composer import Composer
+
+    # The backend's ground truth is only on the page, for display.
+    scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
+    feed, transport = Feed(), Transport(math.inf if options.fast else 1.0)
+    composer = Composer() if composes else None
+    view = LiveView(feed, transport, scenery, composer)
+
+    def save(name: str, changes: Changes) -> ComposedProgram:
+        values = {key: str(value) for key, value in request.program.parameters.items()}
+        return composed_program(request.program_file, request.stage.name, values, changes, name)
+
+    def make(token: str) -> str:
+        return page(request.program.name, request.robot, request.urdf, token, composes=composes)
+
+    server = LiveServer(feed, make, Requests(transport, composer, save), options.port)
+    try:
+        _tell(f"live at {server.url}", prints)
+        _open(server.url)
+        if options.waits:
+            _tell("begins when a browser shows it", prints)
+            feed.wait_for_page()
+        yield view
+        # An exception of the run is raised at the `yield`, so that its page closes without waiting.
+        if not options.closes:
+            _stay(prints)
+    finally:
+        server.close()
+
+
+def _stay(prints: bool) -> None:
+    """Keep the page until Ctrl-C, which ends nothing but the page."""
+    try:
+        _tell("the page stays until Ctrl-C", prints)
+        while not Event().wait(3600):
+            continue
+    except KeyboardInterrupt:
+        return
+
+
+def _tell(text: str, prints: bool) -> None:
+    print(text, file=sys.stdout if prints else sys.stderr, flush=True)
+
+
+def _open(url: str) -> None:
+    """Show the page, if a person sits at a screen."""
+    if sys.stdout.isatty() and _has_screen():
+        with quiet_stderr():  # without a browser, the launcher prints many messages
+            typer.launch(url)
+
+
+def _has_screen() -> bool:
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
