@@ -63,6 +63,36 @@ def test_survey_of_an_object_names_the_reason_of_a_refusal_and_moves_no_arm(
     assert np.ptp(postures, axis=0).max() < 0.02
 
 
+@pytest.mark.parametrize(
+    ("context", "seed", "reason"),
+    [
+        ("parcel", 90_302, ""),
+        ("parcel", 90_303, "out of reach of the left hand"),
+        ("paint_can", 90_301, ""),
+        ("play_ball", 90_301, "may roll away between the hands"),
+        ("tray", 90_301, "too low for both hands"),
+        ("cereal_box", 90_301, "no wider than one hand"),
+        ("softball", 90_301, "no wider than one hand"),
+    ],
+)
+def test_survey_for_both_accepts_large_objects_within_reach_and_moves_no_arm(
+    context: str, seed: int, reason: str, backend: object, objects: StageDocument,
+    dexter: RobotDocument, kinematics: Kinematics, checked: Checked,
+) -> None:  # fmt: skip
+    runner = Runner(dexter, kinematics, checked("survey_for_both"), backend)  # type: ignore[arg-type]
+    postures: list[np.ndarray] = []
+
+    def note(tick: Tick) -> None:
+        joints = tick.signals.joints
+        arms = [*joints.of("right_arm"), *joints.of("left_arm")]
+        postures.append(tick.observation.positions[arms])
+
+    result = runner.run(objects, seed, context, observer=EpisodeListeners(on_tick=note))
+    assert result.outcome == ("failure" if reason else "success"), result.ending
+    assert reason in result.ending
+    assert np.ptp(postures, axis=0).max() < 0.02
+
+
 def test_survey_with_a_larger_margin_refuses_an_object_within_the_hand(
     backend: object, objects: StageDocument, dexter: RobotDocument, kinematics: Kinematics,
     checked: Checked,

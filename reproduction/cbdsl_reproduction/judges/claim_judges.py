@@ -76,6 +76,11 @@ class ClaimWatch:
         track = self._tracks[name]
         return float(track[-1][2] - track[0][2])
 
+    def shift(self, name: str) -> float:
+        """Return the distance of an object from its first place at the end, m."""
+        track = self._tracks[name]
+        return math.dist(track[0], track[-1])
+
     def level(self, name: str) -> float:
         """Return the height of an object in the world at the end, m."""
         return float(self._tracks[name][-1][2])
@@ -312,6 +317,7 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("bimanualinspect", "box_between_hands", between_hands),
     ProgramClaim("bimanualtouch", "everyday_objects", between_hands, values=_red),
     ProgramClaim("bring", "everyday_objects", placed),
+    ProgramClaim("bring_with_both", "everyday_objects", delivered, _LARGE),
     ProgramClaim("deliver", "everyday_objects", delivered),
     ProgramClaim("ensure_stacked", "stacked_or_not", left_alone_or_stacked),
     ProgramClaim("fetch", "everyday_objects", placed),
@@ -354,9 +360,12 @@ NOTHING_TO_CLAIM: Mapping[str, str] = {
     "hover_follow": "follows until its time is over; comes to no end of its own",
     "posture": "moves an arm to a posture",
     "push": "claims a force, which tests/runtime/test_force_programs.py judges",
+    "put_back": "begins with something held; judged as the end of fetch with a heavy can",
     "put_down": "begins with something held; judged as the end of take_and_put_down",
+    "put_down_with_both": "begins with something held; judged as the end of bring_with_both",
     "show_ball": "shows a ball to cb calibrate; has neither reward nor success",
     "sixaxis_reach": "moves an arm without sensors; ends at a posture",
     "survey": "looks how large an object is; moves the head alone",
+    "survey_for_both": "looks how large an object is; moves the head alone",
     "twist": "claims a torque, which tests/runtime/test_force_programs.py judges",
 }

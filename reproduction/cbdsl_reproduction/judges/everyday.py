@@ -2,6 +2,8 @@
 
 The stage ``other_objects`` has objects of sizes for which no bound was chosen, except for the
 chisel. Which objects count as placed and which as refused was set after runs on development seeds.
+Objects for both hands are placed if both hands reach around them, and refused otherwise. One that
+is too heavy is put back where it stood: the robot weighs it by a first lift.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cbdsl_reproduction.judges.claim_judges import ClaimWatch, delivered
+from cbdsl_reproduction.judges.claim_judges import STILL, ClaimWatch, delivered
 from cbdsl_reproduction.judges.judge import (
     ANY,
     NONE,
@@ -29,6 +31,9 @@ if TYPE_CHECKING:
 
 # Largest turn of an arm's joint without motion, rad.
 _STILL = 0.05
+# Largest distance of an object that is put back from its first place, m, and least cosine of its
+# tilt.
+_NEAR, _UPRIGHT = 0.1, 0.99
 #: Objects that are placed, and objects that are refused, by stage.
 _PLACED = {
     "everyday_objects": (
@@ -39,11 +44,12 @@ _PLACED = {
 }  # fmt: skip
 _REFUSED = {
     "everyday_objects": (
-        "die", "cereal_box", "parcel", "book", "paperback", "paint_can", "canister", "bowl",
-        "tray", "golf_ball", "medicine_ball", "play_ball", "hammer",
+        "die", "cereal_box", "book", "paperback", "canister", "bowl", "tray", "golf_ball",
+        "medicine_ball", "play_ball", "hammer",
     ),
     "other_objects": ("marble", "plate", "crate", "detergent", "rod"),
 }  # fmt: skip
+_FOR_BOTH = {"everyday_objects": ("parcel", "paint_can")}
 
 
 class _Delivery(Watch):
@@ -67,22 +73,40 @@ class _Delivery(Watch):
 
     def conclude(self, result: EpisodeResult) -> EpisodeVerdict:
         """Return whether the object was placed, or refused before motion."""
-        is_success = result.outcome == "success"
+        is_success, is_failure = (result.outcome == name for name in ("success", "failure"))
         fault = delivered(self._claim) if is_success else ""
         outcomes = {
             "placed": is_success and not fault,
-            "refused before motion": result.outcome == "failure" and self._turn < _STILL,
+            "refused before motion": is_failure and self._turn < _STILL,
+            "put back": is_failure and self._turn >= _STILL and self._is_back(),
             "false success": bool(fault),
         }
+        handled = any(outcomes[name] for name in ("placed", "refused before motion", "put back"))
+        outcomes["placed, refused or put back"] = handled
         return EpisodeVerdict(result.seed, outcomes, result.sim_seconds, fault or result.ending)
+
+    def _is_back(self) -> bool:
+        """Return whether the object stands at rest near its first place, and nothing holds it."""
+        (name,) = self._claim.things
+        is_upright = self.truth.rotation(name)[2, 2] > _UPRIGHT
+        is_at_rest = not self._claim.is_held(name) and self._claim.speed(name) < STILL
+        return bool(is_upright and is_at_rest and self._claim.shift(name) < _NEAR)
 
 
 def _conditions() -> tuple[JudgedCondition, ...]:
     """Return each object of both stages."""
     most, conditions = Aim(0.9), []
+    both = {
+        "placed": ANY,
+        "refused before motion": ANY,
+        "put back": ANY,
+        "placed, refused or put back": most,
+        "false success": NONE,
+    }
     for objects, aims in (
         (_PLACED, {"placed": most, "refused before motion": ANY, "false success": NONE}),
         (_REFUSED, {"placed": ANY, "refused before motion": most, "false success": NONE}),
+        (_FOR_BOTH, both),
     ):
         conditions += [
             JudgedCondition(name, "deliver", aims, stage, name)
