@@ -43,6 +43,7 @@ def judged(program: str, contexts: list[str], seed: int) -> list[EpisodeVerdict]
     ("program", "context", "claimed"),
     [
         ("deliver", "soup_can", True),
+        ("deliver", "canister", False),
         ("deliver", "cereal_box", False),
         ("deliver", "carton", True),
         ("deliver", "die", False),
@@ -72,6 +73,7 @@ def test_claim_on_an_everyday_object_agrees_with_the_world(
 #: Contexts of the programs with many; `cb judge claims` runs all. Some claims were false in these.
 SOME = {
     "bimanualtouch": ["soup_can", "matchbox", "softball"],
+    "bring_with_both": ["parcel", "paint_can"],
     "bring": ["matchbox", "golf_ball", "tuna_can", "carton"],
     "deliver": ["matchbox", "golf_ball", "canister", "bottle"],
     "fetch": ["matchbox", "tuna_can", "paperback", "mug"],

@@ -1,4 +1,4 @@
-"""``fetch`` chooses the hands by what is seen, and puts heavy objects back."""
+"""``fetch`` chooses the hands by seen sizes, and puts heavy objects back."""
 
 from __future__ import annotations
 

@@ -40,7 +40,6 @@ def objects() -> StageDocument:
         ("softball", ""),
         ("matchbox", ""),
         ("cereal_box", "too heavy for the hand if it is full"),
-        ("canister", "too heavy for the hand if it is full"),
         ("paperback", "too flat for its width"),
         ("hammer", "too long for one hand"),
         ("screwdriver", ""),

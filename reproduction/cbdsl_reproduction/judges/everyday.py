@@ -2,8 +2,8 @@
 
 The stage ``other_objects`` has objects of sizes for which no bound was chosen, except for the
 chisel. Which objects count as placed and which as refused was set after runs on development seeds.
-Objects for both hands are placed if both hands reach around them, and refused otherwise. One that
-is too heavy is put back where it stood: the robot weighs it by a first lift.
+Some large objects are weighed by a first lift: they are placed, or put back where they stood, or
+refused before motion if they are out of reach of both hands.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _STILL = 0.05
 # Largest distance of an object that is put back from its first place, m, and least cosine of its
 # tilt.
 _NEAR, _UPRIGHT = 0.1, 0.99
-#: Objects that are placed, and objects that are refused, by stage.
+#: Objects that are placed, that are refused, and that are weighed, by stage.
 _PLACED = {
     "everyday_objects": (
         "block", "matchbox", "carton", "soup_can", "tuna_can", "bottle", "jar", "mug",
@@ -44,12 +44,12 @@ _PLACED = {
 }  # fmt: skip
 _REFUSED = {
     "everyday_objects": (
-        "die", "cereal_box", "book", "paperback", "canister", "bowl", "tray", "golf_ball",
-        "medicine_ball", "play_ball", "hammer",
+        "die", "cereal_box", "book", "paperback", "bowl", "tray", "golf_ball", "medicine_ball",
+        "play_ball", "hammer",
     ),
     "other_objects": ("marble", "plate", "crate", "detergent", "rod"),
 }  # fmt: skip
-_FOR_BOTH = {"everyday_objects": ("parcel", "paint_can")}
+_WEIGHED = {"everyday_objects": ("parcel", "paint_can", "canister")}
 
 
 class _Delivery(Watch):
@@ -96,7 +96,7 @@ class _Delivery(Watch):
 def _conditions() -> tuple[JudgedCondition, ...]:
     """Return each object of both stages."""
     most, conditions = Aim(0.9), []
-    both = {
+    weighed = {
         "placed": ANY,
         "refused before motion": ANY,
         "put back": ANY,
@@ -106,7 +106,7 @@ def _conditions() -> tuple[JudgedCondition, ...]:
     for objects, aims in (
         (_PLACED, {"placed": most, "refused before motion": ANY, "false success": NONE}),
         (_REFUSED, {"placed": ANY, "refused before motion": most, "false success": NONE}),
-        (_FOR_BOTH, both),
+        (_WEIGHED, weighed),
     ):
         conditions += [
             JudgedCondition(name, "deliver", aims, stage, name)
