@@ -12,7 +12,7 @@ from cbdsl_reproduction.kept_rows import KeptRows
 
 
 class PlayedEpisode(NamedTuple):
-    """Episode, and ground truth of the simulator about it.
+    """Result of an episode, beside ground truth of the simulator, which a result never holds.
 
     Attributes:
         result: Outcome of the episode.
