@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 from cbdsl.runtime.feature_reader import FeatureReader
-from cbdsl.types.resource import SurfacePoint
+from cbdsl.types.resource import Origin, Resource, StereoPosition, StereoSignal, SurfacePoint
+from cbdsl.types.resource_type import POSITION, VOLUME
 
-PLACE, SIZE = Made(source=None), Made(source=None)
-POINT = Made(source=SurfacePoint("ball"))
+PLACE = Resource("stereo.ball", POSITION, Origin.TRIANGULATION, StereoPosition("ball"))
+SIZE = Resource("stereo.ball.volume", VOLUME, Origin.TRIANGULATION, StereoSignal("ball", "volume"))
+POINT = Resource("surface.ball", POSITION, Origin.SURFACE, SurfacePoint("ball"))
 
 
 def tick(number: int, defined: dict[Any, float], run: Any = None, table: Any = None) -> Any:
