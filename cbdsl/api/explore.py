@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from cbdsl.documents.catalog import CatalogDocument
     from cbdsl.learning.catalogs.action_outcome import ActionOutcome
     from cbdsl.learning.catalogs.exploration import ExplorationStep
-    from cbdsl.training.action_work import FinishedAction
+    from cbdsl.training.exploration.action_work import FinishedAction
 
 
 @dataclass(frozen=True)

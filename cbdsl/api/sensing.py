@@ -8,7 +8,7 @@ from cbdsl.program.binding import bind
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.pair_names import pair_features
 from cbdsl.robot.resources import resources
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObserver
 from cbdsl.runtime.feature_reader import FeatureReader

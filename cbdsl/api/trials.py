@@ -13,8 +13,8 @@ from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.backends.simulated_backend import simulate as embody_simulated
 from cbdsl.learning.experience import EPISODES
 from cbdsl.storage.journal import DamagedJournalError, Journal, JournalError
-from cbdsl.training.action_work import FinishedAction
 from cbdsl.training.episode_runner import BackendEpisodeRunner
+from cbdsl.training.exploration.action_work import FinishedAction
 from cbdsl.training.provenance import TrialSetting, provenance_of, versions
 from cbdsl.training.task_files import exploration_journal, trial_journal
 from cbdsl.training.task_observer import ItemListener, TaskObserver

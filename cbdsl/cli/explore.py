@@ -29,7 +29,7 @@ from cbdsl.reporting.text.catalog_text import catalog_text
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.cli.episodes.live import LiveOptions
-    from cbdsl.training.exploration_task import ExplorationTask
+    from cbdsl.training.exploration.exploration_task import ExplorationTask
 
 # Parameters that are not options of the recorded command. The programs are arguments, the number
 # of actions is written last, and the others do not affect the result.

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import typer
 
     from cbdsl.api.requests.run_request import RunRequest
-    from cbdsl.training.pair_task import PairTask
+    from cbdsl.training.exploration.pair_task import PairTask
 
 # Options that apply only to the actions of a single object.
 _OF_ONE = (

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.runtime.controller_runs import ControllerRuns
+from cbdsl.runtime.controllers.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_runs import ControllerRuns
 
 
 class Active(NamedTuple):

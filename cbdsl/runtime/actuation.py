@@ -16,7 +16,7 @@ from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.numeric.handle import bind
 from cbdsl.program.checked import NO_GUARDS, Guards
 from cbdsl.runtime.action_levels import Active
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.load_guards import LoadGuards
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.signal_rows import Selection

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Origin

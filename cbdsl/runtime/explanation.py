@@ -11,7 +11,7 @@ import numpy as np
 from cbdsl.control.law import LevelReport, Step
 from cbdsl.control.level import Level
 from cbdsl.numeric.arrays import Floats
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.types.potential import POTENTIALS

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cbdsl.diagnostics.nearest import suggestion
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.program_run import ProgramRun
 

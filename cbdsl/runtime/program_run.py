@@ -18,8 +18,8 @@ from cbdsl.runtime.action_switch import ActionSwitch
 from cbdsl.runtime.active_levels import ActiveLevels
 from cbdsl.runtime.child_run import ChildRun, subprogram_runs
 from cbdsl.runtime.context_reader import ContextReader
-from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.runtime.controller_runs import ControllerRuns
+from cbdsl.runtime.controllers.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_runs import ControllerRuns
 from cbdsl.runtime.feature_looks import FeatureLooks
 from cbdsl.runtime.lost_objects import LostObjects
 from cbdsl.runtime.member_state import MemberState

@@ -13,8 +13,8 @@ from cbdsl.sensing.vision.blob_signals import BlobSignals
 from cbdsl.sensing.vision.distances import Distances
 from cbdsl.sensing.vision.marks import Marks
 from cbdsl.sensing.vision.novelty import Novelty
-from cbdsl.sensing.vision.solid_signals import SolidSignals
-from cbdsl.sensing.vision.surfaces import Surfaces
+from cbdsl.sensing.vision.shapes.solid_signals import SolidSignals
+from cbdsl.sensing.vision.shapes.surfaces import Surfaces
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.sensing.vision.visual_signals import VisualSignals
 from cbdsl.types.resource import Resource

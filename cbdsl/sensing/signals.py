@@ -25,7 +25,7 @@ from cbdsl.sensing.table.refresh import CONTACT, DISPLACED, NORMAL_FORCES, refre
 from cbdsl.sensing.table.signal_rows import Reader, Selection, SignalRows
 from cbdsl.sensing.table.table import Form, RowPart
 from cbdsl.sensing.table.tips import Tips
-from cbdsl.sensing.vision.surface import SurfaceSampler
+from cbdsl.sensing.vision.shapes.surface import SurfaceSampler
 from cbdsl.types.casts import Chain
 from cbdsl.types.resource import NetForces, Origin, Resource, SensorSignal, Source
 from cbdsl.types.resource_type import POSITION

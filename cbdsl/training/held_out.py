@@ -9,7 +9,7 @@ import numpy as np
 
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.program.catalog_models import is_known, models_of, predict
-from cbdsl.training.action_runner import ActionRunner
+from cbdsl.training.exploration.action_runner import ActionRunner
 
 # Number of probability bins of a reliability diagram.
 _BINS = 5

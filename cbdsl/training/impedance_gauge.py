@@ -16,7 +16,7 @@ from cbdsl.kinematics.rotation import log
 from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Relative
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick

@@ -11,7 +11,7 @@ import typer.main
 from typer import Typer
 
 from cbdsl.cli.explore import explore
-from cbdsl.training.action_runner import ActionRunner
+from cbdsl.training.exploration.action_runner import ActionRunner
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.exploration_series import BASKETBALL, TABLE, TABLE_MODELS, ExplorationSeries
 from cbdsl_reproduction.registry import EXPERIMENTS

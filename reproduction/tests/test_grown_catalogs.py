@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.training.action_runner import ActionRunner
+from cbdsl.training.exploration.action_runner import ActionRunner
 from cbdsl_reproduction.chapter_7.grown_catalogs import FIGURES, joined_after
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.registry import EXPERIMENTS

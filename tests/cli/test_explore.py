@@ -17,7 +17,7 @@ from cbdsl.api.requests.explored_actions import read_action
 from cbdsl.checking.document import check_document
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.training.action_runner import ActionRunner
+from cbdsl.training.exploration.action_runner import ActionRunner
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_learn import cb
 from tests.conftest import ROOT

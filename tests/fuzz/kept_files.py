@@ -14,7 +14,7 @@ from cbdsl.learning.experience import EPISODES
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.storage.journal import JournalError, require_same, rows_of
-from cbdsl.training.exploration_phases import open_journal
+from cbdsl.training.exploration.exploration_phases import open_journal
 from tests.fuzz.entry_point import EntryPoint
 from tests.fuzz.scratch import scratch
 

@@ -18,8 +18,8 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller
 from cbdsl.reporting.text.program_text import casts_text
 from cbdsl.robot.resources import resources
-from cbdsl.runtime.controller_rows import bind_rows
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_rows import bind_rows
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.chain import CastError
 from cbdsl.sensing.vision.camera import heading

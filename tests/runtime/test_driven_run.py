@@ -16,7 +16,7 @@ from cbdsl.program.schema import NO_FEATURES
 from cbdsl.program.transition import Transition
 from cbdsl.runtime import actuation as actuation_module
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.policies.policy import Choice

@@ -12,7 +12,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 from tests.runtime.test_relative import CELLS, PERIOD, controller

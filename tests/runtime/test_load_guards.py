@@ -14,7 +14,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import Guards
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.load_guards import LoadGuards
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals

@@ -10,7 +10,7 @@ import pytest
 
 from cbdsl.documents.program import ControllerSection
 from cbdsl.program.controller import Controller, Modifier
-from cbdsl.runtime.preparation import change_of
+from cbdsl.runtime.controllers.preparation import change_of
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.resource_type import TYPES
 

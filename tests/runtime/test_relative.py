@@ -15,7 +15,7 @@ from cbdsl.kinematics.rotation import exp
 from cbdsl.program.controller import Controller
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 

@@ -11,7 +11,7 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.policies.policy import Choice, Policy
 from cbdsl.runtime.program_run import ProgramRun

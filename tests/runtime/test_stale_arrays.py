@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.reading import Reading

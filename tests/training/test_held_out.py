@@ -11,7 +11,7 @@ import pytest
 from cbdsl.documents.catalog import AffordanceSection, FeatureSection, SampleModel
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.program.catalog_models import models_of, predict
-from cbdsl.training.action_runner import ActionRunner
+from cbdsl.training.exploration.action_runner import ActionRunner
 from cbdsl.training.held_out import Prediction, brier, reliability, try_scenes
 from tests.training.drawn_catalog import TEN
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, get_args
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
-    from cbdsl.training.explorable_pair import ExplorablePair
+    from cbdsl.training.exploration.explorable_pair import ExplorablePair
+    from cbdsl.training.exploration.pair_task import PairTask
     from cbdsl.training.known_relations import KnownRelations
-    from cbdsl.training.pair_task import PairTask
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class ExplorePairsRequest:
         from cbdsl.documents.meta_catalog import Relation
         from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
         from cbdsl.learning.constants import read_constants
-        from cbdsl.training.pair_task import PairTask
+        from cbdsl.training.exploration.pair_task import PairTask
 
         if self.out.suffix != ".yaml":
             raise UsageError(f"{self.out}: a meta-catalog is <name>.yaml")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.documents.stage import StageDocument
-    from cbdsl.training.exploration_task import ExplorationTask
+    from cbdsl.training.exploration.exploration_task import ExplorationTask
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class ExploreRequest:
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.learning.catalogs.explorations import EXPLORATIONS
         from cbdsl.learning.constants import read_constants
-        from cbdsl.training.exploration_task import ExplorationTask
+        from cbdsl.training.exploration.exploration_task import ExplorationTask
 
         if self.out.suffix != ".yaml":
             raise UsageError(f"{self.out}: a catalog is <name>.yaml")

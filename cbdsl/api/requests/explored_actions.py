@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.documents.catalog import CatalogDocument
-    from cbdsl.training.explorable import Explorable
+    from cbdsl.training.exploration.explorable import Explorable
     from cbdsl.types.resource import Resource
 
 
@@ -99,7 +99,7 @@ def recorded_actions(
     Returns:
         Request of the first action, and all actions.
     """
-    from cbdsl.training.explorable import OPEN
+    from cbdsl.training.exploration.explorable import OPEN
 
     resolved = []
     for name, row in catalog.affordances.items():
@@ -129,7 +129,7 @@ def _explorable(
     text: ActionText, feature: str, stage: str, folder: Path | None = None
 ) -> tuple[RunRequest, Explorable]:
     from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.training.explorable import OPEN, with_marks
+    from cbdsl.training.exploration.explorable import OPEN, with_marks
 
     open_keys = [key for key, value in text.values.items() if value == OPEN]
     if len(open_keys) > 1:
@@ -154,7 +154,7 @@ def bound_action(
     from cbdsl.api.requests.run_request import read_request
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.program import ProgramDocument
-    from cbdsl.training.explorable import explorable
+    from cbdsl.training.exploration.explorable import explorable
     from cbdsl.yaml_text.library import Library
 
     library = Library(folder)

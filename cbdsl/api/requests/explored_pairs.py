@@ -15,7 +15,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.robot.pair_names import pair_features
 from cbdsl.robot.resources import resources
 from cbdsl.robot.urdf_reader import read_urdf_if_sound
-from cbdsl.training.explorable_pair import ExplorablePair
+from cbdsl.training.exploration.explorable_pair import ExplorablePair
 from cbdsl.yaml_text.library import Library
 
 if TYPE_CHECKING:

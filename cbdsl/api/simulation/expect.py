@@ -47,7 +47,7 @@ def expect(
     from cbdsl.api.requests.explored_actions import recorded_actions
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.catalog import CatalogDocument
-    from cbdsl.training.action_runner import ActionRunner
+    from cbdsl.training.exploration.action_runner import ActionRunner
     from cbdsl.training.held_out import try_scenes
     from cbdsl.yaml_text.library import Library
 

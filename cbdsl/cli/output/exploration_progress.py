@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Sequence
 
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome
-from cbdsl.training.action_work import FinishedAction
+from cbdsl.training.exploration.action_work import FinishedAction
 from cbdsl.training.task_observer import TaskObserver
 
 # Actions after which an object that was never seen is gone, and a last time counts for the rest.

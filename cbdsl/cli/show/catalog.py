@@ -108,7 +108,7 @@ def _predict(
     as_json: bool,
 ) -> None:
     with needing_simulation():
-        from cbdsl.training.action_runner import ActionRunner
+        from cbdsl.training.exploration.action_runner import ActionRunner
         from cbdsl.training.held_out import try_scenes
 
     request, actions = recorded_actions(catalog, stage)

@@ -8,7 +8,7 @@ from cbdsl.types.modifier import ModifierType
 
 if TYPE_CHECKING:
     from cbdsl.control.plan import SlotForm
-    from cbdsl.runtime.slot_setting import SlotSetting
+    from cbdsl.runtime.controllers.slot_setting import SlotSetting
 
 
 def bind(form: SlotForm, axis: str, setting: SlotSetting) -> SlotForm:

@@ -11,7 +11,7 @@ from cbdsl.types.resource import GraspCentre, Tip
 if TYPE_CHECKING:
     from cbdsl.control.plan import SlotForm
     from cbdsl.documents.program import FunnelSection
-    from cbdsl.runtime.slot_setting import SlotSetting
+    from cbdsl.runtime.controllers.slot_setting import SlotSetting
 
 
 def _read(section: FunnelSection, _: Call) -> Funnel:

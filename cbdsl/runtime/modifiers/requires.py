@@ -9,7 +9,7 @@ from cbdsl.types.resource_type import TYPES
 
 if TYPE_CHECKING:
     from cbdsl.control.plan import SlotForm
-    from cbdsl.runtime.slot_setting import SlotSetting
+    from cbdsl.runtime.controllers.slot_setting import SlotSetting
 
 
 def _read(text: str, call: Call) -> str | None:

@@ -13,7 +13,7 @@ from cbdsl.types.source_record import owner_of
 if TYPE_CHECKING:
     from cbdsl.control.plan import SlotForm
     from cbdsl.documents.program import SeekSection
-    from cbdsl.runtime.slot_setting import SlotSetting
+    from cbdsl.runtime.controllers.slot_setting import SlotSetting
 
 
 def _read(section: SeekSection, call: Call) -> Seek:

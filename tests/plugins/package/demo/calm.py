@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from cbdsl.control.plan import SlotForm
-from cbdsl.runtime.slot_setting import SlotSetting
+from cbdsl.runtime.controllers.slot_setting import SlotSetting
 from cbdsl.types.modifier import ModifierType
 
 CALM = ModifierType(

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.vision.surface import LevelSurface, SurfaceView
+from cbdsl.sensing.vision.shapes.surface import LevelSurface, SurfaceView
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.types.resource import Resource, SurfacePoint
 from cbdsl.types.source_record import sources_of

@@ -19,7 +19,7 @@ from cbdsl.program.controller import Controller, Literal
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetForces, Tip

@@ -15,7 +15,7 @@ from cbdsl.runtime.episode import EpisodeError, Runner
 from cbdsl.runtime.episode_observer import EpisodeObserver, EpisodeObservers
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.feature_reader import FeatureReader
-from cbdsl.training.explorable import Explorable
+from cbdsl.training.exploration.explorable import Explorable
 from cbdsl.types.resource import Resource
 
 Features = Mapping[str, tuple[float, ...]]

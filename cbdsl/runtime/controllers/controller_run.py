@@ -17,9 +17,9 @@ from cbdsl.control.signal import SignalError, require_finite
 from cbdsl.control.slot import error_bound
 from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.program.controller import Controller, Relative
-from cbdsl.runtime.controller_rows import anchor_of, bind_rows
-from cbdsl.runtime.preparation import Preparation
-from cbdsl.runtime.slot_setting import SlotSetting, modified
+from cbdsl.runtime.controllers.controller_rows import anchor_of, bind_rows
+from cbdsl.runtime.controllers.preparation import Preparation
+from cbdsl.runtime.controllers.slot_setting import SlotSetting, modified
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.types.source_record import record_of

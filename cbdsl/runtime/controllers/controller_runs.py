@@ -12,8 +12,8 @@ from cbdsl.program.controller import (
     Primitive,
     Relative,
 )
-from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.runtime.member_lead import MemberLead
+from cbdsl.runtime.controllers.controller_run import ControllerRun
+from cbdsl.runtime.controllers.member_lead import MemberLead
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Resource
 from cbdsl.types.source_record import Normals, is_located, normals_of

@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.storage.journal import JournalError
-from cbdsl.training.exploration_phases import Joined, open_journal, phase
+from cbdsl.training.exploration.exploration_phases import Joined, open_journal, phase
 
 
 def identity(policy: str = "a", **programs: str) -> dict[str, Any]:

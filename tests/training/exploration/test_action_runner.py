@@ -19,8 +19,8 @@ from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.feature_reader import FeatureReader
-from cbdsl.training.action_runner import ActionRunner
-from cbdsl.training.explorable import OPEN, Explorable, explorable, with_marks
+from cbdsl.training.exploration.action_runner import ActionRunner
+from cbdsl.training.exploration.explorable import OPEN, Explorable, explorable, with_marks
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 

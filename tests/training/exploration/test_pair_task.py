@@ -12,8 +12,8 @@ from cbdsl.checking.program import check_program
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
 from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.training.explorable_pair import ExplorablePair
-from cbdsl.training.pair_task import PairTask, PairWork
+from cbdsl.training.exploration.explorable_pair import ExplorablePair
+from cbdsl.training.exploration.pair_task import PairTask, PairWork
 
 
 class Ended:

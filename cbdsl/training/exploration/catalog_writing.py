@@ -20,7 +20,7 @@ from cbdsl.learning.catalogs.exploration import Exploration
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.training.explorable import Explorable
+from cbdsl.training.exploration.explorable import Explorable
 from cbdsl.types.resource import Resource
 
 

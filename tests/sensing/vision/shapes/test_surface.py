@@ -18,7 +18,7 @@ from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.channels import Extent, connected_regions
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.vision.surface import (
+from cbdsl.sensing.vision.shapes.surface import (
     LevelSurface,
     SurfaceSampler,
     SurfaceView,

@@ -11,7 +11,7 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.sensing.touch.touch import Touch
-from cbdsl.sensing.vision.solid import Silhouette, Solid
+from cbdsl.sensing.vision.shapes.solid import Silhouette, Solid
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.types.resource import Resource, SolidSignal
 from cbdsl.types.source_record import sources_of

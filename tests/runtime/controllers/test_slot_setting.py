@@ -10,8 +10,8 @@ import pytest
 
 from cbdsl.control.plan import SlotForm
 from cbdsl.program.controller import Modifier
-from cbdsl.runtime import slot_setting
-from cbdsl.runtime.slot_setting import SlotSetting, modified
+from cbdsl.runtime.controllers import slot_setting
+from cbdsl.runtime.controllers.slot_setting import SlotSetting, modified
 from cbdsl.types.modifier import ModifierType
 
 FORM = SlotForm(Made(), np.zeros(6), np.zeros(5), feedback=3, reference=4)  # type: ignore[arg-type]

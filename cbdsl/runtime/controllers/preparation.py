@@ -13,7 +13,7 @@ from cbdsl.control.potentials.field import NoPathError
 from cbdsl.control.signal import require_finite
 from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Ball, Controller, Modifier, Relative
-from cbdsl.runtime.controller_rows import ControllerRows
+from cbdsl.runtime.controllers.controller_rows import ControllerRows
 from cbdsl.sensing.density import Sampler
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.reading import Reading

@@ -18,13 +18,13 @@ from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
 from cbdsl.learning.catalogs.pair_exploration import PairExploration
 from cbdsl.runtime.episode import EpisodeError, Runner
 from cbdsl.storage.journal import Journal
-from cbdsl.training.action_work import ActionWork, FinishedAction
-from cbdsl.training.catalog_provenance import catalog_provenance, identity_of
-from cbdsl.training.catalog_task import CatalogTask
-from cbdsl.training.explorable_pair import ExplorablePair
+from cbdsl.training.exploration.action_work import ActionWork, FinishedAction
+from cbdsl.training.exploration.catalog_provenance import catalog_provenance, identity_of
+from cbdsl.training.exploration.catalog_task import CatalogTask
+from cbdsl.training.exploration.explorable_pair import ExplorablePair
+from cbdsl.training.exploration.meta_catalog_writing import meta_catalog_document
 from cbdsl.training.impedance_gauge import ImpedanceGauge
 from cbdsl.training.known_relations import KnownRelations, impedance_section
-from cbdsl.training.meta_catalog_writing import meta_catalog_document
 from cbdsl.training.task_observer import TaskObserver
 
 

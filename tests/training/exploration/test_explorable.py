@@ -17,7 +17,7 @@ from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.feature_reader import FeatureReader
-from cbdsl.training.explorable import Explorable, explorable, other_hues
+from cbdsl.training.exploration.explorable import Explorable, explorable, other_hues
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 

@@ -9,7 +9,7 @@ from typing import TypeVar
 from cbdsl.documents.document import Document
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome
 from cbdsl.storage.atomic_file import remove_leftovers
-from cbdsl.training.action_work import ActionWork, FinishedAction
+from cbdsl.training.exploration.action_work import ActionWork, FinishedAction
 from cbdsl.training.task_files import exploration_journal, require_free
 from cbdsl.training.task_loop import run_items
 from cbdsl.training.task_observer import TaskObserver

@@ -12,8 +12,8 @@ from cbdsl.documents.meta_catalog import (
     PairSection,
 )
 from cbdsl.learning.catalogs.exploration import Exploration
-from cbdsl.training.catalog_writing import affordance_values, step_columns
-from cbdsl.training.explorable_pair import ExplorablePair
+from cbdsl.training.exploration.catalog_writing import affordance_values, step_columns
+from cbdsl.training.exploration.explorable_pair import ExplorablePair
 
 
 def meta_catalog_document(

@@ -8,10 +8,10 @@ from cbdsl.learning.catalogs.action_outcome import NOOP, ActionOutcome, FeatureF
 from cbdsl.learning.catalogs.exploration import Exploration
 from cbdsl.learning.catalogs.exploration_observer import ExplorationObserver
 from cbdsl.storage.journal import Journal, damaged
-from cbdsl.training.action_runner import ActionRunner
-from cbdsl.training.action_work import ActionWork, Course, FinishedAction
-from cbdsl.training.explorable import Explorable
-from cbdsl.training.exploration_phases import ActionRow, Joined, Phase, phase
+from cbdsl.training.exploration.action_runner import ActionRunner
+from cbdsl.training.exploration.action_work import ActionWork, Course, FinishedAction
+from cbdsl.training.exploration.explorable import Explorable
+from cbdsl.training.exploration.exploration_phases import ActionRow, Joined, Phase, phase
 
 Forms = dict[str, Sequence[FeatureForm]]
 

@@ -18,7 +18,7 @@ from cbdsl.robot.pair_names import pair_resource
 from cbdsl.robot.resources import SOLID_PARTS, resources
 from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.channels import Moments, Region
-from cbdsl.sensing.vision.solid import Silhouette, Solid
+from cbdsl.sensing.vision.shapes.solid import Silhouette, Solid
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 

@@ -19,14 +19,14 @@ from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
 from cbdsl.learning.catalogs.exploration_observer import ExplorationObserver
 from cbdsl.learning.catalogs.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.training.action_runner import ActionRunner
-from cbdsl.training.action_work import FinishedAction
-from cbdsl.training.catalog_provenance import catalog_provenance, identity_of
-from cbdsl.training.catalog_task import CatalogTask
-from cbdsl.training.catalog_writing import catalog_document
-from cbdsl.training.explorable import Explorable
-from cbdsl.training.exploration_phases import Phase, open_journal
-from cbdsl.training.exploration_work import ExplorationWork, Forms
+from cbdsl.training.exploration.action_runner import ActionRunner
+from cbdsl.training.exploration.action_work import FinishedAction
+from cbdsl.training.exploration.catalog_provenance import catalog_provenance, identity_of
+from cbdsl.training.exploration.catalog_task import CatalogTask
+from cbdsl.training.exploration.catalog_writing import catalog_document
+from cbdsl.training.exploration.explorable import Explorable
+from cbdsl.training.exploration.exploration_phases import Phase, open_journal
+from cbdsl.training.exploration.exploration_work import ExplorationWork, Forms
 from cbdsl.training.task_observer import TaskObserver
 
 
