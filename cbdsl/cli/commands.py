@@ -13,10 +13,29 @@ if TYPE_CHECKING:
 Command: TypeAlias = "Callable[..., Any] | typer.Typer"
 """Function that Typer turns into a command, or an app with commands of its own."""
 
-_BUILT_IN = (
-    "validate", "list", "run", "explain", "show", "new", "schema", "replay", "learn",
-    "explore", "report", "calibrate", "lsp", "fmt", "export", "warm", "drive",
-)  # fmt: skip
+#: First paragraph of the help of each built-in command, which lists it without its import.
+SUMMARIES = {
+    "validate": "Check documents without running them.",
+    "list": "List the documents that commands find by name from this folder, with their paths.",
+    "run": "Run a program on a robot and print each change of its state.",
+    "explain": "Print the meaning of a diagnostic, its reason, and a wrong and a correct example.",
+    "show": "Show types, potentials, resources, plug-ins, programs, meshes, and what was learned.",
+    "new": "Write a robot, program or stage to start from.",
+    "schema": "Print the JSON Schema of a kind of document, or write it for editors and CI.",
+    "replay": "Write a self-contained page of a recorded episode.",
+    "learn": "Learn the values of a program's actions from scratch, by discovering affordances.",
+    "explore": "Explore the affordances of an object until its models have habituated (Chapter 6).",
+    "report": "Write a self-contained page of learned documents.",
+    "calibrate": "Estimate the positions of a robot's cameras from views of a ball in its hand.",
+    "lsp": "Serve an editor over the standard streams: diagnostics while typing, completion, "
+    "hover.",
+    "fmt": "Format documents: uniform indentation and spacing, without superfluous empty lines.",
+    "export": "Write programs and recordings in formats of other tools.",
+    "warm": "Compile in advance for all installed engines, so that first runs start immediately.",
+    "drive": "Serve, examine and guard the drivers of a robot.",
+}
+#: Built-in commands that have commands of their own.
+GROUPS = ("show", "new", "export", "drive")
 
 #: Modules of commands that are not named like their command.
 _MODULES = {"show": "show.show"}
@@ -40,8 +59,24 @@ def add_command(app: typer.Typer, name: str, command: Command) -> None:
         app.command(name)(command)
 
 
+def add_summary(app: typer.Typer, name: str) -> None:
+    """Add a command to an app that only lists its commands; built-in ones are not imported."""
+    import typer
+
+    if name in GROUPS:
+        app.add_typer(typer.Typer(), name=name, help=SUMMARIES[name])
+    elif name in SUMMARIES:
+        app.command(name, help=SUMMARIES[name])(_listed)
+    else:
+        add_command(app, name, COMMANDS.get(name))
+
+
+def _listed() -> None:
+    """Stand for a command in a list."""
+
+
 def _validate(name: str, entry: object) -> Command:
-    if name in _BUILT_IN:
+    if name in SUMMARIES:
         return entry  # type: ignore[return-value]  # held by tests of each command
     import typer
 
@@ -64,6 +99,6 @@ def _validate(name: str, entry: object) -> Command:
 COMMANDS: Registry[Command] = Registry(
     "command",
     "cbdsl.commands",
-    {name: f"cbdsl.cli.{_MODULES.get(name, name)}:{name}" for name in _BUILT_IN},
+    {name: f"cbdsl.cli.{_MODULES.get(name, name)}:{name}" for name in SUMMARIES},
     _validate,
 )

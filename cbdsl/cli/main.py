@@ -16,11 +16,16 @@ if TYPE_CHECKING:
     import typer
 
 
-def build_app(names: Iterable[str] = ()) -> typer.Typer:
-    """Return the command line with some of its commands, or with all usable ones."""
+def build_app(names: Iterable[str] = (), *, lists: bool = False) -> typer.Typer:
+    """Return the command line with some of its commands, or with all usable ones.
+
+    Args:
+        names: Names of the commands; empty for all.
+        lists: True if the app only lists its commands, so that they are not imported.
+    """
     import typer
 
-    from cbdsl.cli.commands import COMMANDS, add_command
+    from cbdsl.cli.commands import COMMANDS, add_command, add_summary
     from cbdsl.cli.version import options
 
     app = typer.Typer(
@@ -32,7 +37,10 @@ def build_app(names: Iterable[str] = ()) -> typer.Typer:
     # With options of its own, cb keeps a command's name when that is the only one.
     app.callback(help=app.info.help)(options)
     for name in names or COMMANDS.usable_names():
-        add_command(app, name, COMMANDS.get(name))
+        if lists:
+            add_summary(app, name)
+        else:
+            add_command(app, name, COMMANDS.get(name))
     return app
 
 
@@ -55,7 +63,7 @@ def _run(words: list[str]) -> None:
             from cbdsl.cli.validation import check_paths
 
             sys.exit(check_paths(words[1:], {}))
-        build_app(_requested(words))(words)
+        build_app(_requested(words), lists=_only_lists(words))(words)
     except KeyboardInterrupt as interrupt:
         _report_notes(interrupt)
         # Shells report 128 plus the number of the signal; SIGINT is 2.
@@ -89,6 +97,11 @@ def _requested(words: list[str]) -> list[str]:
         raise UsageError(f"cb {words[0]} comes with {package}: pip install {package}")
     warn_of_faults(COMMANDS)
     return []
+
+
+def _only_lists(words: list[str]) -> bool:
+    """Return whether the words ask for the list of commands, and no shell for completions."""
+    return words in ([], ["--help"]) and "_CB_COMPLETE" not in os.environ
 
 
 def _plain_validation(words: list[str]) -> bool:
