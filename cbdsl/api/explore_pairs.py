@@ -48,6 +48,7 @@ def explore_pairs(
     backend: str | None = None,
     cameras: str | None = None,
     constants: Mapping[str, str | float] | None = None,
+    relations: str | Path | None = None,
     resume: bool = False,
     on_action: Callable[[ActionOutcome, ExplorationStep], None] | None = None,
 ) -> PairExplorationOutcome:
@@ -68,6 +69,7 @@ def explore_pairs(
         backend: Name of the backend, as for ``open_robot``.
         cameras: Kind of cameras, as for ``open_robot``.
         constants: Constants of the exploration, by name, in SI or as text with units.
+        relations: Relations that name the contacts that the program tests: file or name.
         resume: True to continue an exploration that was begun there.
         on_action: Function called with the outcome of each new action, and with its reward.
 
@@ -93,6 +95,7 @@ def explore_pairs(
         backend=default_engine() if backend is None else backend,
         cameras=cameras,
         constants={name: str(value) for name, value in (constants or {}).items()},
+        relations=None if relations is None else str(relations),
     )
     run, task = request.task()
     task.require_ready(resume=resume)

@@ -169,6 +169,8 @@ def test_explore_pairs_writes_a_meta_catalog_and_resumes(
     assert cbdsl.check("boxes.yaml") == []
     with pytest.raises(cbdsl.UsageError, match="another thing has the channel 'blue'"):
         cbdsl.explore_pairs("stand", {**things, "slab": "blue"}, "stacking", "a.yaml")
+    with pytest.raises(cbdsl.UsageError, match="'stand' tests no impedance to name"):
+        cbdsl.explore_pairs("stand", things, "stacking", "a.yaml", relations="contacts")
 
 
 def test_evaluate_with_a_judge_decides_by_the_truth() -> None:
