@@ -23,6 +23,7 @@ from cbdsl.learning.learner import ASSIMILATE
 from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.numeric.affordance_model import AffordanceModel
 from cbdsl.program.catalog_models import pair_models
+from cbdsl.training.impedance_gauge import ImpedanceGauge
 from cbdsl.types.direction import DIRECTIONS
 
 __all__ = [
@@ -41,6 +42,7 @@ __all__ = [
     "ExplorationConstants",
     "ExplorationStep",
     "Form",
+    "ImpedanceGauge",
     "ImpedanceProfile",
     "ImpedanceTest",
     "StackPlan",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.constellation_trials import CHANNELS
+from cbdsl_reproduction.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.trial_digest import trial_digest
 
 STAGE = "one_of_three_things"

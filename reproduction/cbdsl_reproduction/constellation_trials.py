@@ -14,7 +14,7 @@ from cbdsl.api.sensing import (
     pair_features,
     resources,
 )
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
+from cbdsl_reproduction.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.stack_trials import StackJudge
 from cbdsl_reproduction.trial_digest import trial_digest
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from cbdsl.api.control import Kinematics
 from cbdsl.api.sensing import EpisodeListeners, Resource, Runner, Signals, Tick, resources
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.constellation_trials import CHANNELS, STAGE
+from cbdsl_reproduction.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.stack_trials import StackJudge
 from cbdsl_reproduction.trial_digest import trial_digest
 

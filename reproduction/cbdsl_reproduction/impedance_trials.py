@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from cbdsl.api.learning import ImpedanceProfile
-from cbdsl.api.simulation.impedance_measurement import measure_impedance
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
+from cbdsl_reproduction.impedance_measurement import measure_impedance
+from cbdsl_reproduction.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.thing_pairs import ALL_PAIRS
 from cbdsl_reproduction.trial_digest import trial_digest
 

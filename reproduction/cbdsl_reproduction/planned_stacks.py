@@ -12,8 +12,8 @@ from cbdsl.api.documents import MetaCatalogDocument, StageDocument
 from cbdsl.api.learning import StackPlan, plan_stack, support_graph
 from cbdsl.api.sensing import EpisodeListeners
 from cbdsl.api.shipped import shipped_document
-from cbdsl.api.simulation.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.constellation_trials import STAGE
+from cbdsl_reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.stack_trials import StackJudge
 
 _PROGRAM = "stack_three"

@@ -10,7 +10,7 @@ import numpy as np
 
 from cbdsl import UsageError
 from cbdsl.api.sensing import EpisodeListeners, Tick
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
+from cbdsl_reproduction.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.trial_digest import trial_digest
 
 # Largest speed at rest, m/s; time to stand, time after the release in which the pace is measured,

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.documents.model import ModelDocument
@@ -25,6 +24,7 @@ from cbdsl_reproduction.chapter_5.background_model import (
     tracked_postures,
 )
 from cbdsl_reproduction.quantity import Verdict
+from cbdsl_reproduction.simulation_fixture import simulation_fixture
 from tests.conftest import ROOT
 
 HERE: Posture = (0.1, 0.3)

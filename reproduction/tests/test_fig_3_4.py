@@ -6,11 +6,11 @@ import math
 
 import pytest
 
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.chapter_3 import fig_3_4
 from cbdsl_reproduction.chapter_3.fig_3_4 import _quantities, _Reach
 from cbdsl_reproduction.experiment import RunSettings
 from cbdsl_reproduction.quantity import Verdict
+from cbdsl_reproduction.simulation_fixture import simulation_fixture
 
 
 def reach(spring: list[float], conditioning: list[float], **ending: float | bool) -> _Reach:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
+import cbdsl
 
 
 @pytest.mark.slow
 def test_an_unseen_object_is_touched() -> None:
     succeeded, touched = [], []
-    with simulation_fixture("find_by_touch", None, None, "mujoco", "ideal") as lab:
-        runner, truth = lab.runner(), lab.backend.truth
+    with cbdsl.simulate("find_by_touch", backend="mujoco", cameras="ideal") as lab:
+        robot, truth = lab.robot, lab.truth
         for seed in range(5610001, 5610006):
-            succeeded.append(runner.run(lab.stage, seed, "dark").outcome == "success")
-            things = set(truth.names()).intersection(lab.stage.things)
-            touched.append(any(map(truth.touched, things)))
+            succeeded.append(robot.run(seed, context="dark").outcome == "success")
+            things = set(truth.objects).intersection(robot.request.stage.things)
+            touched.append(any(map(truth.is_touched, things)))
     # One in twelve is not found; there are no false reports.
     assert sum(succeeded) >= 4
     assert all(there for there, said in zip(touched, succeeded, strict=True) if said)
@@ -23,7 +23,7 @@ def test_an_unseen_object_is_touched() -> None:
 
 @pytest.mark.slow
 def test_visual_search_in_the_dark_is_unrewarded() -> None:
-    with simulation_fixture("reachtouch", None, "lights_out", "mujoco", "ideal") as lab:
-        runner = lab.runner()
-        lit, dark = (runner.run(lab.stage, 5610006, name).rewarded for name in ("light", "dark"))
+    program = cbdsl.load("reachtouch", stage="lights_out")
+    with cbdsl.simulate(program, backend="mujoco", cameras="ideal") as lab:
+        lit, dark = (lab.robot.run(5610006, context=name).rewarded for name in ("light", "dark"))
     assert lit and not dark

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import cbdsl
 from cbdsl.api.requests.run_request import read_request
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 from cbdsl.cli.episodes.simulation import simulation
 from cbdsl.kinematics.pose import Pose
 from cbdsl.program.transition import Transition
@@ -19,8 +19,9 @@ from cbdsl.runtime.tick import Tick
 @pytest.mark.slow
 def test_the_force_stays_while_the_hand_slides() -> None:
     sliding, forces, places = [False], [], []
-    with simulation_fixture("press_and_slide", {"by_y": "-8 cm", "force": "4 N"}) as fixture:
-        truth = fixture.backend.truth
+    sliding_program = cbdsl.load("press_and_slide", values={"by_y": "-8 cm", "force": "4 N"})
+    with cbdsl.simulate(sliding_program, backend="bullet") as fixture:
+        truth = fixture.robot.backend.truth
         step = truth.step
 
         def sample(targets: NDArray[np.float64]) -> None:
@@ -35,7 +36,7 @@ def test_the_force_stays_while_the_hand_slides() -> None:
                 places.append(truth.link_pose("right_palm").position.copy())
 
         truth.step = sample  # type: ignore[method-assign]
-        result = fixture.runner().run(fixture.stage, 3, observer=EpisodeListeners(on_tick=note))
+        result = fixture.robot.run(3, on_tick=note)
     assert result.outcome == "success"
     means = np.convolve(forces, np.full(24, 1 / 24), mode="valid")
     np.testing.assert_allclose(means, 4.0, atol=0.5)
@@ -44,15 +45,15 @@ def test_the_force_stays_while_the_hand_slides() -> None:
 
 @pytest.mark.slow
 def test_put_down_leaves_an_object_below_its_held_place() -> None:
-    with simulation_fixture("take_and_put_down") as fixture:
-        truth, held = fixture.backend.truth, []
+    with cbdsl.simulate("take_and_put_down", backend="bullet") as fixture:
+        truth, held = fixture.robot.backend.truth, []
 
         def note(tick: Tick) -> None:
             if tick.run.children["put_down"].predicate == "0" and not held:
                 (thing,) = (name for name in truth.names() if name != "table")
                 held.append((thing, truth.pose(thing).position.copy()))
 
-        result = fixture.runner().run(fixture.stage, 12, observer=EpisodeListeners(on_tick=note))
+        result = fixture.robot.run(12, on_tick=note)
         assert result.outcome == "success", result.ending
         ((thing, before),) = held
         after = truth.pose(thing).position
@@ -65,8 +66,8 @@ def test_put_down_leaves_an_object_below_its_held_place() -> None:
 @pytest.mark.parametrize("thing", ["ball", "box"])
 def test_take_with_both_lifts_an_object_too_large_for_one_hand(thing: str) -> None:
     rewards = []
-    with simulation_fixture("take_with_both") as fixture:
-        truth, heights = fixture.backend.truth, []
+    with cbdsl.simulate("take_with_both", backend="bullet") as fixture:
+        truth, heights = fixture.robot.backend.truth, []
 
         def note(tick: Tick) -> None:
             heights.append(truth.pose(thing).position[2])
@@ -75,7 +76,7 @@ def test_take_with_both_lifts_an_object_too_large_for_one_hand(thing: str) -> No
             if transition.depth == 0 and transition.rewarding == ("squeeze",):
                 rewards.append({hand for hand, _ in truth.touching(thing)})
 
-        result = fixture.runner().run(fixture.stage, 4, thing, EpisodeListeners(judge, note))
+        result = fixture.robot.run(4, context=thing, on_transition=judge, on_tick=note)
         touching = {hand for hand, _ in truth.touching(thing)}
     assert result.outcome == "success", result.ending
     assert rewards and all(hands == {"left_hand", "right_hand"} for hands in rewards)

@@ -5,34 +5,29 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.api.simulation.simulation_fixture import SimulationFixture, simulation_fixture
-from cbdsl.runtime.episode_observer import EpisodeListeners
+import cbdsl
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.vision.camera import heading
 
 SEEDS = (5640000, 5640001)
 
 
-def noticed(lab: SimulationFixture, seed: int, context: str) -> bool:
+def noticed(lab: cbdsl.SimulatedRobot, seed: int, context: str) -> bool:
     """Return True if something was tracked."""
-    return lab.runner().run(lab.stage, seed, context).rewarded
+    return lab.robot.run(seed, context=context).rewarded
 
 
-def off_the_ball(lab: SimulationFixture, seed: int) -> float:
+def off_the_ball(lab: cbdsl.SimulatedRobot, seed: int) -> float:
     """Return the final error of the left camera, deg; 180 if it notices nothing."""
     last: list[Tick] = []
 
     def note(tick: Tick) -> None:
         last[:] = [tick]
 
-    if (
-        not lab.runner()
-        .run(lab.stage, seed, "elsewhere", observer=EpisodeListeners(on_tick=note))
-        .rewarded
-    ):
+    if not lab.robot.run(seed, context="elsewhere", on_tick=note).rewarded:
         return 180.0
     frame = last[0].signals.kinematics.frame("left_camera")
-    ball = lab.backend.truth.pose("ball").position
+    ball = lab.truth.position("ball")
     angles = heading(frame.rotation.T @ (ball - frame.position))
     return float(np.degrees(np.abs(angles)).max())
 
@@ -44,11 +39,11 @@ def off_the_ball(lab: SimulationFixture, seed: int) -> float:
 def test_notice_ignores_the_window_and_tracks_a_ball_elsewhere(
     engine: str, cameras: str | None
 ) -> None:
-    with simulation_fixture("notice", None, None, engine, cameras) as lab:
+    with cbdsl.simulate("notice", backend=engine, cameras=cameras) as lab:
         for seed in SEEDS:
             assert off_the_ball(lab, seed) < 8.0
             assert not noticed(lab, seed, "before_the_window")
             assert not noticed(lab, seed, "nobody")
-    searching = {"feature": "blue"}
-    with simulation_fixture("searchtrack", searching, "something_new", engine, cameras) as lab:
+    program = cbdsl.load("searchtrack", stage="something_new", values={"feature": "blue"})
+    with cbdsl.simulate(program, backend=engine, cameras=cameras) as lab:
         assert noticed(lab, SEEDS[0], "before_the_window"), "what is blue is there to be seen"

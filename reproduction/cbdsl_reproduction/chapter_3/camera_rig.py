@@ -13,10 +13,10 @@ from cbdsl.api.control import Floats
 from cbdsl.api.documents import RobotDocument, StageDocument
 from cbdsl.api.sensing import Image
 from cbdsl.api.shipped import shipped_robot
-from cbdsl.api.simulation.simulation_fixture import REFERENCE
 from cbdsl.api.trials import SimulatedBackend, embody_simulated
 from cbdsl_reproduction.chapter_3.barcode import SIZE
 from cbdsl_reproduction.chapter_3.barcode_trial import FOCAL_LENGTH
+from cbdsl_reproduction.simulation_fixture import REFERENCE
 
 #: Factor by which a picture has more pixels than the source's cameras, along each axis.
 FINENESS = 4

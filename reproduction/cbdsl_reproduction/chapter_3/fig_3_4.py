@@ -18,7 +18,6 @@ from cbdsl.api.control import Floats, Potential, manipulability_potential, range
 from cbdsl.api.documents import StageDocument
 from cbdsl.api.program import WrittenPolicy
 from cbdsl.api.sensing import EpisodeListeners, Runner, Tick
-from cbdsl.api.simulation.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
@@ -27,6 +26,7 @@ from cbdsl_reproduction.interval import TAIL, resampled_interval
 from cbdsl_reproduction.percentage import clustered_percentage, percentage
 from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.region import above, at_least, at_most, below
+from cbdsl_reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 
 _ARM, _REACH = "right_arm", "reach"
 #: Actions of the program by the source's names of the laws.

@@ -12,8 +12,8 @@ import numpy as np
 from cbdsl.api.control import Floats, localizability_potential
 from cbdsl.api.documents import BoxForm
 from cbdsl.api.sensing import EpisodeListeners, Headings, Image, NetForces, Signals, Tick
-from cbdsl.api.simulation.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.chapter_3.barcode import Barcode
+from cbdsl_reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 
 #: Factor by which the pictures exceed 640 x 480 pixels, along each axis.
 FINENESS = 4

@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.api.sensing import EpisodeListeners, Tick, channel_names
-from cbdsl.api.simulation.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.chapter_4.posture_panels import PosturePanels
 from cbdsl_reproduction.chapter_5.background_documents import write_backgrounds
 from cbdsl_reproduction.claim import Claim, Claims
@@ -24,6 +23,7 @@ from cbdsl_reproduction.kept_rows import KeptRows
 from cbdsl_reproduction.percentage import percentage
 from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.region import above
+from cbdsl_reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 
 _PROGRAM, _STAGE, _EFFECTOR = "searchtrack", "furnished", "head"
 #: Figures of the source by the beginning of their channels' names.

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cbdsl.api.sensing import EpisodeListeners, Tick
-from cbdsl.api.simulation.simulation_fixture import SimulationFixture, simulation_fixture
+from cbdsl_reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl_reproduction.trial_digest import trial_digest
 
 PROGRAM, STAGE, EFFECTOR = "watch_for_motion", "shaken", "head"

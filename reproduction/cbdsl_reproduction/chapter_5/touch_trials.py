@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 from cbdsl.api.sensing import EpisodeListeners, Tick
-from cbdsl.api.simulation.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.chapter_5.contact_place import contact_places
+from cbdsl_reproduction.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.trial_digest import trial_digest
 
 # Radius of Dexter's fingertips, m.

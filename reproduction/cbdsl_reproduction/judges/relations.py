@@ -30,8 +30,8 @@ def _measure(
 ) -> Iterator[EpisodeVerdict]:
     """Yield the verdict on each pair."""
     from cbdsl.api.reading.relations import read_namer
-    from cbdsl.api.simulation.impedance_measurement import measure_impedance
-    from cbdsl.api.simulation.simulation_fixture import simulation_fixture
+    from cbdsl_reproduction.impedance_measurement import measure_impedance
+    from cbdsl_reproduction.simulation_fixture import simulation_fixture
 
     name_of = read_namer(condition.name)
     with ExitStack() as stack:

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cbdsl.api.control import Kinematics
+from cbdsl.api.documents import RobotDocument, StageDocument
+from cbdsl.api.program import CheckedProgram, Policy
+from cbdsl.api.sensing import Runner
 from cbdsl.api.shipped import shipped_program
-from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode import Runner
-from cbdsl.runtime.policies.policy import Policy
+from cbdsl.api.trials import SimulatedBackend, embody_simulated
 
 #: Backend on which the experiments of the source are measured.
 REFERENCE = "bullet"
@@ -69,7 +67,7 @@ def simulation_fixture(
     """
     request = shipped_program(name, stage=stage, values=values)
     robot, urdf = request.robot, request.urdf
-    backend = simulate(engine, robot, urdf, cameras=cameras)
+    backend = embody_simulated(engine, robot, urdf, cameras=cameras)
     try:
         yield SimulationFixture(
             robot=robot,

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from cbdsl.api.simulation.simulation_fixture import SimulationFixture
-from cbdsl.learning.impedance import ImpedanceProfile
-from cbdsl.runtime.episode import Runner
-from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.training.impedance_gauge import ImpedanceGauge
+from cbdsl import EpisodeResult
+from cbdsl.api.learning import ImpedanceGauge, ImpedanceProfile
+from cbdsl.api.sensing import Runner
+from cbdsl_reproduction.simulation_fixture import SimulationFixture
 
 
 class Measurement(NamedTuple):
