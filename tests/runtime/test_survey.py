@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import embody
+from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
 from cbdsl.runtime.tick import Tick
-from tests.backends.conftest import stage_named
+from cbdsl.types.state import matches
+from tests.backends.conftest import LIBRARY, stage_named
 from tests.conftest import Checked
 
 
@@ -101,3 +103,36 @@ def test_survey_with_a_larger_margin_refuses_an_object_within_the_hand(
     runner = Runner(dexter, kinematics, program, backend)  # type: ignore[arg-type]
     result = runner.run(objects, 61_000, "softball")
     assert result.outcome == "failure" and "wider than the hand" in result.ending
+
+
+@pytest.mark.parametrize("name", LIBRARY.names(ProgramDocument))
+def test_shipped_program_that_states_failures_ends_if_a_used_program_cannot_go_on(
+    name: str, checked: Checked
+) -> None:
+    """Take the first state in which a used program is undefined; it is continued, or an end."""
+    program = checked(name)
+    if not program.failure:
+        return
+    for member in {action.name for action in program.actions if action.program is not None}:
+        state = "".join("-" if each == member else "X" for each in program.members)
+        handled = (*program.policy, *program.success, *program.failure)
+        assert any(matches(pattern, state) for pattern in handled), state
+
+
+@pytest.mark.parametrize(("name", "state"), [("survey", "X-"), ("take_with_both", "-X")])
+def test_search_for_an_object_that_is_not_there_ends_in_a_failure_with_its_reason(
+    name: str, state: str, backend: object, dexter: RobotDocument, kinematics: Kinematics,
+    checked: Checked,
+) -> None:  # fmt: skip
+    program = checked(name, feature="hue_3")
+    (search,) = (action for action in program.actions if action.name == "searchtrack")
+    assert search.program is not None
+    # The search gives up after the transitions of a shorter attempt.
+    short = search.program._replace(transitions=4)
+    actions = tuple(
+        action._replace(program=short) if action is search else action for action in program.actions
+    )
+    runner = Runner(dexter, kinematics, program._replace(actions=actions), backend)  # type: ignore[arg-type]
+    result = runner.run(stage_named("table_right"), 1)
+    assert result.outcome == "failure" and result.predicates[-1].startswith(state)
+    assert result.ending.endswith("no object of this colour is in sight.")
