@@ -28,7 +28,7 @@ from tests.test_reader_sizes import recording
 _BACKEND = "backends/test_backend_calls.py:"
 _SOURCE = "scaffold/test_model_source.py:"
 _SIZES = "test_reader_sizes.py:"
-_SERVER = "reporting/live/test_server.py:"
+_SERVER = "reporting/live/test_page_server.py:"
 _WORKERS = "training/workers/test_local_workers.py:"
 _BOUNDS = "test_security.py:test_bounds_on_the_page_are_those_of_the_readers"
 _HERE = "test_security.py:"
@@ -164,12 +164,14 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_SERVER}test_foreign_hosts_and_origins_are_refused",
         f"{_SERVER}test_localhost_is_this_machine_too",
     ),
-    "It acts only on requests with a token that is in the page": (
+    "It acts only on requests with a token that is in the page.": (
         f"{_SERVER}test_request_without_the_token_is_refused",
         f"{_SERVER}test_the_page_has_an_unguessable_token",
     ),
-    "other users of the same machine can open the page.": (
-        f"{_SERVER}test_two_pages_receive_the_same_messages",
+    "The address of the page holds a secret, without which other users of the same machine cannot "
+    "open it.": (f"{_SERVER}test_page_without_the_key_of_its_address_is_refused",),
+    "A browser that `cb` opens on a screen has the address on its command line.": (
+        "cli/test_live.py:test_a_browser_is_opened_only_where_there_is_a_screen",
     ),
     "The page writes no file: the browser downloads a composed program.": (
         "reporting/live/test_requests.py:test_changes_are_made_and_saved",

@@ -55,7 +55,7 @@ class LiveServer:
         port: Port to listen on; any free port for 0.
 
     Attributes:
-        url: URL of the page.
+        url: URL of the page, whose path is a secret.
 
     Raises:
         UsageError: It cannot listen there; the message states the reason and a free port.
@@ -66,9 +66,10 @@ class LiveServer:
     ) -> None:
         self._feed = feed
         self._http = _listen(port)
-        token = secrets.token_urlsafe(24)
-        self._http.site = _Site(feed, page(token).encode(), token, answer, self._http.server_port)
-        self.url = f"http://{HOST}:{self._http.server_port}/"
+        token, key = secrets.token_urlsafe(24), secrets.token_urlsafe(24)
+        port = self._http.server_port
+        self._http.site = _Site(feed, page(token).encode(), token, key, answer, port)
+        self.url = f"http://{HOST}:{port}/{key}/"
         self._thread = Thread(target=self._http.serve_forever, args=(0.1,), daemon=True)
         self._thread.start()
 
@@ -86,8 +87,8 @@ class LiveServer:
 # Security: other machines cannot connect, because the server listens on the loopback address. Pages
 # of other sites in the same browser can. `Host` must name this machine, against DNS rebinding, and
 # `Origin`, if it is sent, must be this server. Requests that change the run need the token as well,
-# which only the page contains. Other users of this machine can load the page, and with it the
-# token: they are not excluded.
+# which only the page contains. Other users of this machine can connect, too. They do not know the
+# key in the path of the page, its events and its requests, so that they see neither.
 class _Site:
     """Live page, with all data that handlers of requests need.
 
@@ -95,11 +96,15 @@ class _Site:
         feed, answer: Feed and answer, as given to ``LiveServer``.
         page: Bytes of the page.
         token: Token that requests have to contain.
+        key: First part of all paths.
         hosts: Host names by which clients of this machine address it.
     """
 
-    def __init__(self, feed: Feed, page: bytes, token: str, answer: Answer, port: int) -> None:
+    def __init__(
+        self, feed: Feed, page: bytes, token: str, key: str, answer: Answer, port: int
+    ) -> None:
         self.feed, self.page, self.token, self.answer = feed, page, token, answer
+        self.key = key
         self.hosts = frozenset(f"{name}:{port}" for name in _NAMES)
 
 
@@ -147,12 +152,12 @@ class _Handler(BaseHTTPRequestHandler):
         """Send the page, or its events while it is connected."""
         if not self._is_from_here():
             self._refuse(HTTPStatus.FORBIDDEN, "this page is for browsers of this machine")
-        elif self.path == "/":
+        elif self._place() == "":
             self._send(HTTPStatus.OK, "text/html; charset=utf-8", self.server.site.page)
-        elif self.path == "/events":
+        elif self._place() == "events":
             self._send_events()
         else:
-            self._refuse(HTTPStatus.NOT_FOUND, "there is / and /events")
+            self._refuse(HTTPStatus.NOT_FOUND, "the page is at the whole address that cb prints")
 
     def do_POST(self) -> None:
         """Execute a request of the page."""
@@ -161,8 +166,8 @@ class _Handler(BaseHTTPRequestHandler):
         if not self._is_from_here() or not hmac.compare_digest(token.encode(), site.token.encode()):
             self._refuse(HTTPStatus.FORBIDDEN, "only the page itself may ask for something")
             return
-        if self.path != "/request":
-            self._refuse(HTTPStatus.NOT_FOUND, "requests go to /request")
+        if self._place() != "request":
+            self._refuse(HTTPStatus.NOT_FOUND, "requests go to 'request' beside the page")
             return
         try:
             answer = json.dumps(site.answer(self._content()))
@@ -175,6 +180,12 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.BAD_REQUEST, reason)
             return
         self._send(HTTPStatus.OK, "application/json", answer.encode())
+
+    def _place(self) -> str | None:
+        """Return the path below the key; ``None`` if the path has another key or none."""
+        key, slash, place = self.path.removeprefix("/").partition("/")
+        is_own = hmac.compare_digest(key.encode(), self.server.site.key.encode())
+        return place if slash and is_own else None
 
     def _content(self) -> Mapping[str, Any]:
         """Return the JSON object of a request.

@@ -96,9 +96,10 @@ class Transport:
         try:
             return future.result(_PATIENCE)
         except TimeoutError as error:
-            if not future.cancel() and future.done():
-                raise  # the function itself timed out
-            raise IdleError("no episode runs") from error
+            if future.cancel():
+                raise IdleError("no episode runs") from error
+            # A tick has begun to execute the function. A refusal would be false now.
+            return future.result()
 
     def hold(self, now: float, show: Callable[[], None]) -> None:
         """Execute pending requests, and let a tick last as long as it should.

@@ -19,7 +19,7 @@ class ColladaError(ValueError):
 
 
 def collada_damage(data: bytes) -> str:
-    """Return the damage of a COLLADA file as a clause; empty if none is token."""
+    """Return the damage of a COLLADA file as a clause; empty without one."""
     reader = _Reader()
     parser = expat.ParserCreate()
     parser.buffer_text, parser.buffer_size = True, 1 << 16

@@ -161,14 +161,14 @@ def test_an_interrupt_leaves_no_process_and_no_port(name: str, during: str) -> N
     )
     assert process.stdout is not None
     mark = "stays until Ctrl-C" if during == "the stay" else "episode with seed"
-    port = 0
+    port, path = 0, ""
     for line in process.stdout:
-        if found := re.search(r"live at http://127\.0\.0\.1:(\d+)/", line):
-            port = int(found[1])
+        if found := re.search(r"live at http://127\.0\.0\.1:(\d+)(/\S+/)", line):
+            port, path = int(found[1]), found[2]
         if mark in line:
             break
     connection = HTTPConnection("127.0.0.1", port, timeout=10)
-    connection.request("GET", "/events")
+    connection.request("GET", f"{path}events")
     stream = connection.getresponse()
     assert stream.readline() == b"event: episode\n"
     process.send_signal(getattr(signal, name))

@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator, Mapping
 from http.client import HTTPConnection, HTTPResponse
 from typing import Any
+from urllib.parse import quote, urlsplit
 
 import pytest
 
@@ -30,7 +31,8 @@ class Served:
     def __init__(self) -> None:
         self.feed, self.transport = Feed(most=3), Transport()
         self.server = LiveServer(self.feed, self.page, Requests(self.transport))
-        self.port = int(self.server.url.rsplit(":", 1)[1].strip("/"))
+        address = urlsplit(self.server.url)
+        self.port, self.key = address.port, address.path.strip("/")
         self.host = f"127.0.0.1:{self.port}"
 
     def page(self, token: str) -> str:
@@ -39,6 +41,11 @@ class Served:
 
     def ask(
         self, method: str, path: str, body: bytes | None = None, **headers: str
+    ) -> HTTPResponse:
+        return self.ask_at(f"/{self.key}{path}", method, body, **headers)
+
+    def ask_at(
+        self, path: str, method: str = "GET", body: bytes | None = None, **headers: str
     ) -> HTTPResponse:
         connection = HTTPConnection("127.0.0.1", self.port, timeout=LONG)
         named = {"Host": self.host} | {key.replace("_", "-"): each for key, each in headers.items()}
@@ -81,6 +88,26 @@ def test_the_page_has_an_unguessable_token(served: Served) -> None:
     assert answer.read().decode() == f"<title>{served.token}</title>"
     assert len(served.token) >= 32
     assert "cbdsl" in answer.headers["Server"] and "Python" not in answer.headers["Server"]
+
+
+@pytest.mark.parametrize("place", ["", "events", "request"])
+@pytest.mark.parametrize("key", ["", "x", "\xff", "{key}x", "x{key}", "{short}", "{key}%00"])
+def test_page_without_the_key_of_its_address_is_refused(
+    served: Served, key: str, place: str
+) -> None:
+    """Ask as another user of the machine, who knows the port from the list of connections."""
+    assert len(served.key) >= 32 and served.key != served.token
+    given = key.format(key=served.key, short=served.key[:-1])
+    for path in dict.fromkeys((f"/{given}/{place}", f"/{place}")):
+        answer = served.ask_at(quote(path, safe="/%"))
+        content = answer.read().decode()
+        assert answer.status == 404
+        assert served.token not in content and served.key not in content
+        token = {TOKEN.replace("-", "_"): served.token}
+        assert (
+            served.ask_at(quote(path, safe="/%"), "POST", b'{"do": "pause"}', **token).status == 404
+        )
+    assert not served.transport.paused
 
 
 def test_server_listens_on_the_loopback_address(served: Served) -> None:
@@ -175,7 +202,9 @@ def test_request_with_an_odd_length_has_an_answer(
     served: Served, length: str, words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module._Handler, "timeout", 0.2)
-    head = f"POST /request HTTP/1.1\r\nHost: {served.host}\r\n{TOKEN}: {served.token}\r\n"
+    head = (
+        f"POST /{served.key}/request HTTP/1.1\r\nHost: {served.host}\r\n{TOKEN}: {served.token}\r\n"
+    )
     with socket.create_connection(("127.0.0.1", served.port), timeout=LONG) as client:
         client.sendall(f"{head}Content-Length: {length}\r\n\r\n{{}}".encode("latin-1"))
         assert words in client.makefile("rb").read().decode()
@@ -206,7 +235,7 @@ def test_a_page_too_many_is_refused(served: Served) -> None:
 def test_a_client_that_reads_nothing_does_not_delay_others(served: Served) -> None:
     served.feed.begin(message("episode", {}))
     idle = socket.create_connection(("127.0.0.1", served.port))
-    idle.sendall(f"GET /events HTTP/1.0\r\nHost: {served.host}\r\n\r\n".encode())
+    idle.sendall(f"GET /{served.key}/events HTTP/1.0\r\nHost: {served.host}\r\n\r\n".encode())
     stream = events(served.ask("GET", "/events"))
     assert next(stream) == ("episode", {})
     large = "x" * 100_000

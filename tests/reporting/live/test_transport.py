@@ -135,6 +135,43 @@ def test_a_request_that_no_tick_answers_is_never_done(monkeypatch: pytest.Monkey
     assert not done.is_set()
 
 
+@pytest.mark.parametrize("error", [None, TimeoutError("of its own"), ValueError("of its own")])
+def test_a_request_that_a_tick_has_begun_is_answered_when_it_is_done(
+    error: Exception | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Take longer for a request than a request without a tick may wait."""
+    monkeypatch.setattr(module, "_PATIENCE", 0.2)
+    transport, begun, go_on = Transport(math.inf), Event(), Event()
+    answers: list[object] = []
+
+    def do() -> str:
+        begun.set()
+        assert go_on.wait(LONG)
+        if error is not None:
+            raise error
+        return "done"
+
+    def ask() -> None:
+        try:
+            answers.append(transport.ask(do))
+        except Exception as raised:
+            answers.append(raised)
+
+    page = Thread(target=ask)
+    page.start()
+    ticks = Thread(
+        target=lambda: [transport.hold(0.0, lambda: None) for _ in iter(begun.is_set, True)]
+    )
+    ticks.start()
+    assert begun.wait(LONG)
+    page.join(0.5)
+    assert not answers, "the request is neither refused nor done"
+    go_on.set()
+    page.join(LONG)
+    ticks.join(LONG)
+    assert answers == ["done" if error is None else error]
+
+
 def test_a_released_run_cannot_be_paused() -> None:
     transport = Transport(math.inf)
     transport.release()
