@@ -171,7 +171,7 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     "The address of the page holds a secret, without which other users of the same machine cannot "
     "open it.": (f"{_SERVER}test_page_without_the_key_of_its_address_is_refused",),
     "A browser that `cb` opens on a screen has the address on its command line.": (
-        "cli/test_live.py:test_a_browser_is_opened_only_where_there_is_a_screen",
+        "cli/episodes/test_live.py:test_a_browser_is_opened_only_where_there_is_a_screen",
     ),
     "The page writes no file: the browser downloads a composed program.": (
         "reporting/live/test_requests.py:test_changes_are_made_and_saved",
