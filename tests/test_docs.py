@@ -7,6 +7,7 @@ A page is a session in a folder of its own. The language of a block defines its 
 * ``python`` without is run, in one session a page; ``text`` behind it is its output.
 * ``sh`` are ``cb`` commands, one a line.
 * ``text`` is the output of the ``sh`` block before it; a line ``...`` stands for omitted lines.
+  If it begins with ``cb: ``, the command is refused with this message.
 
 Comments before a block modify its use. Every block that is not run has one.
 
@@ -51,7 +52,10 @@ from tests.test_readme import leaves, options
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"))]
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "reproduction/README.md")),
+    *sorted(DOCS.rglob("*.md")),
+]
 IDS = [str(page.relative_to(ROOT)) for page in PAGES]
 
 MARKS = ("file", "diagnostics", "not run", "not compared")
@@ -184,11 +188,13 @@ class Session:
             return
         self._capsys.readouterr()
         shown = follows.text if follows and follows.language == "text" else ""
+        refuses = shown.startswith("cb: ")
         fails = re.search(r"^\d+ errors?", shown, re.MULTILINE)
         for words in lines:
             assert words[0] == "cb", words
-            assert self._type(words[1:]) == (1 if fails else 0), words
-        self._printed = self._capsys.readouterr().out
+            assert self._type(words[1:]) == (2 if refuses else 1 if fails else 0), words
+        printed = self._capsys.readouterr()
+        self._printed = printed.err if refuses else printed.out
 
     def _text(self, block: Block, slow: bool, follows: Block | None) -> None:
         if self._left_out or "not compared" in block.marks:
@@ -211,7 +217,7 @@ def measures(words: list[str]) -> bool:
 
 
 def is_quick(words: list[str]) -> bool:
-    return words[0] not in LONG or "--backend" in words
+    return not measures(words) and (words[0] not in LONG or "--backend" in words)
 
 
 def install(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
