@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,16 +11,9 @@ import typer
 
 from cbdsl.api.requests.explore_request import ExploreRequest
 from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Cameras, Resume, Seed, Set
-from cbdsl.cli.episodes.live import (
-    Fast,
-    Live,
-    LiveClose,
-    LivePort,
-    LiveWait,
-    live_options,
-    live_page,
-)
+from cbdsl.cli.episodes.live import LiveOptions, live_page
 from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
 from cbdsl.cli.process.native_output import shown_on_failure
 from cbdsl.cli.process.termination import termination_interrupts
@@ -28,7 +22,6 @@ from cbdsl.reporting.text.catalog_text import catalog_text
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
-    from cbdsl.cli.episodes.live import LiveOptions
     from cbdsl.training.exploration.exploration_task import ExplorationTask
 
 # Parameters that are not options of the recorded command. The programs are arguments, the number
@@ -99,32 +92,43 @@ Join = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per action.")]
 
 
+@dataclass(frozen=True, kw_only=True)
+class ExplorationOptions:
+    """Options that are fields of the request to explore."""
+
+    stage: Stage
+    feature: Feature = "sat_10"
+    actions: Actions = 100
+    until_habituated: UntilHabituated = False
+    seed: Seed = 0
+    backend: BackendName
+    cameras: Cameras = None
+    between: Between = "let_go"
+    algorithm: Algorithm = "explore_catalog"
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairOptions:
+    """Options of pairs of objects, which ``explore_pairs`` reads."""
+
+    thing: Thing = field(default_factory=list)
+    relation: Relation = "on"
+    relations: Relations = None
+
+
+@grouped
 def explore(
     context: typer.Context,
     programs: Programs,
     out: Out,
     *,
-    stage: Stage,
-    feature: Feature = "sat_10",
-    actions: Actions = 100,
-    until_habituated: UntilHabituated = False,
-    seed: Seed = 0,
-    backend: BackendName,
-    cameras: Cameras = None,
-    between: Between = "let_go",
-    algorithm: Algorithm = "explore_catalog",
-    thing: Thing = [],  # noqa: B006 (typer)
-    relation: Relation = "on",
-    relations: Relations = None,
+    exploration: ExplorationOptions,
+    pairs: PairOptions,
     set_: Set = [],  # noqa: B006 (typer)
     resume: Resume = False,
     join: Join = False,
     as_json: Json = False,
-    live: Live = False,
-    live_port: LivePort = None,
-    live_wait: LiveWait = False,
-    live_close: LiveClose = False,
-    fast: Fast = False,
+    live: LiveOptions,
 ) -> None:
     """Explore the affordances of an object until its models have habituated (Chapter 6).
 
@@ -139,24 +143,16 @@ def explore(
     """
     if out.suffix != ".yaml":
         raise UsageError(f"--out {out}: a catalog is <name>.yaml")
-    shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
-    if thing:
+    live.require_page()
+    if pairs.thing:
         from cbdsl.cli.explore_pairs import explore_pairs
 
         explore_pairs(context, _command(context))
         return
     request = ExploreRequest(
         programs=programs,
-        stage=stage,
         out=out,
-        feature=feature,
-        actions=actions,
-        until_habituated=until_habituated,
-        seed=seed,
-        backend=backend,
-        cameras=cameras,
-        between=between,
-        algorithm=algorithm,
+        **vars(exploration),
         constants=read_assignments(set_, "--set"),
         join=join,
         command=_command(context),
@@ -165,12 +161,10 @@ def explore(
         run, task = request.task()
         task.require_ready(resume=resume or join)
     with shown_on_failure(), termination_interrupts():
-        _run(task, run, shown, as_json=as_json)
+        _run(task, run, live, as_json=as_json)
 
 
-def _run(
-    task: ExplorationTask, request: RunRequest, live: LiveOptions | None, *, as_json: bool
-) -> None:
+def _run(task: ExplorationTask, request: RunRequest, live: LiveOptions, *, as_json: bool) -> None:
     from cbdsl.cli.output.exploration_progress import ExplorationProgress
     from cbdsl.reporting.live.exploration_view import ExplorationView
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import shlex
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,9 +15,10 @@ from cbdsl.api.requests.learn_request import LearnRequest
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.checking.rules.reward import check_rewarded
 from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Cameras, Program, Resume, Seed, Set, With
 from cbdsl.cli.arguments.workers import require_workers, warn_of_open_scheduler
-from cbdsl.cli.episodes.live import Fast, Live, LiveClose, LivePort, LiveWait, live_options
+from cbdsl.cli.episodes.live import LiveOptions
 from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
 from cbdsl.cli.learning_tasks import one_by_one, side_by_side
 from cbdsl.cli.output.terminal import print_diagnostics
@@ -160,35 +161,74 @@ def _help(words: str, default: object) -> str:
     return words if default is None else f"{words.rstrip('.')} [{default}]."
 
 
+@dataclass(frozen=True, kw_only=True)
+class TrialOptions:
+    """Stage, robot and number of episodes of the trials."""
+
+    stage: Stage = None
+    episodes: Episodes = 50
+    seed: Seed = 0
+    backend: BackendName
+    cameras: Cameras = None
+    with_: With = field(default_factory=list)
+    trials: Trials = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaceOptions:
+    """Processes of the trials, and continuation of earlier ones."""
+
+    workers: Workers = 1
+    scheduler: Scheduler = None
+    resume: Resume = False
+
+    def require_suitable(self, live: LiveOptions) -> None:
+        """Check the processes, and that shown episodes run in this one.
+
+        Raises:
+            UsageError: The options exclude each other.
+        """
+        _require_one_place(self.workers, self.scheduler)
+        live.require_page()
+        if live.live:
+            _require_here(self.workers, self.scheduler)
+        require_workers(self.workers)
+        if self.scheduler is not None:
+            warn_of_open_scheduler(self.scheduler)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AlgorithmOptions:
+    """Algorithm with its constants and its earlier knowledge."""
+
+    sequential: Sequential = False
+    learner: LearnerName = "accommodate"
+    from_: From = None
+    set_: Set = field(default_factory=list)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitOptions:
+    """Limits of an episode, which are fields of the request to learn."""
+
+    transitions: Transitions = None
+    transition_time: TransitionTime = None
+    idle_time: IdleTime = None
+    episode_time: EpisodeTime = None
+
+
 @with_constants
+@grouped
 def learn(
     context: typer.Context,
     program: Program,
     out: Out,
     *,
-    stage: Stage = None,
-    episodes: Episodes = 50,
-    seed: Seed = 0,
-    backend: BackendName,
-    cameras: Cameras = None,
-    with_: With = [],  # noqa: B006 (typer)
-    trials: Trials = 1,
-    workers: Workers = 1,
-    scheduler: Scheduler = None,
-    resume: Resume = False,
-    sequential: Sequential = False,
-    learner: LearnerName = "accommodate",
-    from_: From = None,
-    set_: Set = [],  # noqa: B006 (typer)
-    transitions: Transitions = None,
-    transition_time: TransitionTime = None,
-    idle_time: IdleTime = None,
-    episode_time: EpisodeTime = None,
-    live: Live = False,
-    live_port: LivePort = None,
-    live_wait: LiveWait = False,
-    live_close: LiveClose = False,
-    fast: Fast = False,
+    trial: TrialOptions,
+    place: PlaceOptions,
+    algorithm: AlgorithmOptions,
+    limits: LimitOptions,
+    live: LiveOptions,
     **constants: str | None,
 ) -> None:
     """Learn the values of a program's actions from scratch, by discovering affordances.
@@ -200,47 +240,38 @@ def learn(
     Exit 0 if all episodes were run, 1 if a document has errors, 2 if the program cannot run, and
     130 after Ctrl-C or SIGTERM.
     """
-    _require_one_place(workers, scheduler)
-    shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
-    if shown is not None:
-        _require_here(workers, scheduler)
-    require_workers(workers)
-    if scheduler is not None:
-        warn_of_open_scheduler(scheduler)
-    run = read_request(program, stage, None, read_assignments(with_))
-    given = read_assignments(set_, "--set") | {n: v for n, v in constants.items() if v is not None}
+    place.require_suitable(live)
+    run = read_request(program, trial.stage, None, read_assignments(trial.with_))
+    given = {name: value for name, value in constants.items() if value is not None}
     request = LearnRequest(
         run=run,
         out=out,
-        episodes=episodes,
-        seed=seed,
-        trials=trials,
-        backend=backend,
-        cameras=cameras,
-        learner=learner,
-        constants=given,
-        policy=from_,
-        sequential=sequential,
-        transitions=transitions,
-        transition_time=transition_time,
-        idle_time=idle_time,
-        episode_time=episode_time,
+        episodes=trial.episodes,
+        seed=trial.seed,
+        trials=trial.trials,
+        backend=trial.backend,
+        cameras=trial.cameras,
+        learner=algorithm.learner,
+        constants=read_assignments(algorithm.set_, "--set") | given,
+        policy=algorithm.from_,
+        sequential=algorithm.sequential,
+        **vars(limits),
     )
     request.require_sound()
-    if learner != NAME_RELATIONS:
+    if request.learner != NAME_RELATIONS:
         _tell_of_no_reward(run)
     with needing_simulation():
         # The recorded command contains the checked constants, and is therefore added to a complete
         # request.
         command = _command(context, request.checked_constants())
         tasks = replace(request, command=command).tasks()
-        _require_ready(tasks, resume)
-    at_once = min(workers, trials)  # each episode needs the results of the previous one
+        _require_ready(tasks, place.resume)
+    at_once = min(place.workers, trial.trials)  # each episode needs the previous results
     with shown_on_failure(), termination_interrupts():
-        if at_once == 1 and scheduler is None:
-            one_by_one(tasks, run, shown)
+        if at_once == 1 and place.scheduler is None:
+            one_by_one(tasks, run, live)
         else:
-            side_by_side(tasks, at_once, scheduler)
+            side_by_side(tasks, at_once, place.scheduler)
 
 
 def _tell_of_no_reward(request: RunRequest) -> None:
@@ -284,9 +315,9 @@ def _command(context: typer.Context, constants: Section) -> str:
 
 def _set(constants: Section) -> Iterator[str]:
     """Yield the options of the constants that differ from their declared values."""
-    for name, field in type(constants).model_fields.items():
+    for name, declared in type(constants).model_fields.items():
         value = getattr(constants, name)
-        if value != field.default:
+        if value != declared.default:
             has_option = name in AccommodateConstants.model_fields
             flag = f"--{name.replace('_', '-')}"
             yield from (flag, str(value)) if has_option else ("--set", f"{name}={value}")

@@ -28,15 +28,13 @@ if TYPE_CHECKING:
 _QUIET = 8.0
 
 
-def one_by_one(
-    tasks: Sequence[LearningTask], request: RunRequest, live: LiveOptions | None = None
-) -> None:
+def one_by_one(tasks: Sequence[LearningTask], request: RunRequest, live: LiveOptions) -> None:
     """Run trials in this process.
 
     Args:
         tasks: Learning tasks, one per trial.
         request: Program, robot and stage.
-        live: Options of the live page, or ``None`` for no page.
+        live: Options of the live page.
 
     Raises:
         UsageError: A trial failed; the message names the reason and the kept files.

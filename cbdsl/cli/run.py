@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,18 +13,11 @@ import typer
 
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import BodyNumber, Cameras, Policy, Program, Rate, With
 from cbdsl.cli.episodes.attendance import Interface, Yes, attend
 from cbdsl.cli.episodes.episode_page import recorded_for, require_page
-from cbdsl.cli.episodes.live import (
-    Fast,
-    Live,
-    LiveClose,
-    LivePort,
-    LiveWait,
-    live_options,
-    live_page,
-)
+from cbdsl.cli.episodes.live import LiveOptions, live_page
 from cbdsl.cli.episodes.recorder import Recorder
 from cbdsl.cli.episodes.simulation import BackendName, simulation
 from cbdsl.cli.output.notes import notes
@@ -134,32 +127,82 @@ class EpisodeTally:
         self.wall_seconds += result.wall_seconds
 
 
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """Options of a run: program's inputs, episodes and robot."""
+
+    stage: Stage = None
+    context: Context = None
+    seed: Seed = 0
+    episodes: Episodes = 1
+    backend: BackendName
+    cameras: Cameras = None
+    rate: Rate = None
+    policy: Policy = None
+    schema: Schema = None
+    with_: With = field(default_factory=list)
+    calibration: Calibration = None
+    body: BodyNumber = None
+    gui: Gui = False
+
+    def require_exclusive(self) -> None:
+        """Refuse two policies.
+
+        Raises:
+            UsageError: The options name a policy and a schema.
+        """
+        if self.policy is not None and self.schema is not None:
+            raise UsageError("a schema names its policy: give --policy or --schema, not both")
+
+    def request(self, program: str) -> RunRequest:
+        """Return the request of a program, located, read and checked.
+
+        Raises:
+            DiagnosticsError: A document has errors.
+            UsageError: An option is unknown or unsuitable.
+        """
+        request = read_request(
+            program,
+            self.stage,
+            self.policy,
+            read_assignments(self.with_),
+            schema=self.schema,
+            calibration=self.calibration,
+            body=self.body,
+        ).at_rate(self.rate)
+        _require_context(request.stage, self.context)
+        return request
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputOptions:
+    """Outputs of a run: recordings, page and printed lines."""
+
+    record: Record = None
+    overwrite: Overwrite = False
+    page: Page = None
+    explain: Explain = False
+    as_json: Json = False
+
+    def require_exclusive(self) -> None:
+        """Refuse outputs that exclude each other, or miss another.
+
+        Raises:
+            UsageError: Some outputs do.
+        """
+        if self.overwrite and self.record is None:
+            raise UsageError("--overwrite is about recordings: give their folder with --record")
+        if self.explain and self.as_json:
+            raise UsageError("--explain tells people and --json tells scripts: choose one")
+
+
+@grouped
 def run(
     program: Program,
     *,
-    stage: Stage = None,
-    context: Context = None,
-    seed: Seed = 0,
-    episodes: Episodes = 1,
-    backend: BackendName,
-    cameras: Cameras = None,
-    rate: Rate = None,
-    policy: Policy = None,
-    schema: Schema = None,
-    with_: With = [],  # noqa: B006 (typer)
-    calibration: Calibration = None,
-    body: BodyNumber = None,
-    gui: Gui = False,
-    record: Record = None,
-    overwrite: Overwrite = False,
-    page: Page = None,
-    explain: Explain = False,
-    as_json: Json = False,
-    live: Live = False,
-    live_port: LivePort = None,
-    live_wait: LiveWait = False,
-    live_close: LiveClose = False,
-    fast: Fast = False,
+    options: RunOptions,
+    output: OutputOptions,
+    live: LiveOptions,
     yes: Yes = False,
     interface: Interface = None,
 ) -> None:
@@ -172,48 +215,39 @@ def run(
     neither. Exit 1 if a document has errors, 2 if the program cannot run, and 130 after Ctrl-C or
     SIGTERM, with the finished recordings.
     """
-    if overwrite and record is None:
-        raise UsageError("--overwrite is about recordings: give their folder with --record")
-    _require_exclusive(explain and as_json, policy is not None and schema is not None)
-    shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
-    values = read_assignments(with_)
-    request = read_request(
-        program, stage, policy, values, schema=schema, calibration=calibration, body=body
-    ).at_rate(rate)
-    _require_context(request.stage, context)
-    if page is not None:
-        require_page(page, episodes)
+    output.require_exclusive()
+    options.require_exclusive()
+    live.require_page()
+    request = options.request(program)
+    if output.page is not None:
+        require_page(output.page, options.episodes)
     # Contexts end in reverse order: the page and the backend close while SIGTERM still interrupts,
     # and the output of C is still captured.
-    opened = simulation(request, backend, gui=gui, cameras=cameras)
+    opened = simulation(request, options.backend, gui=options.gui, cameras=options.cameras)
+    prints = not output.as_json
     with ExitStack() as within:
         within.enter_context(shown_on_failure())
         within.enter_context(termination_interrupts())
         embodied, kinematics = within.enter_context(opened)
         attend(embodied, request, yes=yes, interface=interface)
         runner = _runner(request, kinematics, embodied)
-        seeds = range(seed, seed + episodes)
-        folder = within.enter_context(recorded_for(page, record, prints=not as_json))
-        recorder = None
+        seeds = range(options.seed, options.seed + options.episodes)
+        recording = recorded_for(output.page, output.record, prints=prints)
+        folder, recorder = within.enter_context(recording), None
         if folder is not None:
-            prints = not as_json and record is not None
+            names = prints and output.record is not None
             recorder = Recorder(
-                folder, request, embodied, seeds, overwrite=overwrite, prints=prints
+                folder, request, embodied, seeds, overwrite=output.overwrite, prints=names
             )
-        opening = live_page(shown, request, embodied, composes=schema is None, prints=not as_json)
-        telling = Telling(recorder, explain, as_json, within.enter_context(opening))
-        if not as_json:
-            print(_introduction(request, backend, embodied))
+        composes = options.schema is None
+        opening = live_page(live, request, embodied, composes=composes, prints=prints)
+        view = within.enter_context(opening)
+        telling = Telling(recorder, output.explain, output.as_json, view)
+        if prints:
+            print(_introduction(request, options.backend, embodied))
             print(*(f"note: {note}\n" for note in notes(request)), sep="", end="")
-        tally = _run_all(runner, request, seeds, context, telling)
+        tally = _run_all(runner, request, seeds, options.context, telling)
     _conclude(request, tally)
-
-
-def _require_exclusive(two_audiences: bool, two_policies: bool) -> None:
-    if two_audiences:
-        raise UsageError("--explain tells people and --json tells scripts: choose one")
-    if two_policies:
-        raise UsageError("a schema names its policy: give --policy or --schema, not both")
 
 
 def _run_all(

@@ -49,48 +49,44 @@ LiveClose = Annotated[
 ]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LiveOptions:
     """Options of the live page of a run.
 
     Attributes:
-        port: Port of the page; 0 for any free port.
+        live: True to show a page.
+        live_port: Port of the page; ``None`` for any free port.
+        live_wait: True to begin only when a browser shows the page.
+        live_close: True to close the page after the last episode.
         fast: True to run at maximum speed instead of real time.
-        waits: True to begin only when a browser shows the page.
-        closes: True to close the page after the last episode.
     """
 
-    port: int
-    fast: bool
-    waits: bool
-    closes: bool
+    live: Live = False
+    live_port: LivePort = None
+    live_wait: LiveWait = False
+    live_close: LiveClose = False
+    fast: Fast = False
 
+    def require_page(self) -> None:
+        """Refuse options of the page without the page.
 
-def live_options(
-    live: bool, port: int | None, *, fast: bool, waits: bool, closes: bool
-) -> LiveOptions | None:
-    """Return the options of a live page, or ``None`` for no page.
-
-    Raises:
-        UsageError: An option of the page is given without ``--live``.
-    """
-    given = {
-        "--live-port": port is not None,
-        "--fast": fast,
-        "--live-wait": waits,
-        "--live-close": closes,
-    }
-    if live:
-        return LiveOptions(port or 0, fast, waits, closes)
-    alone = [name for name, is_given in given.items() if is_given]
-    if alone:
-        raise UsageError(f"{alone[0]} is about the page of a run: give --live, too")
-    return None
+        Raises:
+            UsageError: An option of the page is given without ``--live``.
+        """
+        given = {
+            "--live-port": self.live_port is not None,
+            "--fast": self.fast,
+            "--live-wait": self.live_wait,
+            "--live-close": self.live_close,
+        }
+        alone = [name for name, is_given in given.items() if is_given and not self.live]
+        if alone:
+            raise UsageError(f"{alone[0]} is about the page of a run: give --live, too")
 
 
 @contextmanager
 def live_page(
-    options: LiveOptions | None,
+    options: LiveOptions,
     request: RunRequest,
     backend: Backend,
     *,
@@ -100,7 +96,7 @@ def live_page(
     """Serve a live page of the episodes within the context, and keep it until Ctrl-C.
 
     Args:
-        options: Options of the page; ``None`` for no page.
+        options: Options of the page.
         request: Program, robot and stage.
         backend: Backend of the episodes.
         composes: True if the page may change the program.
@@ -109,7 +105,7 @@ def live_page(
     Raises:
         UsageError: The port of the page is not available.
     """
-    if options is None:
+    if not options.live:
         yield None
         return
     from cbdsl.backends.staging.world_state import GroundTruthProvider
@@ -131,16 +127,16 @@ def live_page(
     def make(token: str) -> str:
         return page(request.program.name, request.robot, request.urdf, token, composes=composes)
 
-    server = LiveServer(feed, make, Requests(transport, composer, save), options.port)
+    server = LiveServer(feed, make, Requests(transport, composer, save), options.live_port or 0)
     try:
         _tell(f"live at {server.url}", prints)
         _open(server.url)
-        if options.waits:
+        if options.live_wait:
             _tell("begins when a browser shows it", prints)
             feed.wait_for_page()
         yield view
         # An exception of the run is raised at the `yield`, so that its page closes without waiting.
-        if not options.closes:
+        if not options.live_close:
             _stay(prints)
     finally:
         server.close()
