@@ -36,7 +36,7 @@ def _invoke(*words: str) -> tuple[int, str]:
         """Pack a box."""
         received.extend([word, box, fast, [each.name for each in context.command.params]])
 
-    app = typer.Typer()
+    app = typer.Typer(add_completion=False)
     app.command()(pack)
     result = CliRunner().invoke(app, list(words))
     return result.exit_code, str(received) if received else result.output
