@@ -436,6 +436,13 @@ def test_how_to_index_links_every_how_to_page() -> None:
     assert set(linked) == pages
 
 
+def test_concepts_name_every_package() -> None:
+    rows = re.findall(r"^\| (`.*?) \|", (DOCS / "concepts.md").read_text("utf-8"), re.MULTILINE)
+    named = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    packages = {path.parent.name for path in (ROOT / "cbdsl").glob("*/__init__.py")}
+    assert packages == named & packages and len(packages) > 20
+
+
 @pytest.mark.parametrize("diagram", ["loop", "layers"])
 def test_diagram_equals_the_generated_one(diagram: str) -> None:
     """``python docs/make_diagrams.py`` writes both again."""
