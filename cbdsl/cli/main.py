@@ -15,6 +15,8 @@ from cbdsl.cli.process.standard_streams import fill_closed_streams
 if TYPE_CHECKING:
     import typer
 
+    from cbdsl.diagnostics.diagnostic import Diagnostic
+
 
 def build_app(names: Iterable[str] = (), *, lists: bool = False) -> typer.Typer:
     """Return the command line with some of its commands, or with all usable ones.
@@ -153,6 +155,16 @@ def _report_notes(error: BaseException | None) -> None:
         error = error.__cause__
 
 
+def _unsuppressed(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """Return the errors, and the warnings and notes that no comment suppresses."""
+    from cbdsl.checking.suppression import apply_suppressions
+    from cbdsl.yaml_text.library import Library
+
+    given = list(diagnostics)
+    left = apply_suppressions(given, [], Library())
+    return [diagnostic for diagnostic in given if diagnostic.is_error or diagnostic in left]
+
+
 def _report(error: Exception) -> int:
     """Print an error without a traceback, and return the exit code."""
     from cbdsl.cli.output.terminal import print_diagnostics, print_problem
@@ -160,7 +172,7 @@ def _report(error: Exception) -> int:
     from cbdsl.diagnostics.reason import reason
 
     if isinstance(error, DiagnosticsError):
-        print_diagnostics(error.diagnostics)
+        print_diagnostics(_unsuppressed(error.diagnostics))
         return 1
     if isinstance(error, UsageError):
         print_problem(str(error))
