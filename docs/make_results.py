@@ -22,8 +22,8 @@ _HEAD = """\
 
 Each table holds the newest judged numbers of a capability.
 Intervals are exact (Clopper-Pearson, 95 %) unless a line says otherwise.
-A command stands in the first of successive rows that it gives, with its commit in parentheses.
-Rows without one belong to the first-order control law (commit 55090bcb); their own is unknown.
+A command, with its commit in parentheses, stands in the first of its successive rows.
+Rows without commit are of the first-order control law (commit 55090bcb).
 `cb judge NAME` has taken over some scripts that they name.
 Seeds from 7000000 are [judging seeds](seeds.md).
 No listed seed influenced a choice, except where a remark says so.
