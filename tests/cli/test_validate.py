@@ -242,17 +242,6 @@ def test_a_silenced_error_still_keeps_a_program_from_running(tmp_path: Path) -> 
         check_program(tmp_path / "own.yaml")
 
 
-def test_run_of_a_program_with_errors_prints_no_suppressed_warning(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    wrong = IDLE.replace("idle", "wrong").replace("head,", "hed,")
-    ignored = "  # cb: ignore CB701 for later"
-    (tmp_path / "own.yaml").write_text(f"{HEAD}{IDLE}{ignored}\n{wrong}{REST}", encoding="utf-8")
-    assert cb(monkeypatch, "run", str(tmp_path / "own.yaml")) == 1
-    printed = "".join(capsys.readouterr())
-    assert "CB501" in printed and "own.yaml:6:3: CB701" not in printed
-
-
 # -- checked files ---------------------------------------------------------------------------
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -149,3 +150,16 @@ def test_a_comment_silences_a_note(
     assert "no findings" in capsys.readouterr().out
     cb(monkeypatch, "run", "turning", "--backend", "kinematic")
     assert "note:" not in capsys.readouterr().out
+
+
+def test_run_with_errors_omits_a_silenced_note(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = folder / write(folder, base=SOLID, upper=SEEN, lower=SOLID, effort=1)
+    program = folder / "programs" / "turning.yaml"
+    program.write_text(program.read_text().replace("feedback: arm", "feedback: arms"))
+    for comment, times in (("", 1), ("  # cb: ignore CB742 it is a cable", 0)):
+        path.write_text(re.sub("arm.urdf.*", f"arm.urdf{comment}", path.read_text()))
+        assert cb(monkeypatch, "run", "turning", "--backend", "kinematic") == 1
+        printed = "".join(capsys.readouterr())
+        assert "CB501" in printed and printed.count("CB742 (note)") == times
