@@ -308,6 +308,7 @@ def _three(_: str) -> Mapping[str, str]:
 _PAIRS = tuple(f"{a}_on_{b}" for a in _CHANNELS for b in _CHANNELS if a != b)
 _SET = ("can_on_slab", "box_on_drum", "ball_on_drum", "can_on_ball")
 _LARGE = ("parcel", "medicine_ball", "play_ball", "cereal_box", "paint_can", "tray")
+_SMALL = ("die", "golf_ball", "block")
 _DARK = ("dark",)
 _TO_GIVE = ("ball_right", "cube_right", "cylinder_right")
 
@@ -317,6 +318,7 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("bimanualinspect", "box_between_hands", between_hands),
     ProgramClaim("bimanualtouch", "everyday_objects", between_hands, values=_red),
     ProgramClaim("bring", "everyday_objects", placed),
+    ProgramClaim("bring_pinched", "everyday_objects", delivered, _SMALL),
     ProgramClaim("bring_with_both", "everyday_objects", delivered, _LARGE),
     ProgramClaim("deliver", "everyday_objects", delivered),
     ProgramClaim("ensure_stacked", "stacked_or_not", left_alone_or_stacked),
@@ -332,6 +334,7 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("panda_pick", "cube_before_panda", put_down),
     ProgramClaim("pick_and_lift", "everyday_objects", raised),
     ProgramClaim("pick_and_place", "everyday_objects", placed),
+    ProgramClaim("pinch", "everyday_objects", raised, _SMALL),
     ProgramClaim("press_and_slide", "absent", on_table),
     ProgramClaim("reach", "everyday_objects", reached, values=_red),
     ProgramClaim("reachtouch", "everyday_objects", grasped, values=_red),

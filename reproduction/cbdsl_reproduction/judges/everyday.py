@@ -37,17 +37,17 @@ _NEAR, _UPRIGHT = 0.1, 0.99
 #: Objects that are placed, that are refused, and that are weighed, by stage.
 _PLACED = {
     "everyday_objects": (
-        "block", "matchbox", "carton", "soup_can", "tuna_can", "bottle", "jar", "mug",
-        "tennis_ball", "softball", "screwdriver",
+        "die", "golf_ball", "block", "matchbox", "carton", "soup_can", "tuna_can", "bottle",
+        "jar", "mug", "tennis_ball", "softball", "screwdriver",
     ),
-    "other_objects": ("tin", "cube", "soap", "shampoo", "handball", "candle", "chisel"),
+    "other_objects": ("tin", "cube", "soap", "shampoo", "handball", "candle", "chisel", "marble"),
 }  # fmt: skip
 _REFUSED = {
     "everyday_objects": (
-        "die", "cereal_box", "book", "paperback", "bowl", "tray", "golf_ball", "medicine_ball",
-        "play_ball", "hammer",
+        "cereal_box", "book", "paperback", "bowl", "tray", "medicine_ball", "play_ball",
+        "hammer",
     ),
-    "other_objects": ("marble", "plate", "crate", "detergent", "rod"),
+    "other_objects": ("plate", "crate", "detergent", "rod"),
 }  # fmt: skip
 _WEIGHED = {"everyday_objects": ("parcel", "paint_can", "canister")}
 
