@@ -46,7 +46,9 @@ def judged(program: str, contexts: list[str], seed: int) -> list[EpisodeVerdict]
         ("deliver", "canister", False),
         ("deliver", "cereal_box", False),
         ("deliver", "carton", True),
-        ("deliver", "die", False),
+        ("deliver", "die", True),
+        ("deliver", "golf_ball", True),
+        ("pinch", "block", False),
         ("deliver", "book", False),
         ("deliver", "parcel", False),
         ("grasp", "tuna_can", False),
@@ -73,6 +75,7 @@ def test_claim_on_an_everyday_object_agrees_with_the_world(
 #: Contexts of the programs with many; `cb judge claims` runs all. Some claims were false in these.
 SOME = {
     "bimanualtouch": ["soup_can", "matchbox", "softball"],
+    "bring_pinched": ["die", "golf_ball"],
     "bring_with_both": ["parcel", "paint_can"],
     "bring": ["matchbox", "golf_ball", "tuna_can", "carton"],
     "deliver": ["matchbox", "golf_ball", "canister", "bottle"],
@@ -80,6 +83,7 @@ SOME = {
     "grasp": ["matchbox", "soup_can", "book", "softball", "jar", "parcel"],
     "impedance": ["ball_on_drum", "can_on_slab"],
     "pick_and_lift": ["matchbox", "soup_can", "canister", "tennis_ball", "bowl", "jar"],
+    "pinch": ["die", "golf_ball", "block"],
     "pick_and_place": ["matchbox", "soup_can", "canister", "tennis_ball", "bowl", "mug"],
     "reachtouch": ["matchbox", "soup_can", "book", "softball", "jar", "parcel"],
     "stand": ["purple_box_on_blue_box", "blue_box_on_football", "basketball_on_purple_box"],
