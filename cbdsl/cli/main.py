@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
     from cbdsl.diagnostics.diagnostic import Diagnostic
 
+# Shells report 128 plus the number of the signal; SIGINT is 2.
+_INTERRUPTED = 130
+
 
 def build_app(names: Iterable[str] = (), *, lists: bool = False) -> typer.Typer:
     """Return the command line with some of its commands, or with all usable ones.
@@ -52,8 +55,16 @@ def main() -> None:
     # Before any file is opened, which could otherwise get the number of a closed stream.
     fill_closed_streams()
     _deliver_lost_interrupts()
-    with legible_output():
-        _run(sys.argv[1:])
+    try:
+        with legible_output():
+            _run(sys.argv[1:])
+    except SystemExit as end:
+        if end.code == _INTERRUPTED:
+            from cbdsl.cli.process.interrupted_compilation import is_of_compiler, leave
+
+            if is_of_compiler(end):
+                leave(_INTERRUPTED)
+        raise
 
 
 def _run(words: list[str]) -> None:
@@ -68,8 +79,7 @@ def _run(words: list[str]) -> None:
         build_app(_requested(words), lists=_only_lists(words))(words)
     except KeyboardInterrupt as interrupt:
         _report_notes(interrupt)
-        # Shells report 128 plus the number of the signal; SIGINT is 2.
-        sys.exit(130)
+        sys.exit(_INTERRUPTED)
     except BrokenPipeError:
         # The reader has closed the pipe; nothing may be flushed at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
