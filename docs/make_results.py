@@ -21,7 +21,7 @@ _HEAD = """\
 # Results
 
 Each table holds the newest judged numbers of a capability.
-Intervals are exact (Clopper-Pearson, 95 %) unless a line says otherwise.
+Intervals are exact (Clopper-Pearson, 95 %) unless stated otherwise.
 A command, with its commit in parentheses, stands in the first of its successive rows.
 Rows without commit are of the first-order control law (commit 55090bcb).
 `cb judge NAME` has taken over some scripts that they name.
