@@ -59,7 +59,8 @@ def explore_pairs(
 
     Args:
         program: Program that brings one object to another, as ``NAME`` or ``NAME:key=value``.
-        things: Channel of each object, by name.
+        things: Channel of each object, by name. A stack has the name of its pair in a meta-catalog,
+            and ``@`` with the name of this meta-catalog instead of a channel.
         stage: File or name of a stage with a context for each pair, such as ``ball_on_box``.
         out: File for the meta-catalog, ``NAME.yaml``.
         relation: Relation that the program brings about, ``on`` or ``in``.

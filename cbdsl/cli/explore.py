@@ -71,7 +71,8 @@ Thing = Annotated[
         "--thing",
         metavar="NAME=CHANNEL",
         help="Object and its channel. With two or more, explore the pairs that the one PROGRAM can"
-        " bring together, and write a meta-catalog. May be repeated.",
+        " bring together, and write a meta-catalog. PAIR=@META_CATALOG is a known stack, which is"
+        " one object. May be repeated.",
     ),
 ]
 Relation = Annotated[

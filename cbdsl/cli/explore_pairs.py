@@ -60,7 +60,7 @@ def explore_pairs(context: typer.Context, command: str) -> None:
 
 
 def _read_things(texts: Sequence[str]) -> dict[str, str]:
-    """Return the channels of objects by name, from ``NAME=CHANNEL``.
+    """Return the channels of objects by name, from ``NAME=CHANNEL`` or ``PAIR=@META_CATALOG``.
 
     Raises:
         UsageError: A text has another form, or a name occurs twice.

@@ -22,9 +22,11 @@ class KnownThing(Section):
     """Object with its channel and its catalog."""
 
     feature: str
-    """Channel of vision that identifies the object."""
+    """Channel of vision that identifies the object, or the upper part of a stack."""
     catalog: Name | None = None
     """Catalog of the affordances of the object."""
+    meta_catalog: Name | None = None
+    """Meta-catalog with the pair that the object is, if it is a stack; both have the same name."""
 
 
 class ImpedanceSection(Section):

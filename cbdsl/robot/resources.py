@@ -35,6 +35,7 @@ from cbdsl.types.resource import (
     StereoSignal,
     SurfacePoint,
     Tip,
+    Turned,
     UniformSample,
 )
 from cbdsl.types.resource_type import (
@@ -64,6 +65,8 @@ SURFACE = "surface"
 COUNTED = "count"
 #: Word between an object and the effector from whose base its distance is measured.
 FROM = "from"
+#: Derived posture that has turned a held object; a declared posture of the name takes its place.
+TURNED = "turned"
 #: Prefix of the names of headings to regions that a background model does not expect.
 NOVEL = "novel"
 #: Prefix of the names of headings to marks: regions of another hue on an object.
@@ -127,6 +130,7 @@ def resources(robot: RobotDocument, model: UrdfModel | None = None) -> dict[str,
     ``count.channel``                         count                triangulation
     ``surface.channel``                       position             visible surface
     ``effector.posture``                      configuration[n]     constant
+    ``effector.turned``                       configuration[n]     constant
     ``effector.uniform``                      configuration[n]     internal model
     ``group``, ``group.posture/uniform``      configuration[n]     as of effectors
     ``group.position``                        position x members   kinematics
@@ -153,6 +157,8 @@ def _effectors(robot: RobotDocument, model: UrdfModel | None) -> Iterator[Resour
         kind = configuration_of(robot.joints(name), model)
         yield from _configurations(name, kind, effector.postures)
         if effector.tip is not None:
+            if robot.cameras and TURNED not in effector.postures:
+                yield Resource(f"{name}.{TURNED}", kind, Origin.CONSTANT, Turned(name))
             for part, kind in _TIP_PARTS.items():
                 tip = Tip(name, part)
                 yield Resource(f"{name}.{part}", kind, Origin.KINEMATICS, tip, movable=True)

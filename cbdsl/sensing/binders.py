@@ -41,6 +41,7 @@ from cbdsl.types.resource import (
     StereoPosition,
     StereoSignal,
     Tip,
+    Turned,
 )
 from cbdsl.types.resource_type import ORIENTATION
 
@@ -72,6 +73,7 @@ class Binders:
         self._by_type: Mapping[type, Binder] = {
             EffectorConfiguration: _compiled(kinematic_rows.configuration),
             Posture: _compiled(kinematic_rows.posture),
+            Turned: _compiled(kinematic_rows.turned),
             Tip: _compiled(kinematic_rows.tip),
             Centroid: _compiled(kinematic_rows.centroid),
             Separation: _compiled(kinematic_rows.separation),

@@ -240,6 +240,15 @@ class Posture(NamedTuple):
     posture: str
 
 
+class Turned(NamedTuple):
+    """Posture in which an effector has turned a held object before the cameras.
+
+    It follows from the model of the robot.
+    """
+
+    effector: str
+
+
 class UniformSample(NamedTuple):
     """Draw from the uniform distribution between an effector's joint limits."""
 
@@ -381,6 +390,7 @@ Source = (
     | SurfacePoint
     | SensorSignal
     | Posture
+    | Turned
     | UniformSample
     | GaussianSample
     | KernelSample

@@ -47,6 +47,7 @@ from cbdsl.types.resource import (
     StereoSignal,
     SurfacePoint,
     Tip,
+    Turned,
     UniformSample,
 )
 from cbdsl.types.resource_type import FORCE, HEADING, POSITION, configuration
@@ -178,6 +179,7 @@ RECORDS: Mapping[type, SourceRecord] = {
     PairLikeness: SourceRecord(_CAMERAS, compares=True, carriers=_EYES, features="features"),
     SensorSignal: SourceRecord(("sensors", "{sensor}"), carriers=(Carrier.LINKS,), links="links"),
     Posture: SourceRecord((*_EFFECTOR, "postures", "{posture}"), "effector"),
+    Turned: SourceRecord(_EFFECTOR, "effector"),
     UniformSample: SourceRecord(_EFFECTOR, "effector", uniform=True),
     GaussianSample: SourceRecord(_EFFECTOR, "effector"),
     KernelSample: SourceRecord(_EFFECTOR, "effector"),

@@ -20,7 +20,13 @@ from cbdsl_reproduction.chapter_5.three_learners import (
     stable_at,
 )
 from cbdsl_reproduction.experiment import RunSettings
-from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
+from cbdsl_reproduction.handedness_series import (
+    BRIEF,
+    CONCURRENT,
+    FLAT,
+    STAGED,
+    HandednessSeries,
+)
 from cbdsl_reproduction.quantity import Quantity, Verdict
 
 TRIALS, EPISODES, FIRST = 100, 200, 25
@@ -47,23 +53,21 @@ def dipping() -> np.ndarray:
 
 
 def rows(flat: np.ndarray, concurrent: np.ndarray, staged: np.ndarray) -> list[Quantity]:
-    series = (FLAT, CONCURRENT, STAGED)
-    groups = [
-        learned(each, chances, seed)
-        for seed, (each, chances) in enumerate(zip(series, (flat, concurrent, staged), strict=True))
-    ]
+    curves = {FLAT: flat, CONCURRENT: concurrent, BRIEF: concurrent, STAGED: staged}
+    groups = [learned(each, curve, seed) for seed, (each, curve) in enumerate(curves.items())]
     return list(quantities_of(groups, 0))
 
 
 def test_the_sources_curves_are_reproduced() -> None:
     quantities = rows(step(140), step(50), dipping())
-    assert len(quantities) == 10
+    assert len(quantities) == 11
     assert {each.verdict for each in quantities} == {Verdict.REPRODUCED}
 
 
 def test_equal_learners_are_not_in_order_and_a_level_curve_has_no_drop() -> None:
     quantities = rows(step(10), step(10), step(10))
-    staged, concurrent, flat_settles, *_, drop, _ = quantities
+    equal, staged, concurrent, flat_settles, *_, drop, _ = quantities
+    assert equal.verdict is not Verdict.REPRODUCED
     assert staged.verdict is not Verdict.REPRODUCED
     assert concurrent.verdict is not Verdict.REPRODUCED
     assert flat_settles.verdict is Verdict.MISSED
@@ -73,7 +77,7 @@ def test_equal_learners_are_not_in_order_and_a_level_curve_has_no_drop() -> None
 def test_curve_without_reward_never_settles() -> None:
     never = np.full((TRIALS, EPISODES), 0.01)
     assert stable_at(never) > EPISODES
-    settles = rows(np.full(EPISODES, 0.01), step(50), dipping())[2]
+    settles = rows(np.full(EPISODES, 0.01), step(50), dipping())[3]
     assert np.isnan(settles.ours)
     assert settles.verdict is Verdict.MISSED
 
@@ -101,7 +105,7 @@ def test_experiment_resumes_from_kept_trials(tmp_path: Path) -> None:
     settings = RunSettings(seed=8450000, quick=True, trials=1, folder=tmp_path)
     whole = three_learners.run(settings, "fig-5.8")
     journals = sorted(tmp_path.rglob("*.episodes.jsonl"))
-    assert len(journals) == 5, "three learners, and the best policies of two kinds of actions"
+    assert len(journals) == 6, "four learners, and the best policies of two kinds of actions"
     before = [journal.read_text().splitlines() for journal in journals]
     for journal, lines in zip(journals, before, strict=True):
         journal.write_text("".join(f"{line}\n" for line in lines[:4]))

@@ -17,7 +17,22 @@ ON = ["--stage", "stacking", "--seed", "4"]
 WORDS = ["explore", "stand", *BOXES, *ON, "--out", "boxes.yaml"]
 FAST = ["--backend", "kinematic", "--set", "least=1"]
 
+STACK = ["--thing", "purple_box_on_blue_box=@four_things"]
+BALL = ["--thing", "football=green"]
+
 MISTAKES = [
+    (["stand", *BALL, *STACK], ["'stand' brings no thing to a stack", "parameter 'base'"]),
+    (["build_on", "--thing", "slab=blue", *STACK], ["another thing has the channel 'blue'"]),
+    (["build_on", *BALL, STACK[0], f"{STACK[1]}x"], ["four_thingsx"]),
+    (
+        ["build_on", *BALL, "--thing", "purple_box_on_blue_bx=@four_things"],
+        ["unknown pair of 'four_things'", "did you mean 'purple_box_on_blue_box'"],
+    ),
+    (["build_on", *BALL, "--thing", "blue_box_on_football=@four_things"], ["never stayed"]),
+    (
+        ["build_on", *BALL, "--thing", "purple_box_on_blue_box=@things_in_touch"],
+        ["'four_things', not of 'things_in_touch'"],
+    ),
     (["stand", "--thing", "blue_box"], ["NAME=CHANNEL"]),
     (["stand", "--thing", "blue_box=blue"], ["two things at least"]),
     (["stand", *BOXES, "--thing", "slab=blue"], ["another thing has the channel 'blue'"]),
@@ -120,3 +135,50 @@ def test_meta_catalog_is_printed_drawn_and_planned(
     assert cb(monkeypatch, *show, "--of", "football") == 2
     assert cb(monkeypatch, *show, "--stack", "3", "--of", "footbal") == 2
     assert "football" in "".join(capsys.readouterr())
+
+
+def test_explore_with_a_stack_as_an_object_writes_a_catalog_above_the_stacks(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["explore", "build_on", *BALL, *STACK, "--stage", "stack_and_more", "--seed", "5"]
+    assert cb(monkeypatch, *words, *FAST, "--actions", "1", "--out", "grown.yaml") == 0
+    document = read(here / "grown.yaml")
+    stack, pair = "purple_box_on_blue_box", "football_on_purple_box_on_blue_box"
+    assert document.over == ("four_things",)
+    assert document.things[stack].meta_catalog == "four_things"
+    # A hand takes one object, so that the stack is the lower one.
+    assert [*document.pairs] == [pair]
+    assert document.pairs[pair].lower == stack
+    assert {"base": "blue", "pair": stack}.items() <= document.pairs[pair].with_.items()
+    signals = {each.signal for each in document.pairs[pair].features.values()}
+    assert {"stereo.green.to.hue_9", "stereo.hue_9.to.blue"} <= signals
+    capsys.readouterr()
+    assert cb(monkeypatch, "show", "meta-catalog", "grown.yaml") == 0
+    assert f"{stack} (hue_9, stack of four_things)" in capsys.readouterr().out
+    assert cb(monkeypatch, "show", "meta-catalog", "grown.yaml", "--svg") == 0
+
+
+def test_a_shipped_catalog_of_a_stack_gives_programs_the_likeness_of_the_grown_stack(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "sees.yaml").write_text(
+        """\
+cbdsl: 1
+kind: program
+name: sees
+robot: dexter
+stage: stack_and_more
+meta_catalog: things_on_a_stack
+controllers:
+  is_it:
+    potential: at_least
+    reference: 0.001
+    feedback: likeness.football_on_purple_box_on_blue_box
+    effector: head
+    gain: 1 /s
+    quiescence: {rate: 1e-6, window: 0.5 s, tolerance: 1e-5}
+actions: [is_it]
+policy: {X: is_it}
+"""
+    )
+    assert cb(monkeypatch, "validate", "sees.yaml") == 0, capsys.readouterr()

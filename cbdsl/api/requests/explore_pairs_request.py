@@ -20,7 +20,8 @@ class ExplorePairsRequest:
 
     Attributes:
         program: Program that brings one object to another, as ``NAME`` or ``NAME:key=value``.
-        things: Channel of each object, by name.
+        things: Channel of each object, by name; ``@META_CATALOG`` for a stack that is named like
+            its pair.
         stage: Stage with a context for each pair, such as ``ball_on_box``: file or name.
         out: File for the meta-catalog, ``NAME.yaml``.
         relation: Relation that the program brings about, ``on`` or ``in``.
@@ -57,10 +58,11 @@ class ExplorePairsRequest:
             DiagnosticsError: A document has errors.
             UsageError: An item is unknown or unsuitable.
         """
-        from cbdsl.api.requests.explored_pairs import read_pairs, require_things
+        from cbdsl.api.requests.explored_pairs import read_pairs
+        from cbdsl.api.requests.explored_things import read_things
         from cbdsl.backends.engines import default_engine
         from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.documents.meta_catalog import Relation
+        from cbdsl.documents.meta_catalog import KnownThing, Relation
         from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
         from cbdsl.learning.constants import read_constants
         from cbdsl.training.exploration.pair_task import PairTask
@@ -69,11 +71,14 @@ class ExplorePairsRequest:
             raise UsageError(f"{self.out}: a meta-catalog is <name>.yaml")
         if self.relation not in get_args(Relation):
             raise UsageError.unknown("relation", self.relation, get_args(Relation))
-        require_things(self.things)
-        run, pairs = read_pairs(self.program, self.things, self.relation, self.stage, self.folder)
+        things = read_things(self.things, self.folder)
+        run, pairs = read_pairs(self.program, things, self.relation, self.stage, self.folder)
         return run, PairTask(
             pairs=pairs,
-            things=self.things,
+            things={
+                name: KnownThing(feature=thing.channel, meta_catalog=thing.meta_catalog or None)
+                for name, thing in things.items()
+            },
             relation=self.relation,
             robot=run.robot,
             stage=run.stage,

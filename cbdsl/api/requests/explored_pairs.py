@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from itertools import permutations
 from typing import TYPE_CHECKING
 
 from cbdsl.api.requests.explored_actions import read_action
+from cbdsl.api.requests.explored_things import ExploredThing, values_of
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.robot.pair_names import pair_features
 from cbdsl.robot.resources import resources
@@ -24,33 +23,14 @@ if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.types.resource import Resource
 
-# Parameters of a program that brings one object to another.
+# Parameters of a program that brings one object to another, and of one that brings it to a stack.
 _ENDS = ("feature", "goal")
-
-
-def require_things(things: Mapping[str, str]) -> None:
-    """Check that objects have distinct channels and make pairs.
-
-    Args:
-        things: Channels of the objects by name.
-
-    Raises:
-        UsageError: A name is not allowed, a channel occurs twice, or there is one object.
-    """
-    channels: set[str] = set()
-    for name, channel in things.items():
-        if not channel or not re.fullmatch(NAME_PATTERN, name):
-            raise UsageError(f"thing '{name}': a name and its channel, such as ball and red")
-        if channel in channels:
-            raise UsageError(f"thing '{name}': another thing has the channel '{channel}'")
-        channels.add(channel)
-    if len(things) < 2:
-        raise UsageError("pairs are of two things at least")
+_OF_STACK = ("base", "pair")
 
 
 def read_pairs(
     program: str,
-    things: Mapping[str, str],
+    things: Mapping[str, ExploredThing],
     relation: str,
     stage: str | None,
     folder: Path | None = None,
@@ -59,14 +39,15 @@ def read_pairs(
 
     Args:
         program: File or name of a program, optionally with values as in ``NAME:key=value``.
-        things: Channels of the objects by name.
+        things: Objects by name.
         relation: Word between the objects in the name of a context, ``on`` or ``in``.
         stage: File or name of a stage.
         folder: Folder to search for documents by name; the working folder if ``None``.
 
     Raises:
         DiagnosticsError: A document has errors.
-        UsageError: The program does not bring one object to another, or the stage has no pair.
+        UsageError: The program does not bring one object to another or to a stack, or the stage
+            shows no pair.
     """
     text = read_action(program)
     requests: dict[str, RunRequest] = {}
@@ -74,17 +55,20 @@ def read_pairs(
     # Pairs are ordered: a ball on a box is another pair than a box on a ball.
     for upper, lower in permutations(things, 2):
         name = f"{upper}_{relation}_{lower}"
-        values = {**text.values, **dict(zip(_ENDS, (things[upper], things[lower]), strict=True))}
+        # A hand takes a single object, so that a stack is always the lower one.
+        if things[upper].base:
+            continue
+        values = {**text.values, **dict(values_of(things[upper], things[lower], lower))}
         # The first request is read even if its pair is not on the stage. Without `stage`, only a
         # request knows the stage of its program.
         if not requests:
-            _require_ends(text.program, folder)
+            _require_ends(text.program, things, folder)
             requests[name] = _request(text.program, stage, values, folder)
         shown = next(iter(requests.values())).stage
         if name in shown.contexts:
             request = requests.get(name) or _request(text.program, stage, values, folder)
             requests[name] = request
-            pairs[name] = _pair(upper, lower, name, request)
+            pairs[name] = _pair(upper, lower, name, request, things[lower])
     if not pairs:
         raise UsageError(
             f"stage '{shown.name}' shows no pair of {', '.join(things)}: "
@@ -100,24 +84,49 @@ def _request(
     return read_request(program, stage, None, values, folder=folder)
 
 
-def _require_ends(program: str, folder: Path | None) -> None:
-
+def _require_ends(program: str, things: Mapping[str, ExploredThing], folder: Path | None) -> None:
     library = Library(folder)
     document = library.read(library.locate(ProgramDocument, program), ProgramDocument).document
     missing = [key for key in _ENDS if key not in document.parameters]
     if missing or not document.success:
         lacks = f"parameter '{missing[0]}'" if missing else "'success'"
         raise UsageError(f"'{program}' brings no thing to another one: it has no {lacks}")
+    for name, thing in things.items():
+        if thing.base:
+            _require_stack(name, thing, document)
 
 
-def _pair(upper: str, lower: str, context: str, request: RunRequest) -> ExplorablePair:
+def _require_stack(name: str, thing: ExploredThing, program: ProgramDocument) -> None:
+    """Check that a program can recognise a stack and set an object on it."""
+    missing = [key for key in _OF_STACK if key not in program.parameters]
+    if missing:
+        raise UsageError(
+            f"thing '{name}': '{program.name}' brings no thing to a stack: "
+            f"it has no parameter '{missing[0]}'"
+        )
+    if program.meta_catalog != thing.meta_catalog:
+        raise UsageError(
+            f"thing '{name}': '{program.name}' knows the pairs of "
+            f"'{program.meta_catalog or 'no meta-catalog'}', not of '{thing.meta_catalog}'"
+        )
 
-    program, digest = request.program, request.digest
-    return ExplorablePair(upper, lower, context, program, digest, _features(request))
+
+def _pair(
+    upper: str, lower: str, context: str, request: RunRequest, below: ExploredThing
+) -> ExplorablePair:
+    program, digest, features = request.program, request.digest, _features(request, below)
+    return ExplorablePair(upper, lower, context, program, digest, features)
 
 
-def _features(request: RunRequest) -> dict[str, Resource]:
-    """Return the signals of both objects, in the first camera and in space."""
+def _features(request: RunRequest, below: ExploredThing) -> dict[str, Resource]:
+    """Return the signals of both objects, in the first camera and in space.
+
+    Those of a stack's two parts follow: the stack is one object only while it stands.
+    """
     given, camera = request.program.parameters, next(iter(request.robot.cameras), "")
     named = resources(request.robot, read_urdf_if_sound(request.urdf))
-    return pair_features(given["feature"], given["goal"], camera, named)
+    features = pair_features(given["feature"], given["goal"], camera, named)
+    if below.base:
+        parts = pair_features(given["goal"], below.base, camera, named)
+        features |= {f"stack_{key}": signal for key, signal in parts.items()}
+    return features

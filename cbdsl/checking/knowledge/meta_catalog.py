@@ -55,6 +55,7 @@ def _check_thing(
             robot = body.document.name
             diagnostics.add("CB664", place, names=known, name=thing.feature, robot=robot)
             return
+    _check_stack(loaded, name, thing, session, body, diagnostics)
     if thing.catalog is None:
         return
     place = source.place("things", name, "catalog")
@@ -63,6 +64,36 @@ def _check_thing(
     if not isinstance(read, Unknown) and not _same(read.document.feature, thing.feature, body):
         details = {"found": read.document.feature, "wanted": thing.feature}
         diagnostics.add("CB665", place, name=thing.catalog, **details)
+
+
+def _check_stack(
+    loaded: Loaded[MetaCatalogDocument],
+    name: str,
+    thing: KnownThing,
+    session: Session,
+    body: Outcome[CheckedRobot],
+    diagnostics: Diagnostics,
+) -> None:
+    """Check that a stack is a pair of its meta-catalog, with the channel of its upper part."""
+    if thing.meta_catalog is None:
+        return
+    place = loaded.source.place("things", name, "meta_catalog")
+    library, own = session.library, loaded.document.name
+    path = find_document(
+        MetaCatalogDocument, thing.meta_catalog, place, library, diagnostics, own=own
+    )
+    read = session.read(path, MetaCatalogDocument, diagnostics)
+    if isinstance(read, Unknown):
+        return
+    pair = read.document.pairs.get(name)
+    if pair is None:
+        names = list(read.document.pairs)
+        diagnostics.add("CB666", place, names=names, name=name, catalog=thing.meta_catalog)
+        return
+    upper = read.document.things.get(pair.upper)
+    if upper is not None and not _same(upper.feature, thing.feature, body):
+        details = {"found": upper.feature, "wanted": thing.feature}
+        diagnostics.add("CB667", place, name=pair.upper, **details)
 
 
 def _same(one: str, other: str, body: Outcome[CheckedRobot]) -> bool:

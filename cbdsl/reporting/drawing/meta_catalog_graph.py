@@ -77,7 +77,7 @@ def stack_key(order: Sequence[str]) -> str:
 
 def _things(catalog: MetaCatalogDocument) -> dict[str, _Box]:
     return {
-        name: _Box((name, thing.catalog or f"known by {thing.feature}"))
+        name: _Box((name, thing.catalog or thing.meta_catalog or f"known by {thing.feature}"))
         for name, thing in catalog.things.items()
     }
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from cbdsl.reporting.text.catalog_text import count_cells, feature_lines
 
 if TYPE_CHECKING:
-    from cbdsl.documents.meta_catalog import MetaCatalogDocument, PairSection
+    from cbdsl.documents.meta_catalog import KnownThing, MetaCatalogDocument, PairSection
 
 _TITLES = ("pair", "stayed", "95 % interval", "value", "model")
 
@@ -19,7 +19,7 @@ def meta_catalog_text(catalog: MetaCatalogDocument) -> str:
     if catalog.provenance is not None:
         origin = catalog.provenance
         head += f", after {origin.actions} actions on {origin.stage.name}"
-    things = ", ".join(f"{name} ({thing.feature})" for name, thing in catalog.things.items())
+    things = ", ".join(f"{name} ({_known_by(thing)})" for name, thing in catalog.things.items())
     rows = [
         (f"{pair.upper} {pair.relation} {pair.lower}", *count_cells(pair))
         for pair in catalog.pairs.values()
@@ -34,6 +34,11 @@ def meta_catalog_text(catalog: MetaCatalogDocument) -> str:
         lines += feature_lines(name, pair)
         lines += _impedance_lines(name, pair)
     return "\n".join(lines) + "\n"
+
+
+def _known_by(thing: KnownThing) -> str:
+    stack = f", stack of {thing.meta_catalog}" if thing.meta_catalog else ""
+    return f"{thing.feature}{stack}"
 
 
 def _impedance_lines(name: str, pair: PairSection) -> Iterator[str]:

@@ -29,6 +29,7 @@ from cbdsl.types.resource import (
     StereoOffset,
     StereoPosition,
     Tip,
+    Turned,
 )
 
 MANIPULATOR = "inverse manipulator Jacobian"
@@ -47,6 +48,7 @@ EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
     SensorSignal: WHOLE,
     EffectorConfiguration: _JOINTS,
     Posture: _JOINTS,
+    Turned: _JOINTS,
     Tip: _ARMS,
     Centroid: _ARMS,
     Separation: _ARMS,

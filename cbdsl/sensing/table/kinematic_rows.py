@@ -8,6 +8,8 @@ import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.turned_posture import TurnedPosture
+from cbdsl.numeric.arrays import Floats
 from cbdsl.program.controller import Standoff
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.sensing.table.refresh import CONFIGURATION, LENGTH, MANIPULATOR, MIXTURE, TIP
@@ -22,6 +24,7 @@ from cbdsl.types.resource import (
     Posture,
     Separation,
     Tip,
+    Turned,
 )
 
 
@@ -37,6 +40,7 @@ class KinematicRows:
         self, robot: RobotDocument, kinematics: Kinematics, tips: Tips, rows: SignalRows
     ) -> None:
         self._robot, self._kinematics, self._tips, self._rows = robot, kinematics, tips, rows
+        self._turned: dict[str, Floats] = {}
 
     def joints(self, effector: str) -> int:
         """Return the row of an effector's joint positions, rad."""
@@ -88,9 +92,14 @@ class KinematicRows:
             for member in self._robot.members(source.effector)
             for angle in self._robot.effectors[member].postures[source.posture]
         ]
-        number = self._rows.bind_written(len(angles))
-        self._rows.table.write(number, Reading(np.array(angles), None, 0))
-        return number
+        return self._bind_constant(angles)
+
+    def turned(self, source: Turned) -> int:
+        """Return a new row of the joint positions of a derived posture, rad."""
+        effector = source.effector
+        if effector not in self._turned:
+            self._turned[effector] = TurnedPosture(self._robot, self._kinematics, effector).find()
+        return self._bind_constant(self._turned[effector])
 
     def tip(self, source: Tip) -> int:
         """Return the row of an effector's tip, or of a group's tips in sequence."""
@@ -129,6 +138,11 @@ class KinematicRows:
         rows = [self.links([link]) for link in weighted]
         parts = [RowPart(source=r, weight=w) for r, w in zip(rows, weighted.values(), strict=True)]
         return self._rows.bind(Form(MIXTURE, 3, 3, parts), rows)
+
+    def _bind_constant(self, values: Sequence[float] | Floats) -> int:
+        number = self._rows.bind_written(len(values))
+        self._rows.table.write(number, Reading(np.array(values), None, 0))
+        return number
 
     def _bind_links(self, links: Sequence[str]) -> int:
         if len(links) > 1:

@@ -18,7 +18,7 @@ from cbdsl.training.exploration.explorable_pair import ExplorablePair
 
 def meta_catalog_document(
     name: str,
-    things: Mapping[str, str],
+    things: Mapping[str, KnownThing],
     relation: str,
     pairs: Mapping[str, ExplorablePair],
     exploration: Exploration,
@@ -29,7 +29,7 @@ def meta_catalog_document(
 
     Args:
         name: Name of the document.
-        things: Channels of the objects, by name.
+        things: Objects, by name.
         relation: Relation that the program of the pairs brings about.
         pairs: Explorable pairs by name.
         exploration: Exploration at its end.
@@ -46,8 +46,9 @@ def meta_catalog_document(
         kind="meta_catalog",
         name=name,
         robot=next(iter(pairs.values())).program.robot,
-        things={key: KnownThing(feature=channel) for key, channel in things.items()},
+        things=dict(things),
         pairs=sections,
+        over=tuple(dict.fromkeys(t.meta_catalog for t in things.values() if t.meta_catalog)),
         steps=step_columns(exploration),
         provenance=provenance,
     )

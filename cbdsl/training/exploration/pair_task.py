@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cbdsl.backends.backend import Backend, BackendError
 from cbdsl.documents.catalog import CatalogProvenance
-from cbdsl.documents.meta_catalog import ImpedanceSection, MetaCatalogDocument
+from cbdsl.documents.meta_catalog import ImpedanceSection, KnownThing, MetaCatalogDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
@@ -37,7 +37,7 @@ class PairTask(CatalogTask):
 
     Attributes:
         pairs: Explorable pairs by name.
-        things: Channels of the objects, by name.
+        things: Objects, by name.
         relation: Relation that the program brings about, ``on`` or ``in``.
         robot: Robot that acts.
         stage: Stage with the objects in its contexts.
@@ -52,7 +52,7 @@ class PairTask(CatalogTask):
     """
 
     pairs: Mapping[str, ExplorablePair]
-    things: Mapping[str, str]
+    things: Mapping[str, KnownThing]
     relation: str
     robot: RobotDocument
     stage: StageDocument

@@ -24,7 +24,7 @@ from cbdsl.api.program import (
 from cbdsl.api.shipped import shipped_program
 from cbdsl.api.trials import EPISODES, Journal, trial_journal, versions
 from cbdsl_reproduction.chapter_5.side_by_side import side_by_side
-from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, HandednessSeries
+from cbdsl_reproduction.handedness_series import FLAT, STAGED, HandednessSeries
 from cbdsl_reproduction.learners.concurrent import Concurrent
 from cbdsl_reproduction.learners.context_letters import LETTERS, context_letters
 from cbdsl_reproduction.learners.flat import Flat, FlatPolicy
@@ -101,13 +101,24 @@ class HandednessTrials:
         at, constants = self._at, AccommodateConstants()
         if series == FLAT:
             return Flat(at.flat, constants)
-        if series == CONCURRENT:
-            return Concurrent(at.schema, constants, _ALLOCATING)
-        return Staged(at.schema, at.own, constants, _ALLOCATING, self.constrained(series))
+        if series == STAGED:
+            return Staged(at.schema, at.own, constants, _ALLOCATING, self.constrained(series))
+        exploring = self.exploring(series)
+        own = constants.model_copy(update={"exploring_episodes": exploring})
+        return Concurrent(at.schema, own, _ALLOCATING)
 
     def constrained(self, series: HandednessSeries) -> int:
         """Return the number of episodes of the first stage, at most a third of all."""
-        return min(series.constrained, self._dexter.episodes(series) // 3)
+        return self._at_most_a_third(series.constrained, series)
+
+    def exploring(self, series: HandednessSeries) -> int | None:
+        """Return the number of episodes that explore actions, at most a third; ``None`` for all."""
+        if series.exploring is None:
+            return None
+        return self._at_most_a_third(series.exploring, series)
+
+    def _at_most_a_third(self, count: int, series: HandednessSeries) -> int:
+        return min(count, self._dexter.episodes(series) // 3)
 
     def learn(self, series: HandednessSeries, number: int) -> tuple[Experience, ...]:
         """Return all episodes of one trial; stored episodes are not run again.
@@ -170,8 +181,11 @@ class HandednessTrials:
         """Return all inputs of the episodes of a trial."""
         dexter = self._dexter
         program = shipped_program(_PROGRAM).digest
+        exploring = self.exploring(series)
         return {
             "learner": series.name,
+            # Trials stored without this number explore actions until their end.
+            **({} if exploring is None else {"exploring": exploring}),
             "constrained": self.constrained(series),
             "seed": self._seed,
             "number": number,

@@ -17,7 +17,13 @@ from cbdsl_reproduction.chart import Chart, Line
 from cbdsl_reproduction.claim import Claim, Claims
 from cbdsl_reproduction.estimate import mean_of
 from cbdsl_reproduction.experiment import Result, RunSettings
-from cbdsl_reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
+from cbdsl_reproduction.handedness_series import (
+    BRIEF,
+    CONCURRENT,
+    FLAT,
+    STAGED,
+    HandednessSeries,
+)
 from cbdsl_reproduction.interval import TAIL, resampled_interval
 from cbdsl_reproduction.quantity import Quantity
 from cbdsl_reproduction.region import above, below, near
@@ -79,6 +85,7 @@ _DROPS = Claim(
 _RECOVERS = Claim(_PLACE, "staged: length of the drop", "episodes", "about 10", near(10, 5))
 CLAIMS: Claims = {
     "fig-5.8": (
+        _AHEAD.named(one=STAGED.label, other=BRIEF.label),
         _AHEAD.named(one=STAGED.label, other=CONCURRENT.label),
         _AHEAD.named(one=CONCURRENT.label, other=FLAT.label),
         *_SETTLES.values(),
@@ -119,7 +126,7 @@ class LearnerTrials:
 
 def series_of(name: str) -> tuple[HandednessSeries, ...]:
     """Return the series of trials."""
-    return (STAGED,) if name == "fig-5.9" else (FLAT, CONCURRENT, STAGED)
+    return (STAGED,) if name == "fig-5.9" else (FLAT, CONCURRENT, BRIEF, STAGED)
 
 
 def gather(
@@ -166,12 +173,13 @@ def run(settings: RunSettings, name: str) -> Result:
 
 def quantities_of(groups: Sequence[LearnerTrials], seed: int) -> Iterator[Quantity]:
     """Yield the order of the learners, their settling times, and the dip of the staged one."""
-    flat, concurrent, staged = groups
+    flat, concurrent, brief, staged = groups
+    yield _ahead(staged, brief, seed)
     yield _ahead(staged, concurrent, seed)
     yield _ahead(concurrent, flat, seed)
-    for group in groups:
+    for group in (flat, concurrent, staged):
         yield _of_curves(_SETTLES[group.series], group.rewards, stable_at, seed)
-    for group in groups:
+    for group in (flat, concurrent, staged):
         yield mean_of(
             _ENDS[group.series],
             group.rewards[:, -_LAST:].mean(axis=1).tolist(),
@@ -303,9 +311,12 @@ def _notes(earned: Mapping[HandednessSeries, Floats], count: int) -> tuple[str, 
         "others to the left or to the right; some of them move across at 5 cm/s.",
         "Flat: seven actions without compositions, and ten predicates, of which three encode "
         "motion, side and size. Moved joints stay in place. Concurrent: five abstract actions by "
-        "Q-learning, allocations by ASSIMILATE, epsilon 0.2 for both. Staged: 25 episodes with the "
-        "right arm and small things that keep still on the right, then ASSIMILATE, in which the "
-        "values of abstract actions are still learned, without exploration.",
+        "Q-learning, allocations by ASSIMILATE, epsilon 0.2 for both until the end. Staged: 25 "
+        "episodes with the right arm and small things that keep still on the right, then "
+        "ASSIMILATE, in which the values of abstract actions are still learned, without "
+        "exploration. It explores actions in 25 of 200 episodes. At equal times of exploration, it "
+        "is compared with the concurrent learner whose actions are greedy after 25 episodes, too. "
+        "Both explore allocations until the end.",
         f"Normalised: relative to the earnings of the best policy of a learner's actions in "
         f"{count} other episodes, which follows the tree of Figure 5.10: "
         f"{_with_interval('flat', flat)}, {_with_interval('concurrent and staged', abstract)}. "

@@ -300,6 +300,11 @@ def _pair(context: str) -> Mapping[str, str]:
     return {"feature": _CHANNELS[upper], "goal": _CHANNELS[lower]}
 
 
+def _on_stack(context: str) -> Mapping[str, str]:
+    """Return the channel of the object that is set on a stack of the stage ``stack_and_more``."""
+    return {"feature": "red" if context.startswith("red_box") else "green"}
+
+
 def _three(_: str) -> Mapping[str, str]:
     """Return channels of three objects of the stage ``stacks_of_three``."""
     return {"feature": "red", "middle": "green", "goal": "blue"}
@@ -320,6 +325,7 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("bring", "everyday_objects", placed),
     ProgramClaim("bring_pinched", "everyday_objects", delivered, _SMALL),
     ProgramClaim("bring_with_both", "everyday_objects", delivered, _LARGE),
+    ProgramClaim("build_on", "stack_and_more", stands, values=_on_stack),
     ProgramClaim("deliver", "everyday_objects", delivered),
     ProgramClaim("ensure_stacked", "stacked_or_not", left_alone_or_stacked),
     ProgramClaim("fetch", "everyday_objects", placed),
