@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from cbdsl.api.clean import require_clean
+from cbdsl.api.reading.clean import require_clean
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
