@@ -10,6 +10,7 @@ from cbdsl_reproduction.simulation_fixture import simulation_fixture
 from cbdsl_reproduction.trial_digest import trial_digest
 
 STAGE = "one_of_three_things"
+# Neither programs nor objects have a colon in their names, so that the text splits uniquely.
 _BETWEEN = ":"
 
 

@@ -49,6 +49,8 @@ class Claim:
     @property
     def rule(self) -> VerdictRule:
         """VerdictRule of its verdict."""
+        # A source that reports its counts has an interval of its own.
+        # A fixed region around its percentage would ignore that.
         if self.trials is not None:
             return VerdictRule.TRIALS
         if self.bound is not None:
@@ -73,6 +75,8 @@ class Claim:
 
     def describes(self, name: str) -> bool:
         """Return whether it is the claim about a measured quantity of a name."""
+        # Each word in braces stands for at least one
+        # character, so that an empty name matches no claim.
         parts = re.split(r"\{\w+\}", self.name)
         return re.fullmatch(".+".join(map(re.escape, parts)), name) is not None
 

@@ -179,6 +179,7 @@ def _success(
     name: str, setup: EngineSetup, episodes: Episodes, reference: Episodes, source: str
 ) -> Quantity:
     hits, share = (sum(each.done for each in group) for group in (episodes, reference))
+    # A share of 0 on the reference bounds nothing: any body would agree with it.
     judged = share and episodes is not reference
     claim = _AGREES.named(part=f"{name} on {setup}", reference=source)
     if judged:

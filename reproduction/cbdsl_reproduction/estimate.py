@@ -19,6 +19,7 @@ Statistic = Callable[[Floats], Floats]
 """Statistic along the first axis, such as ``numpy.mean`` with ``axis=0``."""
 
 # Number of data sets for the estimate of a chance, and draws of the interval of each.
+# With 1000 data sets, a chance of 5 % has a standard error of 0.7 %.
 _SETS, _DRAWS = 1000, 200
 
 
@@ -106,6 +107,7 @@ def chance_of_samples(
 
 def _outside(region: ValueRegion, end: float) -> float:
     """Return the value next to an end of a region, outside of it."""
+    # The smallest violation passes most easily, so that its chance bounds that of all others.
     step = 1e-6 * max(1.0, abs(end))
     return end - step if end == region.low else end + step
 

@@ -32,6 +32,8 @@ def exact_interval(hits: float, trials: float) -> tuple[float, float]:
 
     if not (0 <= hits <= trials and trials > 0):
         raise ValueError(f"{hits} of {trials} is not a proportion")
+    # The bounds are conservative: they contain the true share
+    # in at least 95 % of all samples, even if trials are few.
     lower = 0.0 if hits == 0 else float(beta.ppf(TAIL, hits, trials - hits + 1))
     upper = 1.0 if hits == trials else float(beta.ppf(1 - TAIL, hits + 1, trials - hits))
     return lower, upper
@@ -45,6 +47,7 @@ def bootstrap_interval(samples: Sequence[float], seed: int = 0) -> tuple[float, 
     """
     import numpy as np
 
+    # A mean is cheap to compute, so that many draws can steady the ends of its interval.
     low, high = _bootstrap(np.asarray(samples, dtype=float), np.mean, seed, 10_000)
     return float(low), float(high)
 
@@ -64,6 +67,8 @@ def resampled_interval(
 
     if not samples:
         raise ValueError("no samples")
+    # Samples are drawn as a whole, for example the curve of a
+    # trial: the episodes within one curve depend on each other.
     chosen = np.random.default_rng(seed).integers(len(samples), size=(draws, len(samples)))
     drawn = [statistic([samples[place] for place in each]) for each in chosen]
     low, high = np.percentile(drawn, (2.5, 97.5))
@@ -77,6 +82,8 @@ def interquartile_mean(values: Floats) -> Floats:
     """
     import numpy as np
 
+    # Trials of learning have outliers at both ends. This mean ignores
+    # them, and has less variance than the median (Agarwal et al., 2021).
     out = len(values) // 4
     middle: Floats = np.sort(values, axis=0)[out : len(values) - out].mean(axis=0)
     return middle

@@ -41,10 +41,13 @@ class KeptTrials(Generic[Some]):
         self._rows, self._what = KeptRows(path), what
         self._known: dict[tuple[str, int], Some] = {}
         for row in self._rows:
+            # Rows with another digest belong to other documents.
+            # They stay in the file, for these documents.
             if not isinstance(row, dict) or row.pop("what", None) != what:
                 continue
             try:
                 trial = read_record(kind, row)
+            # A row without the fields of the class cannot be read, and its trial is run again.
             except ValueError:
                 continue
             self._known[trial.things, trial.seed] = trial

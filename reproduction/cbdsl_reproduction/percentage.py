@@ -41,7 +41,11 @@ def same_percentage(claim: Claim, hits: int, trials: int, *, note: str = "") -> 
 
     assert claim.trials is not None, f"'{claim.name}' has no trials of the source"
     own, there = claim.trials
+    # The percentage of few trials is no target by itself:
+    # 5 of 5 are compatible with a true share of 48 %.
     low, high = _interval(own, there)
+    # No share lies beyond 0 or 100 %. A region ends there
+    # without a bound, because no process can violate one.
     region = ValueRegion(
         f"{low:.0f} to {high:.0f}, {own} of {there} there",
         low if own else -math.inf,
@@ -140,5 +144,6 @@ def _likelihood(first: int, last: int, trials: int, p: float) -> float:
     """Return the probability that the number of hits is in a closed range."""
     from scipy.special import bdtr
 
+    # Example: a region of 98 ± 5 % ends beyond 100 %.
     p = min(max(p, 0.0), 1.0)
     return float(bdtr(last, trials, p) - (bdtr(first - 1, trials, p) if first else 0.0))

@@ -64,12 +64,16 @@ class Quantity:
         region, ordering = self.claim.region, self.claim.ordering
         if region is None:
             return Verdict.NOT_JUDGED
+        # A measurement that failed must not vanish from the counts of the pages.
         if math.isnan(self.ours):
             return Verdict.MISSED
+        # A single trial has no spread, so that any verdict on it would be luck.
         if self.interval is None:
             return Verdict.NOT_JUDGED
         if self.likeness < _DOUBT or region.excludes(self.interval):
             return Verdict.MISSED
+        # With few trials or a narrow region, the interval alone is too
+        # weak: a process just outside of the region would often pass.
         if self.chance <= _CHANCE and region.contains(self.interval):
             return Verdict.REPRODUCED
         if ordering is not None and ordering.contains(self.interval):

@@ -31,6 +31,7 @@ class ValueRegion:
         """Return whether the region contains a whole interval."""
         first, last = interval
         if self.open:
+            # A strict claim such as "more" is not met at its bound: a difference of 0 is no gain.
             return self.low < first and last < self.high
         # Rounding errors must not exclude an interval that ends at a closed bound, for example at
         # 100 %.
@@ -40,6 +41,8 @@ class ValueRegion:
     def excludes(self, interval: Interval) -> bool:
         """Return whether the region and an interval are disjoint."""
         first, last = interval
+        # An interval that overlaps the region only in part is
+        # neither contained nor excluded, and decides nothing.
         if self.open:
             return last <= self.low or self.high <= first
         return last < self.low or self.high < first

@@ -95,6 +95,8 @@ def counts(heading: str, places: Mapping[str, str], rows: Sequence[PageRow]) -> 
         places: Cell of the first column by section; equal cells share a line.
         rows: Counted rows.
     """
+    # A region that was set with known numbers could hardly be
+    # missed, so that it must not raise the share of the others.
     ahead, late = ([row for row in rows if row.hindsight is is_late] for is_late in (False, True))
     total = Counter(row.verdict for row in ahead)
     yield f"{_share(ahead)} are reproduced; {total[Verdict.NOT_JUDGED]} are not judged."
@@ -136,6 +138,8 @@ def causes_of(rows: Sequence[PageRow]) -> list[str]:
 
 def _cause(row: PageRow) -> str:
     default = _DEFAULTS[Verdict(row.verdict)]
+    # The first matching cause wins, so that the file
+    # lists causes of single rows ahead of general ones.
     return next((each.text for each in causes() if each.explains(row)), default)
 
 

@@ -75,6 +75,8 @@ def diagram_of(experiences: Iterable[Experience], least: float = ABOVE) -> dict[
         for experience in experiences
         for each in experience.transitions
     )
+    # Shares are relative to the transitions out of a state. A
+    # state that is rarely visited may thus have drawn arcs.
     leaving: Counter[str] = Counter()
     for arc, count in passed.items():
         leaving[arc.state] += count

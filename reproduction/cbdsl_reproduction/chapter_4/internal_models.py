@@ -117,6 +117,8 @@ def prominences(densities: Floats, front: NDArray[np.bool_]) -> Floats:
     rows = densities.reshape(-1, densities.shape[-1])
     ratios = []
     for row in rows:
+        # The lowest density between the maxima is the valley. A density
+        # without a valley has a ratio of 1 for its lower maximum.
         first, second = int(row[:border].argmax()), border + int(row[border:].argmax())
         ratios.append(row[[first, second]] / row[first : second + 1].min())
     return np.array(ratios).reshape(*densities.shape[:-1], 2)

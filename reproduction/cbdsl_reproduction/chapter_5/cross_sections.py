@@ -63,12 +63,16 @@ class CrossSections:
         Returns:
             Densities, shape (k,).
         """
+        # The integral of an isotropic Gaussian along one axis is a Gaussian over the
+        # other two axes. The third coordinate is therefore left out, not summed.
         apart = at[:, None] - self.positions[None, :, [across, up]]
         total: Floats = np.exp(-0.5 * (apart**2).sum(axis=2) / self.bandwidth**2).sum(axis=1)
         return total
 
     def peak(self) -> Floats:
         """Return the sample with the highest density from above, m, shape (2,)."""
+        # Samples are the only candidates, so that the
+        # result is within about a bandwidth of the maximum.
         level = self.positions[:, :2]
         highest: Floats = level[int(np.argmax(self.density(0, 1, level)))]
         return highest

@@ -91,6 +91,8 @@ def run(settings: RunSettings) -> Result:
 def seeds_of(trial: int, context: str, first: int) -> list[int]:
     """Return the seeds of a trial's episodes in one of both contexts, which alternate."""
     numbers = range(trial * _EPISODES, (trial + 1) * _EPISODES)
+    # The parity restarts in each trial, whose number of
+    # episodes is odd: objects are shaken in 13 of 25.
     return [first + n for n in numbers if (n % _EPISODES % 2 == 0) == (context == SHAKEN)]
 
 
@@ -120,6 +122,8 @@ def _tracked(episodes: Mapping[str, Sequence[MotionEpisode]]) -> Iterator[Quanti
 
 def _peaks(densities: Sequence[PostureDensity], seed: int) -> Iterator[Quantity]:
     """Yield the share of densities with a single peak."""
+    # A single peak means little if postures drawn at
+    # random have one, too. The note counts such draws.
     single = sum(len(each.peaks()) == 1 for each in densities)
     yield percentage(
         _SINGLE,

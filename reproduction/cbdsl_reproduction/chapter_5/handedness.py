@@ -118,6 +118,8 @@ class HandednessTrials:
         return self._at_most_a_third(series.exploring, series)
 
     def _at_most_a_third(self, count: int, series: HandednessSeries) -> int:
+        # A quick run has fewer episodes than the first
+        # stage of a full one, and still needs both stages.
         return min(count, self._dexter.episodes(series) // 3)
 
     def learn(self, series: HandednessSeries, number: int) -> tuple[Experience, ...]:
@@ -207,6 +209,8 @@ def _by_figure(features: Mapping[str, float]) -> Ranking:
 
 
 def _arms(letters: str) -> Ranking:
+    # A moving object is met by the arm of the side that
+    # it moves to, even if it is on the other side.
     motion, side, scale = tuple(letters)
     first = _BOTH if scale == "L" else _LEFT if (motion if motion != "s" else side) == "l" else ""
     return tuple(dict.fromkeys((first or _RIGHT, _RIGHT, _LEFT, _BOTH)))

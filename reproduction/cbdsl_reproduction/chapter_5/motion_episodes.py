@@ -70,6 +70,7 @@ class _EpisodeEye:
         if self._middle is None or self._last is None:
             return math.nan
         frames = [self._last.signals.kinematics.frame(link) for link in self._cameras]
+        # The x axis of a camera's frame is its optical axis.
         looks = np.mean([frame.rotation[:, 0] for frame in frames], axis=0)
         way = self._middle - np.mean([frame.position for frame in frames], axis=0)
         # Rounding can put the cosine beyond 1, for which ``acos`` is undefined.

@@ -58,6 +58,7 @@ def retry_quantities(trials: Sequence[Episodes]) -> Iterator[Quantity]:
         [each.reward > 0 for each in trial if next(retries(each), None) is not None]
         for trial in trials
     ]
+    # Episodes of one trial follow the same policy and the same trees, and are not independent.
     yield clustered_percentage(
         _EARNS,
         [sum(own) for own in rewarded],
@@ -77,6 +78,8 @@ def retry_diagram(name: str, program: CheckedProgram, trials: Sequence[Episodes]
     episodes = [_abstract(each) for trial in trials for each in trial]
     chosen = Counter((t.state, t.action) for each in episodes for t in each.transitions)
     most: dict[str, str] = {}
+    # Pairs come by descending frequency, so that the
+    # first action of a state is its most frequent one.
     for (state, action), _ in chosen.most_common():
         most.setdefault(state, action)
     kept = [

@@ -207,6 +207,7 @@ def questions(
     """Yield the features of the first informed choice of each episode."""
     assert program.schema is not None
     names, wanted = tuple(program.schema.allocations), set(program.schema.components)
+    # The ranking is fixed, so that no tree under judgement has an influence on the questions.
     policy = SchemaPolicy(program, lambda features: names, gives_up=False)
     for seed in seeds:
         episode = runner.run(program, policy, seed, lambda transition: None)
@@ -249,6 +250,7 @@ def _share(rights: Sequence[bool]) -> float:
 
 
 def _trials(claim: Claim, rights: Sequence[float]) -> Quantity:
+    # A trial is one sample: all of its answers come from the same pair of trees.
     right = sum(each >= _MOST for each in rights)
     note = f"in {_MOST:g} % of the contexts or more"
     return percentage(claim, right, len(rights), note=note)

@@ -121,6 +121,8 @@ class LearnerTrials:
     @property
     def rewards(self) -> Floats:
         """Rewards relative to the best policy; NaN if that earns nothing."""
+        # Flat and abstract actions differ in the largest possible reward.
+        # Relative to that, the curves compare the learners alone.
         return self.raw / self.best if self.best else self.raw * math.nan
 
 
@@ -191,6 +193,8 @@ def quantities_of(groups: Sequence[LearnerTrials], seed: int) -> Iterator[Quanti
 
 def _ahead(one: LearnerTrials, other: LearnerTrials, seed: int) -> Quantity:
     """Return the additional normalised reward of one learner over another in all episodes."""
+    # Trials of one number share the seeds of their
+    # episodes, so that their difference is one sample.
     means = [group.rewards.mean(axis=1) for group in (one, other)]
     names = [group.series.label for group in (one, other)]
     raw = [group.raw.mean() for group in (one, other)]
@@ -225,6 +229,8 @@ def stable_at(rewards: Floats) -> float:
     Returns:
         Episode number; larger than the number of episodes if the curve never settles.
     """
+    # Single episodes are rewarded or not, so that even the mean of all trials
+    # leaves a level now and then. Five episodes are averaged, as for the drop.
     smooth = np.convolve(rewards.mean(axis=0), np.full(_AROUND, 1 / _AROUND), mode="valid")
     low = np.flatnonzero(smooth < _NEAR * _LEVEL)
     if not len(low):
@@ -262,6 +268,8 @@ def dip_length(rewards: Floats, first: int) -> float:
         Number of episodes; all of the second stage if the curve never recovers.
     """
     curve = rewards.mean(axis=0)
+    # The level is that of the end of the first stage. The second stage has
+    # other objects, so that its final level is no measure of a recovery.
     level = _NEAR * curve[first - _AROUND : first].mean()
     smooth = np.convolve(curve[first:], np.full(_AROUND, 1 / _AROUND), mode="valid")
     # The index of the first window that recovers is the number of episodes before that window.
@@ -275,6 +283,9 @@ def _of_curves(claim: Claim, rewards: Floats, statistic: Statistic, seed: int) -
     interval = None
     if len(rewards) > 1:
         interval = resampled_interval(list(rewards), lambda drawn: statistic(np.array(drawn)), seed)
+    # The time at which a curve crosses a level does not shift with its
+    # samples, so that the double bootstrap of ``estimate`` does not apply.
+    # The chance is the tail of the interval beyond one end instead.
     reached = value if value <= rewards.shape[1] else math.nan
     return Quantity(claim, reached, interval, TAIL)
 

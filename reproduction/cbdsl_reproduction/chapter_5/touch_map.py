@@ -156,6 +156,8 @@ def _places(trials: Sequence[TouchTrial]) -> Floats:
 def bandwidth(places: Floats) -> Floats:
     """Return standard deviations of kernels by Scott's rule (1992), m, shape (3,)."""
     count, axes = places.shape
+    # The rule assumes a normal density. Touches of a level table
+    # hardly differ in height, so that a least width is needed.
     wide: Floats = places.std(axis=0) * count ** (-1 / (axes + 4))
     return np.maximum(wide.round(3), _LEAST)
 
@@ -190,6 +192,7 @@ def quantities(
         yield percentage(_REWARDED[kind], hits, len(own), of="episodes")
     table, thing, both = (samples[kind][:, 2] for kind in _KINDS)
     yield mean_of(_TABLE_HEIGHT, table.tolist(), seed=seed)
+    # The height of the table is the measured one, so that a common error of all heights cancels.
     top = float(table.mean()) if len(table) else float("nan")
     yield mean_of(_OBJECT_HEIGHT, (thing - top).tolist(), seed=seed)
     yield mean_of(_BIMANUAL_HEIGHT, both.tolist(), seed=seed)
@@ -199,6 +202,7 @@ def quantities(
 
 def _over_the_table(picture: CrossSections) -> Quantity:
     places, (low, high) = picture.positions, picture.outline
+    # Heights have claims of their own, so that only the outline of the table counts here.
     over = np.all((places[:, :2] >= low[:2]) & (places[:, :2] <= high[:2]), axis=1)
     return percentage(_OVER, int(over.sum()), len(over), of="samples")
 

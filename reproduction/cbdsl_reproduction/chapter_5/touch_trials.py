@@ -93,6 +93,7 @@ def toucher(source: str, engine: str, cameras: str | None) -> Iterator[Callable[
             if not result.rewarded:
                 return TouchTrial(source, seed, ())
             places = contact_places(last[0].signals, own.hand, _RADIUS)
+            # Several fingertips around an object have their mean within it, and not on its surface.
             place = places.mean(axis=0) if len(places) else ()
             return TouchTrial(source, seed, tuple(round(float(each), 4) for each in place))
 

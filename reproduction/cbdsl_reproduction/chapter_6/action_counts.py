@@ -57,6 +57,7 @@ def action_bars(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> B
     for key in dict.fromkeys(k for each in catalogs for k in each.affordances):
         hits, tried = tally(catalogs, key)
         bars.append(Bar(key, hits / trials, (tried - hits) / trials))
+    # Doing nothing is no affordance of an object, so that only the sequence of actions counts it.
     nothing = sum(actions_of(each).count(NOOP) for each in catalogs) / trials
     bars.append(Bar(NOOP, 0.0, nothing))
     title = f"{label}: actions of a trial"

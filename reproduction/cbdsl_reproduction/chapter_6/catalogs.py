@@ -56,6 +56,8 @@ class Expected:
     region: ValueRegion
 
 
+# The source carried out a single trial. Bounds of 95 and 5 %
+# leave room for rare failures that one trial does not show.
 _ALWAYS, _NEVER = Expected("100 %", at_least(95)), Expected("0 %", at_most(5))
 #: Series and expected share of rewards of each action, by figure.
 FIGURES: Mapping[str, tuple[ExplorationSeries, Mapping[str, Expected]]] = {
@@ -242,6 +244,7 @@ def _marks(claims: CatalogClaims, catalogs: Sequence[CatalogDocument]) -> Iterat
     for name in ("reachtouch", "bimanualtouch"):
         yield share_of_actions(claims.rewarded(name), catalogs, name)
     names = dict.fromkeys(k for each in catalogs for k in each.affordances if "inspect" in k)
+    # An inspection finds one patch or another, so that each share refers to all inspections.
     inspected = [sum(tally([each], name)[1] for name in names) for each in catalogs]
     for name in names:
         if name != "visualinspect":
@@ -264,6 +267,7 @@ def _habituation(
     claims: CatalogClaims, catalogs: Sequence[CatalogDocument], seed: int
 ) -> Iterator[Quantity]:
     yield negligible_reward(claims.negligible, catalogs, seed)
+    # Each trial is its own control, so that differences of the objects' places cancel.
     more = np.array([_more_often(actions_of(each)) for each in catalogs])
     yield Quantity(
         claims.idle,

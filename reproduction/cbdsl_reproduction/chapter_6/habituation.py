@@ -43,6 +43,7 @@ def rewards_by_hindsight(catalogs: Sequence[CatalogDocument]) -> Floats:
 
 
 def _by_hindsight(steps: StepColumns, cost: float) -> list[float]:
+    # Without any change there is no largest one, and 1 leaves all zeros as they are.
     largest = max(steps.change, default=0.0) or 1.0
     return [
         0.0 if action == NOOP else change / largest - cost
@@ -60,6 +61,7 @@ def negligible_after(reward: Floats) -> float:
     """Return the number of actions after which a trial's reward is negligible, or infinity."""
     if len(reward) < _WINDOW:
         return math.inf
+    # The reward of a single action depends on the drawn action. Its moving mean decides.
     means = np.convolve(reward, np.full(_WINDOW, 1 / _WINDOW), mode="valid")
     large = np.flatnonzero(means >= _NEGLIGIBLE)
     if not len(large):
@@ -83,6 +85,8 @@ def negligible_reward(claim: Claim, catalogs: Sequence[CatalogDocument], seed: i
         catalogs: Catalogs of the trials.
         seed: Seed of the resampling.
     """
+    # A trial that never habituates counts as infinite,
+    # which the median bears and the mean does not.
     after = np.array([negligible_after(row) for row in rewards(catalogs)])
     middle = float(np.median(after))
     assert claim.region is not None

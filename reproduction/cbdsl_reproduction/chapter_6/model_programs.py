@@ -131,6 +131,8 @@ def _balls(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]
         interval = bootstrap_interval(own.tolist()) if len(own) > 1 else None
         yield Quantity(_HABITUATES[color], float(own.mean()), interval)
     for (less, more), claim in _MORE.items():
+        # The balls of a trial compete for the same actions,
+        # so that differences within a trial are the samples.
         apart = tries[more] - tries[less]
         assert claim.region is not None
         yield Quantity(
@@ -148,6 +150,8 @@ def _attention(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quant
         # The change becomes visible at the end of the action that follows it.
         soon = [name in actions_of(each)[first : first + 1 + _SOON] for each in catalogs]
         yield percentage(_TOUCHES[color], sum(soon), len(soon))
+    # A robot that never idles touches a new ball by chance as well.
+    # Idling ahead of it shows that the known balls no longer attract.
     before = [actions_of(each)[_COMES - 10 : _COMES] for each in catalogs]
     idle, sizes = [own.count(NOOP) for own in before], [len(own) for own in before]
     yield clustered_percentage(_IDLES, idle, sizes)

@@ -27,6 +27,7 @@ _BROUGHT = {
     name: Claim(_PLACE, f"{name.replace('_', ' ')}: brought together and tested", "%")
     for name in PAIRS
 }
+# A coin is right in half of the directions, so that more than 50 % preserve the order at least.
 _TRACKED = {
     name: Claim(
         _PLACE,
@@ -78,7 +79,10 @@ def run(settings: RunSettings) -> Result:
 
 
 def _quantities(name: str, count: int, profiles: Sequence[ImpedanceProfile]) -> Iterator[Quantity]:
+    # Incomplete profiles count here alone: a missing
+    # test would read as a load that was not tracked.
     yield percentage(_BROUGHT[name], len(profiles), count)
+    # Directions in which friction decides are in neither list of the pair, and have no sign.
     rights = [PAIRS[name].right(profile.tracked()) for profile in profiles]
     # Signs of one profile are not independent.
     yield clustered_percentage(

@@ -51,6 +51,8 @@ class Afforded(NamedTuple):
     region: ValueRegion | None
 
 
+# The source states whether an action is afforded, without
+# a rate, so that the majority of the trials decides.
 _YES, _NO, _UNSAID = (
     Afforded("afforded", above(50)),
     Afforded("not afforded", below(50)),
@@ -202,6 +204,7 @@ def _together(trials: _Trials) -> Iterator[Quantity]:
     tracked = [each for each in trials.stacks if each.tracked]
     stood = sum(each.stands for each in trials.stacks)
     yield percentage(_THREE, len(tracked), len(trials.stacks), note=f"{stood} stand")
+    # Only reported stacks count here: one that stands unnoticed is a miss of the shares above.
     right = [each.stands for each in tracked]
     right += [each.stands for own in trials.pairs.values() for each in own if each.judged]
     yield percentage(_TRUE, sum(right), len(right))

@@ -183,6 +183,7 @@ def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> I
     """Yield quantities of a transportable object: reward returns, and habituates again."""
     reward = rewards(catalogs)
     firsts = [_first_reward(each) for each in catalogs]
+    # Trials in which the action never succeeds have no such reward, and lower its share instead.
     known = [each for each in firsts if each is not None]
     yield mean_of(_SUCCEEDS, known, seed=seed)
     after = reward[:, joined : joined + _WINDOW].mean(axis=1)
@@ -191,6 +192,7 @@ def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> I
     own = [
         each.affordances[_ACTION].habituation for each in catalogs if _ACTION in each.affordances
     ]
+    # A catalog without the action has no model that could habituate, and counts as a failure.
     over = sum(each is not None and each.habituated for each in own)
     yield percentage(_HABITUATES, over, len(catalogs))
 
@@ -199,6 +201,7 @@ def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Ite
     """Yield quantities of an unrewarded action: a dip, and then the same reward as before."""
     reward = rewards(catalogs)
     before = _before(reward, joined).mean(axis=1)
+    # An action that earns nothing lowers the mean by its cost as long as it is tried.
     dip = reward[:, joined : joined + _DIP].mean(axis=1) - before
     yield mean_of(_DIPS, dip.tolist(), seed=seed)
     end = reward[:, -_WINDOW:].mean(axis=1) - before

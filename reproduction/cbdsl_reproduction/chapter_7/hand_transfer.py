@@ -260,6 +260,7 @@ def quantities(trials: Sequence[AssimilatedTrial], seed: int) -> Iterator[Quanti
         (_TRANSFERS, far, placed_so),
         (_AT_ONCE, near, _earns_at_once),
     ):
+        # Episodes of one trial share its schema, so that each trial is one sample.
         shares = [100 * sum(map(holds, own)) / len(own) for own in episodes if own]
         note = f"mean over the trials; {sum(map(len, episodes))} episodes in all"
         if shares:
@@ -287,6 +288,8 @@ def _recovery(rewards: Floats, first: int, seed: int) -> Quantity:
 def _transfers(schema: SchemaDocument) -> set[str]:
     """Return the allocations that grasp with one hand and continue with the other."""
     own = {"arm", "hand"}
+    # Other values than arm and hand name the program in the place
+    # of the grasp. These two end with the object at the other hand.
     both = {"handover", "bimanualtouch"}
     return {
         name

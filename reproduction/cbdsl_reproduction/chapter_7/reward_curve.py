@@ -33,6 +33,7 @@ def run(settings: RunSettings, name: str) -> Result:
     """Learn, and average the rewards during exploration."""
     with trial_runner(settings) as dexter:
         rewards = gather(dexter, settings, name)
+    # Episodes of one trial depend on each other, so that a trial contributes one mean.
     level: Floats = rewards[:, -_LAST:].mean(axis=1)
     quantity = estimate(
         _APPROACHES,

@@ -61,6 +61,7 @@ class _Hands(Watch):
         assert self._start is not None
         height = self._height() - self._start
         hands = {hand for hand, _ in self.truth.touching(self._thing)}
+        # An object that leans on the table is not lifted, even if its centre is high enough.
         is_held = hands == set(_HANDS) and not self.truth.pressing(self._thing)
         return EpisodeVerdict(
             result.seed,

@@ -87,6 +87,7 @@ class ClaimWatch:
 
     def speed(self, name: str) -> float:
         """Return the mean speed of an object over the last ticks, m/s."""
+        # Objects at rest jitter in single ticks, so that the displacement over 0.2 s counts.
         track = self._tracks[name][-WHILE:]
         return 60.0 * math.dist(track[0], track[-1]) / max(len(track) - 1, 1)
 
@@ -105,6 +106,7 @@ class ClaimWatch:
 
     def is_borne(self, name: str) -> bool:
         """Return whether another object bore an object a moment ago."""
+        # Contacts of stiff bodies come and go between ticks, so that one within 0.1 s counts.
         return self._alone[name] <= BEFORE
 
     def neighbours(self, name: str) -> set[str]:
@@ -134,6 +136,8 @@ Judge = Callable[[ClaimWatch], str]
 def placed(watch: ClaimWatch) -> str:
     """Judge that the object hangs on nothing, near the pad, after it was lifted."""
     (name,) = watch.things
+    # An object that was pushed onto the pad was not
+    # carried, so that its largest height counts as well.
     off = watch.distance(name, "pad")
     if watch.lift(name) < LIFTED:
         return f"lifted by {1e3 * watch.lift(name):.0f} mm"
@@ -166,6 +170,7 @@ def put_down(watch: ClaimWatch) -> str:
 
 def stands(watch: ClaimWatch) -> str:
     """Judge that each object rests on the one below it and on nothing else."""
+    # Heights give the order, because either object may be the upper one.
     heights = sorted(watch.things, key=watch.level)
     for below, name in pairwise(heights):
         if watch.speed(name) > STILL:

@@ -65,6 +65,7 @@ def models(catalog: MetaCatalogDocument, names: Sequence[str]) -> dict[str, Affo
 def outcomes(catalog: MetaCatalogDocument, trial: ConstellationTrial) -> dict[str, bool | None]:
     """Return the outcomes of a trial; impossible ones are ``None``."""
     pair, both = trial.things, models(catalog, _BOTH)
+    # Only a standing stack can be rightly judged standing, so that fallen ones do not count there.
     result: dict[str, bool | None] = {
         "judged standing": trial.judged if trial.stands else None,
         "judged standing though fallen": trial.judged and not trial.stands,

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 _STILL = 0.05
 # Largest distance of an object that is put back from its first place, m, and least cosine of its
 # tilt.
+# A cosine of 0.99 is a tilt of 8 degrees.
 _NEAR, _UPRIGHT = 0.1, 0.99
 #: Objects that are placed, that are refused, and that are weighed, by stage.
 _PLACED = {
@@ -64,6 +65,7 @@ class _Delivery(Watch):
     def note(self, tick: Any) -> None:
         """Take in a control tick."""
         self._claim.note(tick)
+        # The head moves while it looks, so that a refusal is judged by the arms alone.
         joints = tick.signals.joints
         arms = [k for arm in ("left_arm", "right_arm") for k in joints.of(arm)]
         now = tick.observation.positions[arms]

@@ -42,6 +42,7 @@ class _Slide:
     def _sample(self, targets: Floats) -> None:
         self._step(targets)
         if self._sliding:
+            # The reference is the force of the whole hand, which its fingertips may share unevenly.
             self.forces.append(-float(self._engine.wrenches()[self._cells, 2].sum()))
 
     def note(self, tick: Tick) -> None:
@@ -62,6 +63,8 @@ class _Slide:
         strayed = missed = math.nan
         if len(self.forces) >= window:
             means = np.convolve(self.forces, np.full(window, 1 / window), mode="valid")
+            # The worst window counts, so that a loss of
+            # contact does not average out over the slide.
             strayed = float(np.abs(means - _FORCE).max())
             missed = float(np.linalg.norm((self.places[-1] - self.places[0])[:2] - by))
         is_good = result.outcome == "success" and strayed <= _TOLERANCE and missed <= _CLOSE

@@ -59,6 +59,7 @@ class _Inside(Watch):
         # Depth of the lower face of the object below the rim of the hole.
         deep = float((base[2] + _RIM) - (top[2] - _TALL))
         tilt = math.acos(min(1.0, float(self.truth.rotation("top")[2, 2])))
+        # An object beside the hole may lie as deep, so that its centre has to be within the hole.
         is_inside = deep > _DEEP and tilt < _UPRIGHT and math.dist(top[:2], base[:2]) < _HALF
         return EpisodeVerdict(
             result.seed,

@@ -68,6 +68,7 @@ def commit() -> str | None:
     """
     folder = Path(cbdsl.__file__).resolve().parent
     describe = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=12"]
+    # An installed copy may lie within the checkout of another project, whose commit would mislead.
     tracked = ["git", "-C", str(folder), "ls-files", "--error-unmatch", "__init__.py"]
     try:
         subprocess.run(tracked, capture_output=True, check=True)

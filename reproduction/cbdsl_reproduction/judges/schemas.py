@@ -129,6 +129,8 @@ def judged(learner: Assimilate, cases: Sequence[Case]) -> dict[str, list[int]]:
     counts = {name: [0, 0] for name in _COUNTS}
     for case in cases:
         gives_up = (decide(reward, case.features) or 0.0) < 0.5
+        # A touched object was in reach, although no allocation was rewarded.
+        # Neither answer is wrong then, so that such cases decide no aim.
         if not case.works:
             _count(counts["touched_in_vain" if case.is_touched else "out_of_reach"], gives_up)
             continue
@@ -147,6 +149,8 @@ def _count(counts: list[int], is_so: bool) -> None:
 
 def holds(counts: Mapping[str, Sequence[int]]) -> bool:
     """Return whether a trial reaches all its aims."""
+    # An aim without cases cannot be missed. Its share of 1 would miss the
+    # largest share of false alarms, so that these have a check of their own.
     share = {aim: some / most if most else 1.0 for aim, (some, most) in counts.items()}
     return (
         share["possible"] >= _POSSIBLE

@@ -114,7 +114,9 @@ def _measure(
         return
     # Loading machine code within a control tick would break the robot's deadline.
     rehearse(request)
+    # In a common domain, a process would receive the states of robots that other processes serve.
     os.environ.setdefault("ROS_DOMAIN_ID", str(_FIRST_DOMAIN + os.getpid() % _DOMAINS))
+    # The server sets up the stage by its seed, so that each episode has a server of its own.
     for seed in seeds:
         with (
             _served(request, body, seed),

@@ -93,6 +93,7 @@ class MountTrial(NamedTuple):
     def score(self, today: MountTrial) -> float:
         """Return the objective: nearness of the hands, less the losses of reach and view."""
         total = sum(map(_nearness, self.apart, self.aims, self.possible, self.seen)) / self.tried
+        # A loss below 2 %, less than one of the thirty places, is free. A larger one weighs double.
         for kept, before in ((self.reach, today.reach), (self.view, today.view)):
             total -= 2.0 * max(0.0, before - _WORSE - kept)
         return total
@@ -120,6 +121,7 @@ def judge(
     """
     arms = MountedArms(robot, mount)
     trial = MountTrial(number, jacobian, asdict(mount), tried=len(grasps))
+    # Grasps begin in the resting posture, so that the trial of an unfit mount stays empty.
     if arms.unfit > _UNFIT:
         return trial
     # ``reach`` moves the arm, and the ascent begins in the posture at the end of the reach.
