@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -61,6 +62,7 @@ def judged(program: str, contexts: list[str], seed: int) -> list[EpisodeVerdict]
         ("reachtouch", "paperback", False),
         ("reachtouch", "soup_can", True),
         ("searchtrack", "hammer", True),
+        ("ensure_stacked", "on_another", True),
         ("stand", "purple_box_on_blue_box", True),
         ("stand", "purple_box_on_football", False),
     ],
@@ -113,7 +115,11 @@ class World:
     """Truth of one object and a pad that each test moves as it likes."""
 
     def __init__(self) -> None:
-        self.places = {"ball": np.array([0.6, -0.2, -0.35]), "pad": np.array([0.6, 0.0, -0.42])}
+        self.places = {
+            "ball": np.array([0.6, -0.2, -0.35]),
+            "pad": np.array([0.6, 0.0, -0.42]),
+            "table": np.array([0.6, 0.0, -0.44]),
+        }
         self.held, self.loads = True, {"table"}
 
     @property
@@ -173,3 +179,88 @@ def test_judge_of_deliver_refuses_an_object_that_was_not_lifted() -> None:
         _show(world, {"at": (0.6, y, -0.35), "pressing": {"table"}, "held": False})
         watch.note(None)
     assert by_name("deliver").judge(watch) == "lifted by 0 mm"
+
+
+class Boxes:
+    """Truth of boxes of one size: lower and another support on a table, and an upper box."""
+
+    objects = ("lower", "other", "upper")
+
+    def __init__(self, *bearers: str) -> None:
+        self.touched = set[str]()
+        self.set_on(*bearers)
+
+    def set_on(self, *bearers: str) -> None:
+        """Set the upper box on other objects; it keeps its height on each of the two supports."""
+        self.bearers = set(bearers)
+        self._height = {("table",): -0.37, ("lower", "table"): -0.33}.get(bearers, -0.27)
+
+    def position(self, name: str) -> NDArray[np.float64]:
+        aside = {"lower": 0.0, "other": -0.3}
+        if name == "table":
+            return np.array([0.6, 0.0, -0.44])
+        if name != "upper":
+            return np.array([0.6, aside[name], -0.37])
+        return np.array([0.6, aside.get(min(self.bearers), 0.1), self._height])
+
+    def is_touched(self, name: str) -> bool:
+        return name in self.touched
+
+    def pressing(self, name: str) -> set[str]:
+        return self.bearers if name == "upper" else {"table"}
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "is_touched", "fault"),
+    [
+        (["lower"], ["lower"], False, ""),
+        (["lower"], ["lower"], True, "touched ['upper']"),
+        (["other"], ["lower"], True, ""),
+        (["table"], ["lower"], True, ""),
+        (["other"], ["other"], False, "the upper object is not on the lower one alone"),
+        (["other"], ["lower", "other"], True, "the upper object is not on the lower one alone"),
+        (["table"], ["lower", "table"], True, "the upper object is not on the lower one alone"),
+    ],
+)
+def test_judge_of_ensure_stacked_decides_by_the_first_support_at_equal_heights(
+    before: list[str], after: list[str], is_touched: bool, fault: str
+) -> None:
+    world = Boxes(*before)
+    watch = ClaimWatch(world, world.objects)  # type: ignore[arg-type]
+    watch.note(None)
+    world.touched = {"upper"} if is_touched else set()
+    watch.note(None)
+    world.touched = set()
+    world.set_on(*after)
+    for _ in range(20):
+        watch.note(None)
+    assert by_name("ensure_stacked").judge(watch) == fault
+
+
+@pytest.mark.parametrize(
+    ("bearers", "fault"),
+    [
+        (["lower"], ""),
+        (["table"], "upper is not on lower alone"),
+        (["lower", "table"], "upper is not on lower alone"),
+    ],
+)
+def test_judge_of_stacks_demands_the_desired_support(bearers: list[str], fault: str) -> None:
+    world = Boxes(*bearers)
+    watch = ClaimWatch(world, ["upper", "lower"])  # type: ignore[arg-type]
+    for _ in range(20):
+        watch.note(None)
+    assert by_name("build_on").judge(watch) == fault
+
+
+def test_judge_of_stacks_doubts_the_reversed_order() -> None:
+    places = {"base": np.array([0.6, 0.0, -0.29]), "top": np.array([0.6, 0.0, -0.37])}
+    places["table"] = np.array([0.6, 0.0, -0.44])
+    loads = {"base": {"top"}, "top": {"base", "table"}}
+    world: Any = SimpleNamespace(
+        objects=("base", "top"), position=places.__getitem__, pressing=loads.__getitem__,
+        is_touched=lambda name: False,
+    )  # fmt: skip
+    watch = ClaimWatch(world, world.objects)
+    watch.note(None)
+    assert by_name("stand").judge(watch) == "top is not on base alone"

@@ -15,6 +15,7 @@ import cbdsl
 from cbdsl_reproduction.judges import (
     both_hands,
     calibration,
+    everyday,
     find_by_touch,
     gripper,
     handover,
@@ -173,6 +174,7 @@ def test_gripper_counts_a_cube_flat_at_its_place(
 
 
 _CUBE = 1  # condition of pick_and_place
+_PARCEL = [condition.name for condition in everyday.JUDGE.conditions].index("parcel")
 
 
 @pytest.mark.parametrize(
@@ -243,6 +245,25 @@ def test_holding_counts_objects_that_stay_in_the_hand(
 def test_holding_counts_no_object_without_a_grasp() -> None:
     verdict = concluded(watch_of(holding.JUDGE, holding._Hold, World("ball")))
     assert not verdict.outcomes["kept"]
+    assert verdict.measures.keys() == {"force_N"}
+
+
+@pytest.mark.parametrize("first", [0.0, 90.0])
+@pytest.mark.parametrize(("turn", "is_back"), [(0.0, True), (9.0, False)])
+def test_delivery_counts_an_object_as_put_back_in_its_first_attitude(
+    first: float, turn: float, is_back: bool
+) -> None:
+    world = World("parcel")
+    watch = watch_of(everyday.JUDGE, everyday._Delivery, world, _PARCEL)
+    joints = SimpleNamespace(of=lambda arm: [0])
+    observation = SimpleNamespace(positions=np.zeros(1))
+    tick = SimpleNamespace(signals=SimpleNamespace(joints=joints), observation=observation)
+    world.axes["parcel"] = _tilted(first)
+    watch.note(tick)
+    observation.positions = np.ones(1)
+    world.axes["parcel"] = _tilted(first + turn)
+    watch.note(tick)
+    assert concluded(watch, outcome="failure").outcomes["put back"] == is_back
 
 
 @pytest.mark.parametrize(

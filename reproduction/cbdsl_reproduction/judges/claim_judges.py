@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 LIFTED, NEAR, STILL, RAISED = 0.02, 0.06, 0.01, 0.05
 # Ticks of 1/60 s over which a speed is averaged, and before a claim in which a contact counts.
 WHILE, BEFORE = 12, 6
+# Names of objects in contexts of stacks, in the desired order from below.
+FROM_BELOW = ("base", "lower", "middle", "upper", "top")
 # Largest angle from the optical axis of a camera in the middle of whose image an object is, rad.
 MIDDLE = math.radians(10)
 # Largest distance of a hand's tip from the middle of the object that it reached for, m, beyond the
@@ -42,6 +44,7 @@ class ClaimWatch:
     def __init__(self, truth: Truth, things: Iterable[str]) -> None:
         self._truth, self._all = truth, set(things)
         self._tracks: dict[str, list[Floats]] = {}
+        self._first_bearers: dict[str, set[str]] = {}
         self._alone: dict[str, int] = {}
         self._touched: dict[str, None] = {}
         self._tick: Any = None
@@ -50,6 +53,8 @@ class ClaimWatch:
         """Take in a tick."""
         self._tick = tick
         for name in self._all.intersection(self._truth.objects):
+            if name not in self._tracks:
+                self._first_bearers[name] = self.bearers(name)
             self._tracks.setdefault(name, []).append(self._truth.position(name))
             borne = bool(self._truth.pressing(name))
             self._alone[name] = 0 if borne else self._alone.get(name, 0) + 1
@@ -81,10 +86,6 @@ class ClaimWatch:
         track = self._tracks[name]
         return math.dist(track[0], track[-1])
 
-    def level(self, name: str) -> float:
-        """Return the height of an object in the world at the end, m."""
-        return float(self._tracks[name][-1][2])
-
     def speed(self, name: str) -> float:
         """Return the mean speed of an object over the last ticks, m/s."""
         # Objects at rest jitter in single ticks, so that the displacement over 0.2 s counts.
@@ -109,9 +110,15 @@ class ClaimWatch:
         # Contacts of stiff bodies come and go between ticks, so that one within 0.1 s counts.
         return self._alone[name] <= BEFORE
 
-    def neighbours(self, name: str) -> set[str]:
-        """Return the names of the objects that press on an object."""
-        return set(self._truth.pressing(name))
+    def bearers(self, name: str) -> set[str]:
+        """Return the names of the objects that press on an object and have lower centres."""
+        height = self._truth.position(name)[2]
+        pressing = self._truth.pressing(name)
+        return {other for other in pressing if self._truth.position(other)[2] < height}
+
+    def first_bearers(self, name: str) -> set[str]:
+        """Return the bearers of an object at its first tick."""
+        return self._first_bearers[name]
 
     def aside(self, name: str) -> float:
         """Return the smallest angle of an object from the optical axis of a camera, rad."""
@@ -169,26 +176,25 @@ def put_down(watch: ClaimWatch) -> str:
 
 
 def stands(watch: ClaimWatch) -> str:
-    """Judge that each object rests on the one below it and on nothing else."""
-    # Heights give the order, because either object may be the upper one.
-    heights = sorted(watch.things, key=watch.level)
-    for below, name in pairwise(heights):
+    """Judge that each object rests on the desired one and on nothing else."""
+    # The stage's names give the order; heights at the end would accept a reversed stack.
+    for below, name in pairwise(sorted(watch.things, key=FROM_BELOW.index)):
         if watch.speed(name) > STILL:
             return f"{name} moves at {1e3 * watch.speed(name):.0f} mm/s"
-        if below not in watch.neighbours(name) or "table" in watch.neighbours(name):
-            return f"{name} is beside {below}"
+        if watch.bearers(name) != {below}:
+            return f"{name} is not on {below} alone"
     return ""
 
 
 def left_alone_or_stacked(watch: ClaimWatch) -> str:
     """Judge that the upper object rests on the lower one, untouched if it stood there before."""
     lower, upper = "lower", "upper"
-    if lower not in watch.neighbours(upper) or watch.is_held(upper):
-        return "the upper object is not on the lower one"
+    if watch.bearers(upper) != {lower} or watch.is_held(upper):
+        return "the upper object is not on the lower one alone"
     if watch.speed(upper) > STILL:
         return f"the upper object moves at {1e3 * watch.speed(upper):.0f} mm/s"
-    # The upper object keeps its height only if it has stood on the lower one from the beginning.
-    stood = abs(watch.height(upper)) < RAISED / 2
+    # Heights do not show it: an object may come from a support that is as high as the lower one.
+    stood = lower in watch.first_bearers(upper)
     return f"touched {watch.ever_touched}" if stood and watch.ever_touched else ""
 
 

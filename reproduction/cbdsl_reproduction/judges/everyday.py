@@ -31,9 +31,8 @@ if TYPE_CHECKING:
 
 # Largest turn of an arm's joint without motion, rad.
 _STILL = 0.05
-# Largest distance of an object that is put back from its first place, m, and least cosine of its
-# tilt.
-# A cosine of 0.99 is a tilt of 8 degrees.
+# Largest distance of an object that is put back from its first place, m, and least cosine of the
+# angle between the vertical axes in its frame, at the first tick and at the end: 8 degrees.
 _NEAR, _UPRIGHT = 0.1, 0.99
 #: Objects that are placed, that are refused, and that are weighed, by stage.
 _PLACED = {
@@ -59,6 +58,7 @@ class _Delivery(Watch):
     def begin(self) -> None:
         """Forget the previous episode."""
         self._first: NDArray[np.float64] | None = None
+        self._vertical: NDArray[np.float64] = np.zeros(3)
         self._turn = 0.0
         self._claim = ClaimWatch(self.truth, [self.condition.context or ""])
 
@@ -70,7 +70,7 @@ class _Delivery(Watch):
         arms = [k for arm in ("left_arm", "right_arm") for k in joints.of(arm)]
         now = tick.observation.positions[arms]
         if self._first is None:
-            self._first = now.copy()
+            self._first, self._vertical = now.copy(), self._vertical_axis()
         self._turn = max(self._turn, float(np.abs(now - self._first).max()))
 
     def conclude(self, result: EpisodeResult) -> EpisodeVerdict:
@@ -90,9 +90,14 @@ class _Delivery(Watch):
     def _is_back(self) -> bool:
         """Return whether the object stands at rest near its first place, and nothing holds it."""
         (name,) = self._claim.things
-        is_upright = self.truth.rotation(name)[2, 2] > _UPRIGHT
+        is_upright = float(self._vertical @ self._vertical_axis()) > _UPRIGHT
         is_at_rest = not self._claim.is_held(name) and self._claim.speed(name) < STILL
         return bool(is_upright and is_at_rest and self._claim.shift(name) < _NEAR)
+
+    def _vertical_axis(self) -> NDArray[np.float64]:
+        """Return the world's vertical axis in the object's frame, shape (3,)."""
+        (name,) = self._claim.things
+        return self.truth.rotation(name)[2]
 
 
 def _conditions() -> tuple[JudgedCondition, ...]:

@@ -53,12 +53,14 @@ class _Hold(Watch):
 
     def conclude(self, result: EpisodeResult) -> EpisodeVerdict:
         """Return whether the object is still in the hand."""
-        position, upright = self._in_hand()
-        start, up = self._grasp or (position, upright)
-        drift = float(np.linalg.norm(position - start))
-        tilt = math.acos(min(1.0, float(up @ upright)))
+        measures, drift, tilt = {"force_N": self._force}, math.inf, math.inf
+        if self._grasp is not None:
+            (start, up), (position, upright) = self._grasp, self._in_hand()
+            drift = float(np.linalg.norm(position - start))
+            tilt = math.acos(min(1.0, float(up @ upright)))
+            measures |= {"drift_mm": 1e3 * drift, "tilt_deg": math.degrees(tilt)}
         most = _DRIFT.get(self.body.backend, _DRIFT["bullet"])
-        is_kept = self._grasp is not None and result.outcome == "success" and drift < _LOST
+        is_kept = result.outcome == "success" and drift < _LOST
         return EpisodeVerdict(
             result.seed,
             {
@@ -68,7 +70,7 @@ class _Hold(Watch):
             },
             result.sim_seconds,
             result.ending,
-            {"drift_mm": 1e3 * drift, "tilt_deg": math.degrees(tilt), "force_N": self._force},
+            measures,
         )
 
     def _in_hand(self) -> tuple[Floats, Floats]:
