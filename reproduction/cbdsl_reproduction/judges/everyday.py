@@ -97,7 +97,8 @@ class _Delivery(Watch):
     def _vertical_axis(self) -> NDArray[np.float64]:
         """Return the world's vertical axis in the object's frame, shape (3,)."""
         (name,) = self._claim.things
-        return self.truth.rotation(name)[2]
+        axis: NDArray[np.float64] = self.truth.rotation(name)[2]
+        return axis
 
 
 def _conditions() -> tuple[JudgedCondition, ...]:
