@@ -36,6 +36,8 @@ class Grasp:
     Attributes:
         thing: Object.
         holders: Names of the one or two hands that hold the object; empty if it is not held.
+        rub: Vertical friction of all holding fingertips that balanced the forces along their
+            normals when they last held the object in the air, N.
     """
 
     def __init__(self, thing: KinematicObject, hands: Hands) -> None:
@@ -44,6 +46,7 @@ class Grasp:
         self._relative = Pose(np.zeros(3), np.eye(3))
         self._axis = 0
         self.holders: tuple[str, ...] = ()
+        self.rub = 0.0
 
     @property
     def is_at_rest(self) -> bool:
@@ -59,14 +62,14 @@ class Grasp:
     def update(self, contacts: Sequence[FingertipContact]) -> None:
         """Find the hands that hold the object now, and its pose relative to them."""
         if not contacts:
-            self.holders = ()
+            self.holders, self.rub = (), 0.0
             return
         # The holders keep the object: else it would change hands whenever another grasp is
         # possible.
         if not (self.holders and self._holds(self.holders, contacts)):
             hands = tuple(dict.fromkeys([contact.hand for contact in contacts]))
             wanted = (*((hand,) for hand in hands), *combinations(hands, 2))
-            self.holders = next((each for each in wanted if self._holds(each, contacts)), ())
+            self.holders, self.rub = next((o for o in wanted if self._holds(o, contacts)), ()), 0.0
         if self.holders:
             self._axis = self._hands.cross_axis(self.holders)
             carrier, pose = self._hands.carrier_pose(self.holders, self._axis), self.thing.pose

@@ -168,32 +168,42 @@ class Manipulation:
             thing.shift(np.array((way * x, way * y, 0.0)))
 
     def _bear(self, grasp: Grasp, contacts: list[FingertipContact], wrenches: Floats) -> None:
-        """Add the weight of an object held in the air, and the friction that keeps it in place.
+        """Add the friction of the fingertips that hold an object.
 
-        Nothing but the fingertips acts on the object. They share its weight evenly, and friction
-        across their normals balances the sideways forces along these.
+        In the air nothing but the fingertips acts on the object. They share its weight evenly, and
+        friction across their normals balances the forces along these. What friction then bears
+        upwards or downwards stays when the object is set down.
         """
         thing = grasp.thing
-        if thing.gripped or not grasp.holders or self._world.floor(thing) is not None:
+        if thing.gripped or not grasp.holders:
             return
         holding = [contact for contact in contacts if contact.hand in grasp.holders]
-        weight = np.array((0.0, 0.0, thing.mass * GRAVITY / len(holding)))
-        pressed = np.zeros(3)
-        for each in contacts:
-            pressed += STIFFNESS * each.depth * np.array(each.normal)
-        pressed[2] = 0.0  # upright, the object yields to them
-        normals = np.array([each.normal for each in holding])
-        # P = 1 - n n' projects onto the plane across a normal. All fingertips share a vector f with
-        # sum(P) f = pressed, and each adds the friction -P f. The sum is singular for opposed
-        # normals, hence least squares.
-        across = np.eye(3) - normals[:, :, None] * normals[:, None]
-        needed = np.linalg.lstsq(across.sum(axis=0), pressed, rcond=1e-6)[0]
-        for contact, plane in zip(holding, across, strict=True):
-            force = weight - plane @ needed
+        if self._world.floor(thing) is None:
+            forces = _frictions(contacts, holding)
+            grasp.rub = float(sum(force[2] for force in forces))
+            forces = forces + np.array((0.0, 0.0, thing.mass * GRAVITY / len(holding)))
+        else:
+            forces = np.tile((0.0, 0.0, grasp.rub / len(holding)), (len(holding), 1))
+        for contact, force in zip(holding, forces, strict=True):
             wrench = wrenches[contact.fingertip.cell]
             wrench[:3] += force
             # The force acts at the end of this lever.
             wrench[3:] += contact.fingertip.radius * np.cross(contact.normal, force)
+
+
+def _frictions(contacts: list[FingertipContact], holding: list[FingertipContact]) -> Floats:
+    """Return the friction of the holding contacts that balances all normal forces, N, (m, 3)."""
+    pressed = np.zeros(3)
+    for each in contacts:
+        pressed += STIFFNESS * each.depth * np.array(each.normal)
+    normals = np.array([each.normal for each in holding])
+    # P = 1 - n n' projects onto the plane across a normal. All fingertips share a vector f with
+    # sum(P) f = pressed, and each adds the friction -P f. The sum is singular for opposed normals,
+    # hence least squares.
+    across = np.eye(3) - normals[:, :, None] * normals[:, None]
+    needed = np.linalg.lstsq(across.sum(axis=0), pressed, rcond=1e-6)[0]
+    frictions: Floats = -across @ needed
+    return frictions
 
 
 @compiled_once

@@ -93,10 +93,10 @@ def _grasped(backend: KinematicBackend, released_after: float = 2.8) -> np.ndarr
 def test_load_cells_of_fingers_carrying_a_ball_sum_to_its_weight(quiet: KinematicBackend) -> None:
     start = _grasped(quiet)
     assert np.linalg.norm(quiet.truth.pose("ball").position - start) < 0.04, "it is carried"
-    # Sideways, friction balances the forces along the normals: the ball hangs in the hand.
-    upright = sum(STIFFNESS * each.depth * each.normal[2] for each in quiet.truth.contacts)
-    expected = [0.0, 0.0, upright + 0.25 * 9.81]
-    assert _forces(quiet).sum(axis=0) == pytest.approx(expected, abs=0.05)
+    # Friction balances the forces along the normals, also of slanted fingertips.
+    slanted = sum(STIFFNESS * each.depth * each.normal[2] for each in quiet.truth.contacts)
+    assert abs(slanted) > 1.0
+    assert _forces(quiet).sum(axis=0) == pytest.approx([0.0, 0.0, 0.25 * 9.81], abs=0.05)
 
 
 def test_grasped_object_keeps_its_pose_in_the_hand(quiet: KinematicBackend) -> None:
