@@ -27,6 +27,7 @@ from cbdsl.sensing.vision.vision import SeenHeading
 from cbdsl.types.casts import CASTS
 from cbdsl.types.resource import (
     FingerForces,
+    FingerLoad,
     Heading,
     MarkHeading,
     NetLoad,
@@ -108,6 +109,10 @@ class Oracle:
             slides = self.kinematics.slides[touch.flexing[source.hand]]
             stiffness = np.where(slides, control.slide_stiffness, control.stiffness)[:, None]
             return stiffness * touch.closing[source.hand] * rows
+        if isinstance(source, FingerLoad) and source.part == "force":
+            link = self.robot.load_cells[source.hand][source.finger].link
+            moved = self._differences(lambda: self.kinematics.frame(link).position)
+            return control.contact_stiffness * moved
         if isinstance(source, NetLoad) and source.part == "torque":
             return self._turned_against(source.hand)
         if isinstance(source, NetLoad) and not isinstance(controller.reference, AlongNormals):
