@@ -171,8 +171,8 @@ class Manipulation:
         """Add the friction of the fingertips that hold an object.
 
         In the air nothing but the fingertips acts on the object. They share its weight evenly, and
-        friction across their normals balances the forces along these. What friction then bears
-        upwards or downwards stays when the object is set down.
+        friction across their normals balances the forces along these. The vertical part of this
+        friction remains when the object is set down.
         """
         thing = grasp.thing
         if thing.gripped or not grasp.holders:
