@@ -346,7 +346,7 @@ def _kill(child: int) -> None:
 
 def warm() -> None:
     """Import and compile everything before the first fork, without a thread of DDS."""
-    from cbdsl.backends.ros2 import guard, server  # noqa: F401
+    from cbdsl.backends.ros2 import guard, topic_server  # noqa: F401
     from cbdsl.checking.program import check_program
     from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.runtime.episode import Runner
