@@ -353,7 +353,7 @@ def warm() -> None:
     from cbdsl.yaml_text.library import Library
 
     document, urdf = robot()
-    served = server.simulated_robot("kinematic", document, urdf)
+    served = topic_server.simulated_robot("kinematic", document, urdf)
     program = check_program("sixaxis_reach", {}, Library(ROOT))
     Runner(document, Kinematics(document, urdf), program, served).run(_stage(document), 0)
     served.close()
