@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from cbdsl.calibration.ball import centre, hidden, image, plane_of
+from cbdsl.calibration.ball import centre, hidden, image
 from cbdsl.calibration.hand_view import FINGERS, HandView
 from cbdsl.calibration.missing_motion import lacking
 from cbdsl.diagnostics.errors import UsageError
@@ -178,6 +178,10 @@ class _Problem:
         # held nearly alike.
         return np.concatenate([*errors, uneven.ravel() / _UNEVENNESS])
 
+    def cost(self, parameters: Floats) -> float:
+        """Return the robust error that ``solve`` minimises."""
+        return float(np.sum(np.sqrt(1.0 + self.residuals(parameters) ** 2) - 1.0))
+
     def solve(self, start: Floats) -> tuple[Floats, Floats]:
         """Return the parameters of least robust error, and the Jacobian of the residuals there."""
         # Metres and radians have different scales, so each unknown is scaled by its effect.
@@ -235,28 +239,41 @@ def _require_views(numbers: Mapping[str, int]) -> None:
 def _prepare(
     cameras: Mapping[str, Camera], views: Mapping[str, Sequence[HandView]]
 ) -> tuple[_Problem, Floats]:
-    """Return the problem over the views of nearly the whole ball, and the start of its solution."""
+    """Return the problem over the views of nearly the whole ball, and the start of its solution.
+
+    The images decide on which side of the fingertips' plane the ball is. Forces cannot, since those
+    on a held ball add up to its weight.
+    """
     everything = [view for own in views.values() for view in own]
-    tips = np.array([view.tips for view in everything])
-    forces = np.array([view.forces for view in everything]).sum(axis=1)
-    # Fingertips push the ball away from their plane, or into the hand if they reach around it.
-    side = 1.0 if float(np.sum(forces * plane_of(tips)[2])) >= 0.0 else -1.0
     radius = _apparent_radius(cameras, views)
     sightings = {name: _Sightings.of(cameras[name], own) for name, own in views.items()}
-    problem = _Problem(sightings, side, radius)
     holds = 1 + max(view.hold for view in everything)
     start = np.concatenate([np.zeros(_EACH * len(views)), np.full(FINGERS * holds, 1.15 * radius)])
+    problem, start = min(
+        (_refine(_Problem(sightings, side, radius), start) for side in (1.0, -1.0)),
+        key=lambda refined: refined[0].cost(refined[1]),
+    )
+    shares = {name: share for name, (_, share) in problem.expected(start).items()}
+    whole = _share_of_whole_balls(shares)
+    visible = {name: share >= _LEAST_VISIBLE * whole for name, share in shares.items()}
+    _require_views({name: int(chosen.sum()) for name, chosen in visible.items()})
+    return problem.among(visible), start
+
+
+def _refine(problem: _Problem, start: Floats) -> tuple[_Problem, Floats]:
+    """Return a problem with the radius by its views, and the parameters before it changed."""
     for is_whole in _REFINEMENTS:
         # The hidden part follows from the radius, which hardly affects the position of a whole
         # ball.
         problem = replace(problem, is_whole=is_whole)
         start, _ = problem.solve(start)
         shares = {name: share for name, (_, share) in problem.expected(start).items()}
-        whole = float(np.quantile(np.concatenate(list(shares.values())), _WHOLE))
-        problem = replace(problem, radius=problem.radius * math.sqrt(whole))
-    visible = {name: share >= _LEAST_VISIBLE * whole for name, share in shares.items()}
-    _require_views({name: int(chosen.sum()) for name, chosen in visible.items()})
-    return problem.among(visible), start
+        problem = replace(problem, radius=problem.radius * math.sqrt(_share_of_whole_balls(shares)))
+    return problem, start
+
+
+def _share_of_whole_balls(shares: Mapping[str, Floats]) -> float:
+    return float(np.quantile(np.concatenate(list(shares.values())), _WHOLE))
 
 
 def _apparent_radius(
