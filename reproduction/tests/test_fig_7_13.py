@@ -39,6 +39,7 @@ def keep(folder: Path, *, right: bool) -> RunSettings:
     return RunSettings(folder=folder, trials=TRIALS, backend="mujoco", cameras="ideal")
 
 
+@pytest.mark.slow
 def test_signs_of_a_profile_are_no_independent_trials(tmp_path: Path) -> None:
     """Two profiles with six correct signs each are two trials, not twelve."""
     result = run(replace(keep(tmp_path, right=True), trials=2))
@@ -58,6 +59,7 @@ def test_signs_are_judged(tmp_path: Path, *, right: bool, verdict: Verdict) -> N
     assert {each.verdict for each in judged} == {verdict}
 
 
+@pytest.mark.slow
 def test_charts_show_shares_of_trials_and_of_the_largest_impedance(tmp_path: Path) -> None:
     charts = {chart.name: chart.data() for chart in run(keep(tmp_path, right=True)).charts}
     assert len(charts) == 2 * len(PAIRS)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from cbdsl.types.decision_tree import Leaf, Split, Tree
 from cbdsl_reproduction.chapter_5 import schema_trees
 from cbdsl_reproduction.chapter_5.schema_trees import Question, Trees, quantities
@@ -39,6 +41,7 @@ def test_trees_with_one_arm_and_without_a_limit_of_reach_are_missed() -> None:
     assert right.verdict is near.verdict is Verdict.REPRODUCED
 
 
+@pytest.mark.slow
 def test_experiment_resumes_from_kept_trials(tmp_path: Path) -> None:
     # Some of its ten episodes are out of reach, so that the tree has a question to draw.
     settings = RunSettings(seed=5330200, quick=True, folder=tmp_path)

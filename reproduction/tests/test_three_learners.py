@@ -101,6 +101,7 @@ def test_a_retry_is_made_with_other_resources() -> None:
     assert list(retries(replace(episode, transitions=(there, other)))) == [other]
 
 
+@pytest.mark.slow
 def test_experiment_resumes_from_kept_trials(tmp_path: Path) -> None:
     settings = RunSettings(seed=8450000, quick=True, trials=1, folder=tmp_path)
     whole = three_learners.run(settings, "fig-5.8")

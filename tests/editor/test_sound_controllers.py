@@ -26,7 +26,15 @@ WORDS = {
 }
 
 
-@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
+#: Programs whose edits are checked with the fast tests; all others take minutes together.
+SMALL = ("posture", "reach", "searchtrack", "twist")
+
+
+@pytest.mark.parametrize(
+    "program",
+    [pytest.param(each, marks=() if each.stem in SMALL else pytest.mark.slow) for each in PROGRAMS],
+    ids=lambda path: path.stem,
+)
 def test_diagnostics_after_edits_equal_a_fresh_session(program: Path) -> None:
     """Diagnostics agree after each of many changes, valid or not, and after each reversal."""
     path, text, kept = ROOT / "programs" / program.name, program.read_text("utf-8"), Buffers(ROOT)

@@ -85,6 +85,7 @@ def test_moved_returns_the_effector_of_a_controller(
     assert np.isin(joints, kinematics.joints.of(effector)).all()
 
 
+@pytest.mark.slow
 def test_episodes_of_a_reused_runner_equal_those_of_fresh_ones(
     dexter: RobotDocument, kinematics: Kinematics, urdf: Path, checked: Checked
 ) -> None:
