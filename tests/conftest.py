@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,41 +15,22 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.library import Library
+from tests.absent_parts import (
+    pytest_collection_modifyitems,
+    pytest_make_collect_report,
+    pytest_runtest_makereport,
+)
 
 if TYPE_CHECKING:
     from cbdsl.backends.bullet.backend import BulletBackend
 
+__all__ = [
+    "pytest_collection_modifyitems",
+    "pytest_make_collect_report",
+    "pytest_runtest_makereport",
+]
+
 ROOT = Path(__file__).parents[1]
-
-_HAS_BULLET = find_spec("pybullet") is not None
-_NEEDS_BULLET = re.compile(r"^(?:import|from) (?:pybullet|cbdsl\.backends\.bullet)", re.MULTILINE)
-
-
-def needing_bullet(folder: Path) -> list[str]:
-    """Return the test files of a folder to leave out, because they need Bullet.
-
-    It has no wheels from Python 3.14 on.
-    """
-    files = [] if _HAS_BULLET else sorted(folder.rglob("*.py"))
-    return [str(file) for file in files if _NEEDS_BULLET.search(file.read_text("utf-8"))]
-
-
-collect_ignore = needing_bullet(Path(__file__).parent)
-
-
-def pytest_report_header() -> str | None:
-    """Report the left-out tests."""
-    left_out = f"without Bullet: {len(collect_ignore)} files and cases of it are left out"
-    return None if _HAS_BULLET else left_out
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Skip cases of Bullet where it is not installed."""
-    for item in [] if _HAS_BULLET else items:
-        values = getattr(item, "callspec", None)
-        if values is not None and "bullet" in {str(value) for value in values.params.values()}:
-            item.add_marker(pytest.mark.skip(reason="needs Bullet"))
-
 
 Checked = Callable[..., CheckedProgram]
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from tests.conftest import (
     bullet,
     checked,
     dexter,
     kinematics,
     library,
-    needing_bullet,
     pytest_collection_modifyitems,
+    pytest_make_collect_report,
+    pytest_runtest_makereport,
     stage,
     urdf,
 )
@@ -25,8 +24,8 @@ __all__ = [
     "library",
     "posture",
     "pytest_collection_modifyitems",
+    "pytest_make_collect_report",
+    "pytest_runtest_makereport",
     "stage",
     "urdf",
 ]
-
-collect_ignore = needing_bullet(Path(__file__).parent)
