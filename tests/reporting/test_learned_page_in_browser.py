@@ -122,8 +122,9 @@ def test_episodes_are_listed_once_their_section_opens(shown: Page, learned: list
     shown.value("document.querySelector('#trial-0 .episodes').open = true")
     shown.wait(f"{rows}?.length === {len(learned[0].experiences)}")
     cells = shown.value(f"[...{rows}].map((row) => [...row.cells].map((c) => c.textContent))")
-    for told, episode in zip(cells, learned[0].experiences, strict=True):
-        assert (told[1], told[3]) == (episode.context, str(episode.seed))
+    contexts = learned[0].curve.context
+    for told, context, episode in zip(cells, contexts, learned[0].experiences, strict=True):
+        assert (told[1], told[3]) == (context, str(episode.seed))
         assert (told[4], told[5]) == (str(episode.reward), str(len(episode.transitions)))
 
 
