@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import (
     Field,
@@ -48,14 +48,27 @@ class Spot(Section):
     """Red, green and blue, each from 0 to 1."""
 
 
-def _require_own_sides(spots: tuple[Spot, ...]) -> None:
-    """Raise ``ValueError`` if two spots are on one side."""
-    faces = [spot.face for spot in spots]
-    if len(set(faces)) < len(faces):
-        raise ValueError("two spots are on the same side")
+class SpottedForm(Section):
+    """Form with spots on its sides; each kind declares both fields behind its sizes."""
+
+    if TYPE_CHECKING:
+        spot: Spot | None = None
+        spots: tuple[Spot, ...] = ()
+
+    @property
+    def all_spots(self) -> tuple[Spot, ...]:
+        """The spots, one or several."""
+        return (*([self.spot] if self.spot else []), *self.spots)
+
+    @model_validator(mode="after")
+    def _has_spots_on_different_sides(self) -> Self:
+        faces = [spot.face for spot in self.all_spots]
+        if len(set(faces)) < len(faces):
+            raise ValueError("two spots are on the same side")
+        return self
 
 
-class BallForm(Section):
+class BallForm(SpottedForm):
     """Sphere."""
 
     shape: Literal["ball"]
@@ -67,14 +80,8 @@ class BallForm(Section):
     spots: tuple[Spot, ...] = ()
     """Several spots, each on another side."""
 
-    @property
-    def all_spots(self) -> tuple[Spot, ...]:
-        """The spots, one or several."""
-        return (*([self.spot] if self.spot else []), *self.spots)
-
     @model_validator(mode="after")
     def _has_room_for_the_spots(self) -> Self:
-        _require_own_sides(self.all_spots)
         # The smallest ball that may be drawn has to have room as well.
         if any(spot.radius >= self.radius[0] for spot in self.all_spots):
             raise ValueError("the spot is larger than the side of the ball")
@@ -98,7 +105,7 @@ class Pattern(Section):
         return self
 
 
-class BoxForm(Section):
+class BoxForm(SpottedForm):
     """Cuboid with edges along x, y and z while its yaw is 0."""
 
     shape: Literal["box"]
@@ -112,14 +119,8 @@ class BoxForm(Section):
     spots: tuple[Spot, ...] = ()
     """Several spots, each on another side."""
 
-    @property
-    def all_spots(self) -> tuple[Spot, ...]:
-        """The spots, one or several."""
-        return (*([self.spot] if self.spot else []), *self.spots)
-
     @model_validator(mode="after")
     def _has_room_for_the_spots(self) -> Self:
-        _require_own_sides(self.all_spots)
         (depth, _), (width, _), (height, _) = self.size
         # The least sizes count, since any size may be drawn. Sides -x and +x span the edges along y
         # and z; sides -y and +y span those along x and z.
@@ -140,7 +141,7 @@ class BoxForm(Section):
         return self
 
 
-class CylinderForm(Section):
+class CylinderForm(SpottedForm):
     """Upright cylinder."""
 
     shape: Literal["cylinder"]
@@ -154,14 +155,8 @@ class CylinderForm(Section):
     spots: tuple[Spot, ...] = ()
     """Several spots, each on another side."""
 
-    @property
-    def all_spots(self) -> tuple[Spot, ...]:
-        """The spots, one or several."""
-        return (*([self.spot] if self.spot else []), *self.spots)
-
     @model_validator(mode="after")
     def _has_room_for_the_spots(self) -> Self:
-        _require_own_sides(self.all_spots)
         # The smallest cylinder that may be drawn has to have room as well.
         for spot in self.all_spots:
             if spot.radius >= self.radius[0] or 2 * spot.radius > self.height[0]:

@@ -387,6 +387,12 @@ class RobotDocument(Document):
     """Connections to the real robot, by name; none for a simulated one."""
     simulation: Simulation = Simulation.model_construct()
 
+    @property
+    def start_postures(self) -> dict[str, tuple[float, ...]]:
+        """Posture of each effector that has one at the start of an episode, rad or m."""
+        effectors = self.effectors.items()
+        return {name: each.postures[each.start] for name, each in effectors if each.start}
+
     def members(self, effector: str) -> tuple[str, ...]:
         """Return the effectors of a group, or the named effector itself.
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cbdsl.kinematics.coordinate_ascent import ascend
 from cbdsl.kinematics.joint_tree import JointTree, PlacedJoint
 from cbdsl.kinematics.pose import axis_of
 from cbdsl.numeric.arrays import Floats
@@ -77,25 +78,11 @@ class ReadyPosture:
         Returns:
             Position of each joint, rad or m.
         """
-        # Coordinate ascent over a grid: a sweep tries all angles of one joint after another, from
-        # small to large turns. It needs n k evaluations instead of k^n, and may end in a local
-        # maximum. Among equal scores the smaller turn stays, and the result is the same in each
-        # run.
-        best = self.at_first
         if sum(not joint.slides for joint in self._joints) < PLACING:
-            return best
-        score = self._score(best)
-        for _ in range(_SWEEPS):
-            before = score
-            for index, joint in enumerate(self._joints):
-                for position in _choices(joint):
-                    tried = (*best[:index], position, *best[index + 1 :])
-                    its_score = self._score(tried)
-                    if its_score > score + 1e-9:
-                        best, score = tried, its_score
-            if score <= before:
-                break
-        return best
+            return self.at_first
+        # From small to large turns, so that among equal scores the smaller turn stays.
+        choices = [_choices(joint) for joint in self._joints]
+        return ascend(self.at_first, choices, self._score, _SWEEPS)[0]
 
     def is_clear(self, positions: Sequence[float]) -> bool:
         """Return whether the chain avoids itself and the ground at the given positions."""

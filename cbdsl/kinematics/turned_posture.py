@@ -16,6 +16,7 @@ import math
 import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.coordinate_ascent import ascend
 from cbdsl.kinematics.kinematics import Frame, Kinematics
 from cbdsl.numeric.arrays import Floats
 
@@ -67,33 +68,14 @@ class TurnedPosture:
 
     def find(self) -> Floats:
         """Return the positions of the effector's joints, rad or m, shape (n,)."""
-        climbed = [self._climb(first) for first in self._firsts()]
-        return max(climbed, key=lambda each: each[1])[0]
+        choices = [*(self._candidates(joint) for joint in range(len(self._own) - 1)), ()]
+        climbed = [ascend(first, choices, self._score, _SWEEPS) for first in self._firsts()]
+        return np.array(max(climbed, key=lambda each: each[1])[0])
 
-    def _firsts(self) -> list[Floats]:
+    def _firsts(self) -> list[tuple[float, ...]]:
         """Return the postures from which the search begins: the start, and all declared ones."""
-        firsts = [self._start[self._own]]
-        firsts += [np.array(posture) for posture in self._postures]
-        for first in firsts:
-            first[-1] = self._end()
-        return firsts
-
-    def _climb(self, first: Floats) -> tuple[Floats, float]:
-        """Return a local maximum near a posture, and its score."""
-        # Coordinate ascent over a grid, as in ``ready_posture``. It may end in a local maximum.
-        best, score = first, self._score(first)
-        for _ in range(_SWEEPS):
-            before = score
-            for joint in range(len(best) - 1):
-                for position in self._candidates(joint):
-                    tried = best.copy()
-                    tried[joint] = position
-                    its_score = self._score(tried)
-                    if its_score > score + 1e-9:
-                        best, score = tried, its_score
-            if score <= before:
-                break
-        return best, score
+        declared = [tuple(self._start[self._own].tolist()), *self._postures]
+        return [(*posture[:-1], self._end()) for posture in declared]
 
     def _end(self) -> float:
         """Return the end of the last joint's range that is farther from its start, rad or m."""
@@ -101,15 +83,16 @@ class TurnedPosture:
         margin = _END * (upper - lower)
         return float(upper - margin if upper - start >= start - lower else lower + margin)
 
-    def _candidates(self, joint: int) -> Floats:
+    def _candidates(self, joint: int) -> list[float]:
         lower, upper = self._lower[joint], self._upper[joint]
         margin = _OUTER * (upper - lower)
-        return np.linspace(lower + margin, upper - margin, _CANDIDATES)
+        positions: list[float] = np.linspace(lower + margin, upper - margin, _CANDIDATES).tolist()
+        return positions
 
-    def _score(self, own: Floats) -> float:
+    def _score(self, own: tuple[float, ...]) -> float:
         posture = self._start.copy()
         posture[self._own] = own
-        return self._kinematics.posed(posture, lambda: self._score_here(own))
+        return self._kinematics.posed(posture, lambda: self._score_here(posture[self._own]))
 
     def _score_here(self, own: Floats) -> float:
         kinematics = self._kinematics
@@ -155,7 +138,6 @@ class TurnedPosture:
 def _start_positions(robot: RobotDocument, kinematics: Kinematics) -> Floats:
     """Return the positions of all joints at the start of an episode, rad or m, shape (n,)."""
     positions = np.minimum(np.maximum(0.0, kinematics.lower), kinematics.upper)
-    for name, effector in robot.effectors.items():
-        if effector.start is not None:
-            positions[kinematics.joints.of(name)] = effector.postures[effector.start]
+    for name, posture in robot.start_postures.items():
+        positions[kinematics.joints.of(name)] = posture
     return positions

@@ -37,9 +37,8 @@ class FirstPosture:
         self.compiled = compile_spec(spec.copy(), model)
         self.data = mj.MjData(self.compiled)
         start = np.zeros(len(joints.names))
-        for name, effector in robot.effectors.items():
-            if effector.start is not None:
-                start[joints.of(name)] = effector.postures[effector.start]
+        for name, posture in robot.start_postures.items():
+            start[joints.of(name)] = posture
         rows = [int(self.compiled.joint(name).qposadr[0]) for name in joints.all]
         self.data.qpos[rows] = joints.expand(start)
         mj.mj_forward(self.compiled, self.data)

@@ -54,9 +54,8 @@ def starting_posture(
         )
     # Order of precedence, lowest first: elsewhere, start postures, the context's joints.
     start: Floats = elsewhere.copy()
-    for name, effector in robot.effectors.items():
-        if effector.start is not None:
-            start[joints.of(name)] = effector.postures[effector.start]
+    for name, posture in robot.start_postures.items():
+        start[joints.of(name)] = posture
     for joint, span in context.joints.items():
         start[joints.index[joint]] = draw(span, rng)
     return start
