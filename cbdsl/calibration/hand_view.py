@@ -30,7 +30,6 @@ class HandView(NamedTuple):
         point: Centroid of the ball's region, column and row, px, shape (2,).
         area: Area of the region, px.
         tips: Centres of the fingertips that touch the ball, world frame, m, shape (3, 3).
-        forces: Forces of these fingertips on the ball, world frame, N, shape (3, 3).
         hold: Number of the hold; in another hold the ball lies in another way.
     """
 
@@ -40,7 +39,6 @@ class HandView(NamedTuple):
     point: Floats
     area: float
     tips: Floats
-    forces: Floats
     hold: int = 0
 
 
@@ -87,12 +85,10 @@ class ViewRecorder:
                 continue
             self.seen[camera] += 1
             if slow and not region.clipped and self._is_new(camera, observation.positions):
-                first, _ = touch.span(self._hand)
-                forces = touch.loads[first : first + FINGERS, :3].copy()
                 posture = tick.signals.vision.field.posture
                 assert posture is not None
                 point = np.array((region.column, region.row))
-                record = partial(self._record, camera, point, region.area, forces)
+                record = partial(self._record, camera, point, region.area)
                 self._kinematics.posed(posture, record)
 
     def _is_new(self, camera: str, positions: Floats) -> bool:
@@ -103,7 +99,7 @@ class ViewRecorder:
         self._last = {**self._last, camera: positions.copy()}
         return True
 
-    def _record(self, camera: str, point: Floats, area: float, forces: Floats) -> None:
+    def _record(self, camera: str, point: Floats, area: float) -> None:
         frame = self._kinematics.frame(self._robot.cameras[camera].link)
         tips = np.array([self._kinematics.frame(link).position for link in self._links])
-        self.views.append(HandView(camera, *frame, point, area, tips, forces, self._hold))
+        self.views.append(HandView(camera, *frame, point, area, tips, self._hold))

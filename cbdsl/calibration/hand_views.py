@@ -29,7 +29,7 @@ def _read(row: Mapping[str, Any]) -> HandViews:
 
 def _view(row: Mapping[str, Any]) -> HandView:
     """Return the view in a row of JSON."""
-    shapes = {"position": (3,), "rotation": (3, 3), "point": (2,), "tips": (3, 3), "forces": (3, 3)}
+    shapes = {"position": (3,), "rotation": (3, 3), "point": (2,), "tips": (3, 3)}
     arrays = {
         key: np.array(row[key], dtype=np.float64).reshape(shape) for key, shape in shapes.items()
     }

@@ -110,5 +110,5 @@ class ShownBall:
             inside = eye.rotation.T @ (ball - eye.position)
             (point,), (area,) = image(camera, inside[None], RADIUS)
             seen = point + noise * rng.standard_normal(2)
-            views.append(HandView(name, *model, seen, area, tips, ball - tips))
+            views.append(HandView(name, *model, seen, area, tips))
         return views

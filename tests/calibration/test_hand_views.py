@@ -25,8 +25,8 @@ def view(number: int) -> HandView:
     rng = np.random.default_rng(number)
     shapes = [(3,), (3, 3), (2,)]
     position, rotation, point = (rng.standard_normal(shape) for shape in shapes)
-    tips, forces = rng.standard_normal((2, 3, 3))
-    return HandView("left", position, rotation, point, float(number), tips, forces, number % 2)
+    tips = rng.standard_normal((3, 3))
+    return HandView("left", position, rotation, point, float(number), tips, number % 2)
 
 
 def test_views_are_the_same_after_a_crash(tmp_path: Path) -> None:
