@@ -13,13 +13,14 @@ _PACKAGES = {
     "pybullet": ("No module named 'pybullet", "backend 'bullet' cannot be loaded"),
     "cyclonedds": ("No module named 'cyclonedds",),
 }
+# Only MuJoCo needs OpenGL: where Bullet is installed, its software renderer takes over.
 _LIBRARIES = {"GL": ("OpenGL cannot make the images", "libGL.so not loaded")}
 
 MESSAGES = tuple(
     message
     for parts, is_absent in (
         (_PACKAGES, lambda name: find_spec(name) is None),
-        (_LIBRARIES, lambda name: find_library(name) is None),
+        (_LIBRARIES, lambda name: not (find_library(name) or find_spec("pybullet"))),
     )
     for name, messages in parts.items()
     if is_absent(name)

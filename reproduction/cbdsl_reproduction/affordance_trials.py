@@ -35,19 +35,19 @@ def attempt(program: str, thing: str) -> str:
     return f"{program}{_BETWEEN}{thing}"
 
 
-def affordance_digest(what: str) -> str:
+def affordance_digest(pair: str) -> str:
     """Return the digest of all inputs of an attempt's trials except seed and engine."""
-    program, _, thing = what.partition(_BETWEEN)
+    program, _, thing = pair.partition(_BETWEEN)
     return trial_digest(program, {"feature": CHANNELS[thing]}, STAGE)
 
 
 def run_affordances(
-    what: str, seeds: Iterable[int], engine: str, cameras: str | None
+    pair: str, seeds: Iterable[int], engine: str, cameras: str | None
 ) -> Iterator[AffordanceTrial]:
     """Act on an object, once for each seed.
 
     Args:
-        what: Program and object, as ``attempt`` joins them.
+        pair: Program and object, as ``attempt`` joins them.
         seeds: Seeds of the episodes.
         engine, cameras: Engine and cameras of the simulation.
 
@@ -55,10 +55,10 @@ def run_affordances(
         BackendError, EpisodeError: The simulator cannot run it.
         ImportError: The simulator is not installed.
     """
-    program, _, thing = what.partition(_BETWEEN)
+    program, _, thing = pair.partition(_BETWEEN)
     values = {"feature": CHANNELS[thing]}
     with simulation_fixture(program, values, STAGE, engine, cameras) as lab:
         runner = lab.runner()
         for seed in seeds:
             result = runner.run(lab.stage, seed, thing)
-            yield AffordanceTrial(what, seed, result.rewarded, result.ending)
+            yield AffordanceTrial(pair, seed, result.rewarded, result.ending)

@@ -11,7 +11,7 @@ from cbdsl_reproduction.region import ValueRegion
 
 
 class VerdictRule(StrEnum):
-    """VerdictRule by which a measurement gets its verdict."""
+    """Rule by which a measurement gets its verdict."""
 
     REGION = "the 95 % interval is in the region"
     BOUND = "the 95 % interval is in a region that the same trials bound"
@@ -30,7 +30,7 @@ class Claim:
         name: Name of the quantity.
         unit: Unit of the quantity; empty for a bare number.
         report: Report of the source, in a few words of our own.
-        region: ValueRegion of the reported value; ``None`` if nothing is reported, or until it is
+        region: Region of the reported value; ``None`` if nothing is reported, or until it is
             measured.
         ordering: Weaker region that only preserves the reported order.
         bound: Function that returns the region from a bound of the same trials.
@@ -48,7 +48,7 @@ class Claim:
 
     @property
     def rule(self) -> VerdictRule:
-        """VerdictRule of its verdict."""
+        """Rule of its verdict."""
         # A source that reports its counts has an interval of its own.
         # A fixed region around its percentage would ignore that.
         if self.trials is not None:

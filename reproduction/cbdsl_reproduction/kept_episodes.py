@@ -44,20 +44,20 @@ class KeptEpisodes:
             except (AttributeError, KeyError, TypeError):
                 continue  # damaged row: its episode is run again
 
-    def run(self, what: str, seed: int, run: Callable[[], PlayedEpisode]) -> PlayedEpisode:
+    def run(self, digest: str, seed: int, run: Callable[[], PlayedEpisode]) -> PlayedEpisode:
         """Return the outcome of an episode, from the file or by running it.
 
         Args:
-            what: Digest of all inputs of the episode except the seed.
+            digest: Digest of all inputs of the episode except the seed.
             seed: Seed of the episode.
             run: Function that runs the episode.
         """
-        known = self._known.get((what, seed))
+        known = self._known.get((digest, seed))
         if known is not None:
             return known
         played = run()
-        self._rows.add({"what": what, **played._asdict(), "result": asdict(played.result)})
-        self._known[what, seed] = played
+        self._rows.add({"what": digest, **played._asdict(), "result": asdict(played.result)})
+        self._known[digest, seed] = played
         return played
 
 

@@ -33,17 +33,17 @@ class KeptTrials(Generic[Some]):
 
     Args:
         path: File with a line of JSON for each trial; it need not exist.
-        what: Digest of all other inputs of the trials; trials with other digests are ignored.
+        digest: Digest of all other inputs of the trials; trials with other digests are ignored.
         kind: Class of the trials, a named tuple.
     """
 
-    def __init__(self, path: Path, what: str, kind: type[Some]) -> None:
-        self._rows, self._what = KeptRows(path), what
+    def __init__(self, path: Path, digest: str, kind: type[Some]) -> None:
+        self._rows, self._digest = KeptRows(path), digest
         self._known: dict[tuple[str, int], Some] = {}
         for row in self._rows:
             # Rows with another digest belong to other documents.
             # They stay in the file, for these documents.
-            if not isinstance(row, dict) or row.pop("what", None) != what:
+            if not isinstance(row, dict) or row.pop("what", None) != digest:
                 continue
             try:
                 trial = read_record(kind, row)
@@ -59,7 +59,7 @@ class KeptTrials(Generic[Some]):
     def add(self, trial: Some) -> None:
         """Store a trial."""
         self._known[trial.things, trial.seed] = trial
-        self._rows.add({"what": self._what, **plain_data(trial)})
+        self._rows.add({"what": self._digest, **plain_data(trial)})
 
 
 def kept_trials(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from itertools import permutations
 from typing import TYPE_CHECKING
 
@@ -50,6 +51,7 @@ def read_pairs(
             shows no pair.
     """
     text = read_action(program)
+    read = partial(read_request, text.program, stage, None, folder=folder)
     requests: dict[str, RunRequest] = {}
     pairs: dict[str, ExplorablePair] = {}
     # Pairs are ordered: a ball on a box is another pair than a box on a ball.
@@ -63,10 +65,10 @@ def read_pairs(
         # request knows the stage of its program.
         if not requests:
             _require_ends(text.program, things, folder)
-            requests[name] = _request(text.program, stage, values, folder)
+            requests[name] = read(values)
         shown = next(iter(requests.values())).stage
         if name in shown.contexts:
-            request = requests.get(name) or _request(text.program, stage, values, folder)
+            request = requests.get(name) or read(values)
             requests[name] = request
             pairs[name] = _pair(upper, lower, name, request, things[lower])
     if not pairs:
@@ -75,13 +77,6 @@ def read_pairs(
             f"a context such as '{name}' would"
         )
     return next(iter(requests.values())), pairs
-
-
-def _request(
-    program: str, stage: str | None, values: Mapping[str, str], folder: Path | None
-) -> RunRequest:
-
-    return read_request(program, stage, None, values, folder=folder)
 
 
 def _require_ends(program: str, things: Mapping[str, ExploredThing], folder: Path | None) -> None:

@@ -88,9 +88,8 @@ class _PolicyCheck:
 
     def _unchanged(self, program_file: Path) -> None:
         """Check that the program is the one for which the policy was learned."""
-        from cbdsl.checking.knowledge.program_digest import (
-            program_digest,  # only learned policies need it
-        )
+        # Only learned policies need it.
+        from cbdsl.checking.knowledge.program_digest import program_digest
 
         provenance = self._document.provenance
         if provenance is None:

@@ -34,9 +34,8 @@ def _check_program(
     loaded: Loaded[RelationsDocument], session: Session, diagnostics: Diagnostics
 ) -> None:
     """Check that the program of the tests is the one with which the samples were measured."""
-    from cbdsl.checking.knowledge.program_digest import (
-        program_digest,  # only learned relations need it
-    )
+    # Only learned relations need it.
+    from cbdsl.checking.knowledge.program_digest import program_digest
 
     document, library = loaded.document, session.library
     provenance = document.provenance
