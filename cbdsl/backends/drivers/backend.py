@@ -307,15 +307,16 @@ class DrivenBackend:
         Raises:
             BackendError: The robot is held.
         """
-        now = self._clock.monotonic()
-        if self.supervisor.state is State.READY or self.supervisor.is_late(now):
+        if self.supervisor.state is State.READY or self.supervisor.is_late(self._clock.monotonic()):
             self._catch_up()
-            now = self._clock.monotonic()
-        admitted = self.supervisor.admit(reference, now)
+        # The stamp is taken first: a suspension of this process after the check for lateness
+        # makes the stamp old, and the controller refuses the command.
+        stamp = self._clock.wall()
+        admitted = self.supervisor.admit(reference, self._clock.monotonic())
         if admitted is None:
             self._stop()
         else:
-            self._send(admitted)
+            self._send(admitted, stamp)
 
     def _catch_up(self) -> None:
         """Wait for a new state of a standing robot; discard those queued during a long tick.
@@ -335,12 +336,12 @@ class DrivenBackend:
         if not self.supervisor.passes:
             self._stop()
 
-    def _send(self, references: Floats) -> None:
+    def _send(self, references: Floats, stamp: float) -> None:
         for name, (joints, columns) in self._commanded.items():
             # By default three periods, so that a late reference does not stop the controller in
             # between.
             horizon = self._robot.drivers[name].horizon or _PERIODS * self.control_period
-            command = Command(joints, tuple(references[columns].tolist()), horizon)
+            command = Command(joints, tuple(references[columns].tolist()), horizon, stamp)
             for link in self._links:
                 link.send(name, command)
 
@@ -386,8 +387,12 @@ class DrivenBackend:
 
     def _settle(self) -> None:
         """Send the references that bring a held robot to rest."""
-        while (references := self.supervisor.settle(self._clock.monotonic())) is not None:
-            self._send(references)
+        while True:
+            stamp = self._clock.wall()
+            references = self.supervisor.settle(self._clock.monotonic())
+            if references is None:
+                return
+            self._send(references, stamp)
             self._clock.sleep(self.control_period)
 
     def close(self) -> None:

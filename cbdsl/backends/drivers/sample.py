@@ -132,8 +132,11 @@ class Command(NamedTuple):
         names: Joints, by their names in the driver's messages.
         positions: Positions, rad or m, one per joint.
         horizon: Time until the references are reached, s.
+        stamp: Time at which the references were decided, s since the epoch. A controller refuses
+            those whose horizon is over, as of a program that was suspended before it sent them.
     """
 
     names: tuple[str, ...]
     positions: tuple[float, ...]
     horizon: float
+    stamp: float

@@ -152,7 +152,7 @@ class Ros2Link:
         point = msg.JointTrajectoryPoint(
             positions=list(command.positions), time_from_start=msg.Duration.of(command.horizon)
         )
-        header = msg.Header(stamp=msg.Time.of(time.time()))
+        header = msg.Header(stamp=msg.Time.of(command.stamp))
         output.writer.write(msg.JointTrajectory(header, list(command.names), [point]))
 
     def survey(self) -> Sequence[Endpoint]:

@@ -175,6 +175,28 @@ def test_backend_holds_after_a_fault_and_names_the_cause(
     assert np.abs(steps[-1:]).max() <= 0.05 * PERIOD * VELOCITY.max() + 2.0 * PERIOD
 
 
+def test_command_of_a_suspended_program_is_stamped_before_the_suspension(
+    urdf: Path, stage: StageDocument, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, sine, 30)
+    admit, before = driven.supervisor.admit, peer.clock().wall()
+
+    def suspend(reference: np.ndarray, now: float) -> np.ndarray | None:
+        admitted = admit(reference, now)
+        peer.time += 0.6
+        return admitted
+
+    monkeypatch.setattr(driven.supervisor, "admit", suspend)
+    driven.apply(sine(30))
+    time, command = peer.commands[-1]
+    assert time > 0.6
+    assert command.stamp == pytest.approx(before, abs=PERIOD)
+    assert command.stamp + command.horizon < peer.clock().wall(), "a controller refuses it"
+
+
 def _within_limits(references: np.ndarray) -> bool:
     inside = (references >= LOWER) & (references <= UPPER)
     speeds = np.abs(np.diff(references, axis=0)) / PERIOD

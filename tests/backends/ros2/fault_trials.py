@@ -263,7 +263,7 @@ class Trial:
         names = self._robot.effectors["arm"].joints
         self._faults.add(np.array([time.time()]))
         while True:
-            link.send("arm", Command(names, (0.0,) * len(names), 0.05))
+            link.send("arm", Command(names, (0.0,) * len(names), 0.05, time.time()))
             time.sleep(1 / 60)
 
     def _outcome(self, begun: float) -> Outcome:
@@ -346,7 +346,8 @@ def _kill(child: int) -> None:
 
 def warm() -> None:
     """Import and compile everything before the first fork, without a thread of DDS."""
-    from cbdsl.backends.ros2 import guard, topic_server  # noqa: F401
+    from cbdsl.backends.drivers import backend  # noqa: F401
+    from cbdsl.backends.ros2 import guard, ros2_link, topic_server  # noqa: F401
     from cbdsl.checking.program import check_program
     from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.runtime.episode import Runner

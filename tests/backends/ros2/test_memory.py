@@ -53,7 +53,7 @@ def test_ticks_of_a_served_robot_keep_no_memory(monkeypatch: pytest.MonkeyPatch)
     try:
         served.reset(read_stage("table_right", robot), None, 0)
         joints = tuple(j for e in robot.drivers["body"].moves for j in robot.joints(e))
-        command = Command(joints, (0.0,) * len(joints), 0.05)
+        command = Command(joints, (0.0,) * len(joints), 0.05, time.time())
         received = 0
 
         def work(ticks: int) -> None:

@@ -32,7 +32,7 @@ class EchoLink:
                 for effector in [robot.effectors[member]]
                 for position in effector.postures[effector.start or ""]
             ]
-            self._positions[name] = Command(joints, tuple(starts), 0.0)
+            self._positions[name] = Command(joints, tuple(starts), 0.0, 0.0)
 
     def poll(self) -> Sequence[Sample]:
         """Return the references as joint states, with noise in the last digit."""
