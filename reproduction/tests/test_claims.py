@@ -120,7 +120,7 @@ class World:
             "pad": np.array([0.6, 0.0, -0.42]),
             "table": np.array([0.6, 0.0, -0.44]),
         }
-        self.held, self.loads = True, {"table"}
+        self.held, self.loads, self.hands = True, {"table"}, ["right_hand"]
 
     @property
     def objects(self) -> tuple[str, ...]:
@@ -131,6 +131,9 @@ class World:
 
     def is_touched(self, name: str) -> bool:
         return self.held
+
+    def touching(self, name: str) -> set[tuple[str, str]]:
+        return {(hand, "thumb") for hand in self.hands} if self.held else set()
 
     def pressing(self, name: str) -> set[str]:
         return self.loads
@@ -155,6 +158,7 @@ def _show(world: World, tick: dict[str, Any]) -> None:
     world.places["ball"] = np.array(tick.get("at", world.places["ball"]))
     world.loads = tick.get("pressing", world.loads)
     world.held = tick.get("held", world.held)
+    world.hands = tick.get("hands", world.hands)
 
 
 @pytest.mark.parametrize(
@@ -181,6 +185,86 @@ def test_judge_of_deliver_refuses_an_object_that_was_not_lifted() -> None:
     assert by_name("deliver").judge(watch) == "lifted by 0 mm"
 
 
+LIFT = {"at": (0.6, -0.2, -0.2), "pressing": set(), "held": True, "hands": ["right_hand"]}
+FALL = {"at": (0.6, -0.2, -0.35), "pressing": {"table"}, "held": False}
+BOTH, TAKEN = {**LIFT, "hands": ["right_hand", "left_hand"]}, {**LIFT, "hands": ["left_hand"]}
+
+
+@pytest.mark.parametrize(
+    ("ticks", "fault"),
+    [
+        ([LIFT, BOTH, TAKEN], ""),
+        ([TAKEN], "carried by ['left_hand']"),
+        ([BOTH, TAKEN], "carried by ['left_hand']"),
+        ([LIFT, FALL, TAKEN], "carried by ['left_hand']"),
+        ([LIFT, FALL, {**FALL, "held": True, "hands": ["left_hand"]}], "carried by no hand"),
+        ([LIFT, BOTH], "still in the right hand"),
+        ([LIFT, BOTH, TAKEN, FALL], "not in the left hand"),
+    ],
+)
+def test_judge_of_handover_demands_that_one_hand_carried_the_object_to_the_other(
+    ticks: list[dict[str, Any]], fault: str
+) -> None:
+    world = World()
+    watch = ClaimWatch(world, ["ball"])  # type: ignore[arg-type]
+    watch.note(None)
+    for tick in ticks:
+        _show(world, tick)
+        watch.note(None)
+    judgement = by_name("handover").judge(watch)
+    assert judgement.startswith(fault) if fault else judgement == ""
+
+
+class Lower:
+    """Truth of an object in the hand, which was lifted, and of a lower one of 8 cm radius."""
+
+    objects = ("top", "base")
+
+    def __init__(self) -> None:
+        self.place, self.loads = np.array([0.6, -0.3, -0.35]), {"table"}
+
+    def position(self, name: str) -> NDArray[np.float64]:
+        return self.place if name == "top" else np.array([0.6, 0.0, -0.38])
+
+    def half_extents(self, name: str) -> NDArray[np.float64]:
+        return np.array([0.08, 0.08, 0.04])
+
+    def is_touched(self, name: str) -> bool:
+        return name == "top"
+
+    def touching(self, name: str) -> set[tuple[str, str]]:
+        return {("right_hand", "thumb")}
+
+    def pressing(self, name: str) -> set[str]:
+        return self.loads if name == "top" else {"table"}
+
+
+@pytest.mark.parametrize("program", ["set_on", "impedance"])
+@pytest.mark.parametrize(
+    ("height", "off", "loads", "fault"),
+    [
+        (0.1, 0.02, {"base"}, ""),
+        (0.1, 0.07, {"base"}, ""),
+        (0.1, 0.10, {"base"}, "100 mm off"),
+        (0.1, 0.02, set(), "borne by no object"),
+        (0.1, 0.02, {"table"}, "borne by ['table']"),
+        (0.1, 0.05, {"base", "table"}, "borne by ['base', 'table']"),
+        (0.01, 0.02, {"base"}, "lifted by 10 mm"),
+    ],
+)
+def test_judge_of_set_on_decides_by_the_bearing_object(
+    program: str, height: float, off: float, loads: set[str], fault: str
+) -> None:
+    world = Lower()
+    watch = ClaimWatch(world, world.objects)  # type: ignore[arg-type]
+    watch.note(None)
+    world.place, world.loads = world.place + np.array([0.0, 0.3 - off, height]), loads
+    for _ in range(20):
+        watch.note(None)
+    judgement = by_name(program).judge(watch)
+    assert judgement.startswith(fault) if fault else judgement == ""
+
+
 class Boxes:
     """Truth of boxes of one size: lower and another support on a table, and an upper box."""
 
@@ -205,6 +289,9 @@ class Boxes:
 
     def is_touched(self, name: str) -> bool:
         return name in self.touched
+
+    def touching(self, name: str) -> set[tuple[str, str]]:
+        return {("right_hand", "thumb")} if name in self.touched else set()
 
     def pressing(self, name: str) -> set[str]:
         return self.bearers if name == "upper" else {"table"}
@@ -251,6 +338,15 @@ def test_judge_of_stacks_demands_the_desired_support(bearers: list[str], fault: 
     for _ in range(20):
         watch.note(None)
     assert by_name("build_on").judge(watch) == fault
+
+
+def test_judge_of_stacks_doubts_an_object_in_the_hand() -> None:
+    world = Boxes("lower")
+    world.touched = {"upper"}
+    watch = ClaimWatch(world, ["upper", "lower"])  # type: ignore[arg-type]
+    for _ in range(20):
+        watch.note(None)
+    assert by_name("stand").judge(watch) == "upper is still in the hand"
 
 
 def test_judge_of_stacks_doubts_the_reversed_order() -> None:

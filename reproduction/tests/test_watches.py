@@ -314,13 +314,40 @@ def test_handover_counts_an_object_in_the_other_hand_alone(
     cells: frozenset[tuple[str, str]], palm: float, slip: float, is_passed: bool
 ) -> None:
     world = World("ball")
-    world.cells["ball"], world.places["right_palm"] = cells, (0.0, palm, 0.0)
+    world.places["right_palm"] = (0.0, palm, 0.0)
     watch = watch_of(handover.JUDGE, handover._Passed, world)
+    world.cells["ball"] = RIGHT
+    for _ in range(6):
+        watch.note(None)
+    world.cells["ball"] = cells
     watch.note(None)
     world.places["ball"] = (slip, 0.0, 0.0)
     watch.note(None)
     expected = {"handed over": is_passed, "reported wrongly": not is_passed}
     assert concluded(watch).outcomes == expected
+
+
+@pytest.mark.parametrize(
+    ("before", "is_passed"),
+    [
+        ([(RIGHT, "")] * 6, True),
+        ([(RIGHT, ""), (frozenset(), "")] * 6, True),
+        ([], False),
+        ([(RIGHT, "table")] * 20, False),
+        ([(RIGHT, "")] * 20 + [(LEFT, "table")], False),
+        ([(LEFT | RIGHT, "")] * 20, False),
+    ],
+)
+def test_handover_demands_that_the_giver_carried_the_object(
+    before: list[tuple[frozenset[tuple[str, str]], str]], is_passed: bool
+) -> None:
+    world = World("ball", "table")
+    world.places["right_palm"] = (0.0, 0.3, 0.0)
+    watch = watch_of(handover.JUDGE, handover._Passed, world)
+    for cells, support in [*before, *[(LEFT, "")] * 60]:
+        world.cells["ball"], world.loads["ball"] = cells, {support} - {""}
+        watch.note(None)
+    assert concluded(watch).outcomes["handed over"] == is_passed
 
 
 @pytest.mark.parametrize(("near", "is_followed"), [(1.0, True), (0.96, True), (0.94, False)])

@@ -45,21 +45,34 @@ class ClaimWatch:
         self._truth, self._all = truth, set(things)
         self._tracks: dict[str, list[Floats]] = {}
         self._first_bearers: dict[str, set[str]] = {}
-        self._alone: dict[str, int] = {}
+        self._pressed: dict[str, dict[str, int]] = {}
+        self._carriers: dict[str, dict[str, None]] = {}
         self._touched: dict[str, None] = {}
+        self._count = 0
         self._tick: Any = None
 
     def note(self, tick: Any) -> None:
         """Take in a tick."""
-        self._tick = tick
+        self._tick, self._count = tick, self._count + 1
         for name in self._all.intersection(self._truth.objects):
             if name not in self._tracks:
                 self._first_bearers[name] = self.bearers(name)
             self._tracks.setdefault(name, []).append(self._truth.position(name))
-            borne = bool(self._truth.pressing(name))
-            self._alone[name] = 0 if borne else self._alone.get(name, 0) + 1
-            if self._truth.is_touched(name):
-                self._touched.setdefault(name)
+            self._note_contacts(name)
+
+    def _note_contacts(self, name: str) -> None:
+        """Take in the contacts of an object with other objects and with the robot."""
+        pressing, is_touched = self._truth.pressing(name), self._truth.is_touched(name)
+        pressed, carriers = self._pressed.setdefault(name, {}), self._carriers.setdefault(name, {})
+        pressed.update(dict.fromkeys(pressing, self._count))
+        if pressing:
+            carriers.clear()
+        elif is_touched and self.height(name) > LIFTED:
+            hands = {hand for hand, _ in self._truth.touching(name)}
+            if len(hands) == 1:
+                carriers.setdefault(hands.pop())
+        if is_touched:
+            self._touched.setdefault(name)
 
     @property
     def things(self) -> list[str]:
@@ -107,8 +120,25 @@ class ClaimWatch:
 
     def is_borne(self, name: str) -> bool:
         """Return whether another object bore an object a moment ago."""
+        return bool(self.borne_by(name))
+
+    def borne_by(self, name: str) -> set[str]:
+        """Return the names of the objects that pressed on an object a moment ago."""
         # Contacts of stiff bodies come and go between ticks, so that one within 0.1 s counts.
-        return self._alone[name] <= BEFORE
+        pressed = self._pressed[name].items()
+        return {other for other, count in pressed if self._count - count <= BEFORE}
+
+    def carriers(self, name: str) -> list[str]:
+        """Return the hands that bore an object alone since another object last bore it.
+
+        They are in the order of the first ticks.
+        """
+        return list(self._carriers[name])
+
+    def is_above(self, name: str, base: str) -> bool:
+        """Return whether the centre of an object is above another one."""
+        # The circle within the base's footprint does not depend on its turn.
+        return self.distance(name, base) < float(min(self._truth.half_extents(base)[:2]))
 
     def bearers(self, name: str) -> set[str]:
         """Return the names of the objects that press on an object and have lower centres."""
@@ -179,6 +209,8 @@ def stands(watch: ClaimWatch) -> str:
     """Judge that each object rests on the desired one and on nothing else."""
     # The stage's names give the order; heights at the end would accept a reversed stack.
     for below, name in pairwise(sorted(watch.things, key=FROM_BELOW.index)):
+        if watch.is_held(name):
+            return f"{name} is still in the hand"
         if watch.speed(name) > STILL:
             return f"{name} moves at {1e3 * watch.speed(name):.0f} mm/s"
         if watch.bearers(name) != {below}:
@@ -199,14 +231,16 @@ def left_alone_or_stacked(watch: ClaimWatch) -> str:
 
 
 def set_on(watch: ClaimWatch) -> str:
-    """Judge that the lower object bears the upper one."""
-    if (
-        watch.is_borne("top")
-        and watch.lift("top") >= LIFTED
-        and watch.distance("top", "base") < NEAR
-    ):
-        return ""
-    return f"{1e3 * watch.distance('top', 'base'):.0f} mm off the lower object"
+    """Judge that the lower object alone bears the upper one, which was lifted onto it."""
+    top, base = "top", "base"
+    if watch.lift(top) < LIFTED:
+        return f"lifted by {1e3 * watch.lift(top):.0f} mm"
+    # The hand may still bear a part of the load.
+    if watch.borne_by(top) != {base}:
+        return f"borne by {sorted(watch.borne_by(top)) or 'no object'}"
+    # An object that leans against the side of the lower one is not on it.
+    off = watch.distance(top, base)
+    return "" if watch.is_above(top, base) else f"{1e3 * off:.0f} mm off the lower object"
 
 
 def raised(watch: ClaimWatch) -> str:
@@ -244,11 +278,16 @@ def between_hands(watch: ClaimWatch) -> str:
 
 
 def in_left_hand(watch: ClaimWatch) -> str:
-    """Judge that the left hand alone holds the object, off the table."""
+    """Judge that the left hand alone holds the object, which the right hand carried to it."""
     (name,) = watch.things
     if watch.fingers(name, "right_hand"):
         return "still in the right hand"
-    return raised(watch) if watch.fingers(name, "left_hand") else "not in the left hand"
+    if not watch.fingers(name, "left_hand"):
+        return "not in the left hand"
+    # An object that fell between the hands, and that the left one then took, was not handed over.
+    if watch.carriers(name) != ["right_hand", "left_hand"]:
+        return f"carried by {watch.carriers(name) or 'no hand'} since it left its support"
+    return raised(watch)
 
 
 def other_touched(watch: ClaimWatch) -> str:

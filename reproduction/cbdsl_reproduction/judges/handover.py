@@ -1,7 +1,8 @@
 """Whether ``handover`` passes balls, cubes and cylinders from hand to hand, in both directions.
 
-At the end only the receiving hand touches the object. The object kept its place in that hand since
-the other hand released it, and is above the table and away from the other hand.
+The giving hand carried the object alone, and no other object bore it since then. At the end only
+the receiving hand touches the object. The object kept its place in that hand since the other hand
+released it, and is above the table and away from the other hand.
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ _OTHER = {"right": "left", "left": "right"}
 # the giving hand's palm, m.
 _DRIFT, _HEIGHT, _APART = 0.03, 0.15, 0.20
 _TABLE_TOP = -0.42  # m
+# Control ticks of 1/60 s for which the giving hand has to carry the object.
+_CARRIED = 6
 
 
 class _Passed(Watch):
@@ -43,23 +46,29 @@ class _Passed(Watch):
         self._thing, _, self._giver = self.condition.context.rpartition("_")
         self._taker = _OTHER[self._giver]
         self._alone: list[Floats] = []
-        self._force = 0.0
+        self._force, self._carried = 0.0, 0
 
     def note(self, tick: Any) -> None:
         """Take in a control tick."""
         forces = self.truth.fingertip_forces().values()
         self._force = max(self._force, *(float(np.linalg.norm(force)) for force in forces))
-        if {hand for hand, _ in self.truth.touching(self._thing)} == {f"{self._taker}_hand"}:
+        hands = {hand for hand, _ in self.truth.touching(self._thing)}
+        if self.truth.pressing(self._thing):
+            self._carried = 0
+        elif hands == {f"{self._giver}_hand"}:
+            self._carried += 1
+        if hands == {f"{self._taker}_hand"}:
             self._alone.append(self._in_hand())
         else:
             self._alone.clear()
 
     def conclude(self, result: EpisodeResult) -> EpisodeVerdict:
-        """Return whether the receiving hand holds the object alone."""
+        """Return whether the receiving hand alone holds the object that the other one carried."""
         place = self.truth.position(self._thing)
         apart = float(np.linalg.norm(place - self.truth.link_position(f"{self._giver}_palm")))
         drift = float(np.linalg.norm(self._alone[-1] - self._alone[0])) if self._alone else np.inf
-        is_passed = drift <= _DRIFT and float(place[2]) >= _TABLE_TOP + _HEIGHT and apart >= _APART
+        is_aloft = float(place[2]) >= _TABLE_TOP + _HEIGHT and apart >= _APART
+        is_passed = self._carried >= _CARRIED and drift <= _DRIFT and is_aloft
         is_reported = result.outcome == "success"
         measures = {"force_N": self._force} | ({"drift_mm": 1e3 * drift} if self._alone else {})
         return EpisodeVerdict(
