@@ -208,6 +208,7 @@ class DrivenBackend:
             text = f"the robot is held: {supervisor.cause}"
             if not self._person.confirm(text, "release it", released=orderly):
                 raise BackendError(f"{text}; a person has to release it")
+            supervisor.release()
         supervisor.rest()
 
     def _drain(self) -> None:

@@ -12,6 +12,9 @@ the distance d: v dt + (v - a dt) dt + ... <= d. For v = n a dt the sum is a dt^
 is linear in v between these nodes, with the slope n dt. If v0 obeyed s one step earlier, the
 lower end v0 - a dt obeys s now. So the intersection is never empty, and the position limits hold
 by induction for every sequence of requests.
+
+Distances beyond which s exceeds v_max change nothing. They are cut there, so that huge requests do
+not overflow.
 """
 
 from __future__ import annotations
@@ -54,6 +57,10 @@ class Limiter:
 
     def __init__(self, limits: JointLimits, period: float) -> None:
         self._limits, self._period = limits, period
+        # A distance from which braking takes longer than one from the largest speed, and which a
+        # single step does not cover.
+        braking = limits.velocity * limits.velocity / (2.0 * limits.acceleration)
+        self._reach = braking + limits.velocity * period
         self.positions: Floats = np.zeros(len(limits.lower))
         self.velocities: Floats = np.zeros(len(limits.lower))
 
@@ -73,7 +80,8 @@ class Limiter:
         Args:
             requested: Positions, rad or m, shape (n,); a joint brakes if its entry is not finite.
         """
-        way = np.where(np.isfinite(requested), requested - self.positions, 0.0)
+        way = np.where(np.isfinite(requested), requested, self.positions) - self.positions
+        way = np.clip(way, -self._reach, self._reach)
         # The first bound ends the step at the request. The second one leaves room to brake before
         # it.
         speed = np.minimum(np.abs(way) / self._period, self._stoppable(np.abs(way)))
@@ -106,12 +114,11 @@ class Limiter:
         """Return the largest speeds from which joints brake within distances, shape (n,)."""
         step = self._limits.acceleration * self._period
         unit = step * self._period
-        room = np.maximum(distances, 0.0)
-        bounded = np.where(np.isfinite(room), room, 0.0)
+        room = np.clip(distances, 0.0, self._reach)
         # The node n solves a dt^2 n (n + 1) / 2 = d. Below it, the distance left from the node n -
         # 1 is covered at the slope n dt.
-        nodes = np.ceil((np.sqrt(1.0 + 8.0 * bounded / unit) - 1.0) / 2.0)
+        nodes = np.ceil((np.sqrt(1.0 + 8.0 * room / unit) - 1.0) / 2.0)
         below = np.maximum(nodes - 1.0, 0.0)
-        rest = bounded - unit * below * nodes / 2.0
+        rest = room - unit * below * nodes / 2.0
         speeds = below * step + rest / (np.maximum(nodes, 1.0) * self._period)
-        return np.where(np.isfinite(room), np.maximum(speeds, 0.0), np.inf)
+        return np.maximum(speeds, 0.0)

@@ -89,6 +89,8 @@ class SafetySupervisor:
         self._target: Floats | None = None
         self._settling = 0
         self._described = {name for name, d in robot.drivers.items() if d.description}
+        # Drivers whose emergency stop is in an unknown state.
+        self._unstated = {name for name, d in robot.drivers.items() if d.stop}
         # The longest time between two checks, s.
         self._patience = min((d.deadline for d in robot.drivers.values()), default=np.inf)
         self._checked: float | None = None
@@ -165,6 +167,7 @@ class SafetySupervisor:
         return problems[0] if problems and self.passes else ""
 
     def _stop(self, sample: StopSample) -> str:
+        self._unstated.discard(sample.driver)
         if not sample.pressed:
             self._pressed.discard(sample.driver)
             return ""
@@ -204,6 +207,9 @@ class SafetySupervisor:
         for driver in sorted(self._described):
             topic = drivers[driver].description or ""
             yield topic, f"no description of the robot from driver '{driver}' at {topic}"
+        for driver in sorted(self._unstated):
+            topic = drivers[driver].stop or ""
+            yield topic, f"no state of the emergency stop from driver '{driver}' at {topic}"
 
     def forget_mismatches(self) -> None:
         """Forget the diagnostics so far, so that only persistent ones are found again."""
@@ -318,12 +324,16 @@ class SafetySupervisor:
             self.hold(cause, blind=blind)
 
     def release(self) -> None:
-        """Leave ``held``, by a person's decision; all samples have to be received again."""
+        """Leave ``held`` by a person's decision, and enter ``off``."""
         if self.state is State.HELD:
-            self.rest()
+            self.state = State.OFF
 
     def rest(self) -> None:
-        """Enter ``off``: all samples have to be received again."""
+        """Enter ``off``: all samples have to be received again.
+
+        A held robot rests after its release, and a running one after a hold.
+        """
+        assert self.state in (State.OFF, State.READY), f"a robot that is {self.state.value} moves"
         self.joints = JointWatch(self._robot, self._limits)
         self.sensors = SensorWatch(self._robot, ideal=self._ideal)
         self._mismatches.clear()

@@ -48,12 +48,15 @@ class Watchdog:
         self._limiter, self._deadline, self._start = Limiter(limits, period), deadline, start
         self._requested: Floats = np.zeros(0)
         self._heard = self._held = 0.0
+        # Longest time between two ticks, and the time of the newest one, s.
+        self._patience, self._ticked = period + deadline, np.inf
         self._measured: Floats | None = None
         self.phase, self.cause = WatchdogPhase.WAITING, ""
 
     def note_positions(self, positions: Floats) -> None:
-        """Take in measured positions, rad or m, shape (n,)."""
-        self._measured = positions
+        """Take in measured positions, rad or m, shape (n,); those that are not finite are ignored."""
+        if np.isfinite(positions).all():
+            self._measured = positions
 
     def request(self, references: Floats, now: float) -> None:
         """Take in references of the program.
@@ -85,10 +88,15 @@ class Watchdog:
         Args:
             now: Time by a monotonic clock, s.
         """
+        late, self._ticked = now - self._ticked, now
         if self.phase is WatchdogPhase.REPEATING:
-            if now - self._heard <= self._deadline:
+            if now - self._heard > self._deadline:
+                self._hold(f"no reference for {1e3 * (now - self._heard):.0f} ms", now)
+            # References that queued meanwhile arrive now, but their program may have ended.
+            elif late > self._patience:
+                self._hold(f"the watchdog was suspended for {1e3 * late:.0f} ms", now)
+            else:
                 return self._limiter.approach(self._requested)
-            self._hold(f"no reference for {1e3 * (now - self._heard):.0f} ms", now)
         if self.phase is WatchdogPhase.HOLDING:
             if now - self._held > _HOLDING and self._limiter.stands:
                 self.phase = WatchdogPhase.STOPPED

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,7 @@ class _Input:
     topic: str
     message: type[Any]
     convert: Callable[[Any], Sample]
-    reader: Any
+    readers: tuple[Any, ...]
     since: float = field(default_factory=time.monotonic)
     count: int = 0
     newest: float | None = None
@@ -79,9 +80,10 @@ class Ros2Link:
     ) -> None:
         self._node = RosNode(interface)
         self._inputs = [
-            _Input(name, role, topic, message, convert, self._node.reader(topic, message, **qos))
+            _Input(name, role, topic, message, convert, readers)
             for name, driver in drivers.items()
-            for role, topic, message, convert, qos in _streams(name, driver)
+            for role, topic, message, convert, qualities in _streams(name, driver)
+            for readers in [tuple(self._node.reader(topic, message, **q) for q in qualities)]
         ]
         self._outputs: dict[str, _Output] = {}
         for name, driver in drivers.items():
@@ -96,7 +98,7 @@ class Ros2Link:
         """Return the samples that arrived since the last call; see ``DriverLink.poll``."""
         samples: list[Sample] = []
         for each in self._inputs:
-            for message in each.reader.take(_MOST):
+            for message in chain.from_iterable(reader.take(_MOST) for reader in each.readers):
                 if message.sample_info.valid_data:
                     each.count, each.newest = each.count + 1, time.monotonic()
                     samples.append(each.convert(message))
@@ -112,6 +114,9 @@ class Ros2Link:
             # A camera that ends leaves the robot on its memory, and its own time-out follows.
             if each.peers - peers and each.role in ("states", "wrenches"):
                 yield FaultSample(each.driver, f"a publisher of {topic} has ended")
+            # A person may press the stop by a tool that ends after its message.
+            if each.peers and not peers and each.role == "stop":
+                yield FaultSample(each.driver, f"the last publisher of {topic} has ended")
             each.peers = peers
         for output in self._outputs.values():
             topic = absolute(output.topic)
@@ -204,28 +209,32 @@ def _candidates(remotes: Sequence[Remote], message: type[Any], *, writes: bool) 
     return tuple(sorted(topics))
 
 
-_Stream = tuple[str, str, type[Any], Callable[[Any], Sample], dict[str, bool]]
+_Quality = dict[str, bool]
+_Stream = tuple[str, str, type[Any], Callable[[Any], Sample], tuple[_Quality, ...]]
 
 
 def _streams(name: str, driver: Driver) -> Iterator[_Stream]:
-    """Yield role, topic, message, conversion and quality of service of each stream."""
+    """Yield role, topic, message, conversion and the readers' qualities of service."""
+    usual: tuple[_Quality, ...] = ({},)
     if driver.states is not None:
-        yield "states", driver.states, msg.JointState, lambda m: _joints(name, m), {}
+        yield "states", driver.states, msg.JointState, lambda m: _joints(name, m), usual
     if driver.description is not None:
         described = lambda m: DescriptionSample(name, m.data)  # noqa: E731
-        yield "description", driver.description, msg.Text, described, {"lasting": True}
+        yield "description", driver.description, msg.Text, described, ({"lasting": True},)
     if driver.stop is not None:
         pressed = lambda m: StopSample(name, bool(m.data))  # noqa: E731
-        yield "stop", driver.stop, msg.Flag, pressed, {"reliable": True}
+        # A lasting reader gets the state from before its time, but only from lasting writers.
+        qualities = {"reliable": True}, {"lasting": True}
+        yield "stop", driver.stop, msg.Flag, pressed, qualities
     for hand, fingers in driver.wrenches.items():
         for finger, topic in fingers.items():
-            yield "wrenches", topic, msg.WrenchStamped, _wrench(name, (hand, finger)), {}
+            yield "wrenches", topic, msg.WrenchStamped, _wrench(name, (hand, finger)), usual
     for camera, topic in driver.images.items():
-        yield "images", topic, msg.Image, _image(name, camera), {}
+        yield "images", topic, msg.Image, _image(name, camera), usual
     for camera, topic in driver.regions.items():
-        yield "regions", topic, msg.CameraRegions, _regions(name, camera), {}
+        yield "regions", topic, msg.CameraRegions, _regions(name, camera), usual
     for camera, topic in driver.camera_info.items():
-        yield "camera_info", topic, msg.CameraInfo, _camera(name, camera), {}
+        yield "camera_info", topic, msg.CameraInfo, _camera(name, camera), usual
 
 
 def _joints(driver: str, message: msg.JointState) -> JointSample:

@@ -239,7 +239,7 @@ class RobotServer:
     ) -> Any:
         """Return the writer of a stream, made when it is first needed."""
         if key not in self._writers:
-            lasting = key[-1] == "description"
+            lasting = key[-1] in ("description", "stop")
             self._writers[key] = self._node.writer(
                 topic, message, lasting=lasting, reliable=reliable
             )

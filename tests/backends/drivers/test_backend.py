@@ -199,8 +199,10 @@ def test_command_of_a_suspended_program_is_stamped_before_the_suspension(
 
 def _within_limits(references: np.ndarray) -> bool:
     inside = (references >= LOWER) & (references <= UPPER)
-    speeds = np.abs(np.diff(references, axis=0)) / PERIOD
-    return bool(inside.all() and (speeds <= VELOCITY + 1e-6).all())
+    speeds = np.diff(references, axis=0) / PERIOD
+    # By default the largest speed is reached in 50 ms.
+    changes = np.abs(np.diff(speeds, axis=0)) <= VELOCITY * PERIOD / 0.05 + 1e-6
+    return bool(inside.all() and (np.abs(speeds) <= VELOCITY + 1e-6).all() and changes.all())
 
 
 def test_held_robot_is_released_by_a_person_only(urdf: Path, stage: StageDocument) -> None:
@@ -291,6 +293,10 @@ UNREADY: dict[str, tuple[Peer, str]] = {
         Peer(alter=lambda s: [_only(s, [0, 1, 0])]),
         "driver 'arm' names joint 'first' twice in one joint state",
     ),
+    "pressed stop": (
+        Peer(alter=lambda s: [s, StopSample("arm", True)]),
+        "the emergency stop of driver 'arm' is pressed",
+    ),
     "robot without the joints": (
         Peer(
             alter=lambda s: [
@@ -321,6 +327,22 @@ def test_unready_robot_has_one_finding_before_anything_moves(
     assert not peer.commands
 
 
+def test_robot_with_an_emergency_stop_is_ready_once_its_state_is_known(
+    urdf: Path, stage: StageDocument
+) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf, stop="/stop")
+    with pytest.raises(BackendError, match="no state of the emergency stop from driver 'arm'"):
+        begin(driven, stage)
+    peer.alter = lambda sample: [sample, StopSample("arm", False)]
+    begin(driven, stage)
+    assert driven.supervisor.state is State.READY
+    # A stop may be published when it changes only.
+    peer.alter = lambda sample: [sample]
+    begin(driven, stage)
+    assert driven.supervisor.state is State.READY
+
+
 def test_not_ready_names_every_obstacle(urdf: Path, stage: StageDocument) -> None:
     described = URDF.replace('upper="1"', 'upper="1.5"')
     peer = Peer(
@@ -339,6 +361,7 @@ def test_not_ready_names_every_obstacle(urdf: Path, stage: StageDocument) -> Non
         "- another commander writes to /commands (driver 'arm', commands): 1 of them",
         "- joint 'first' has the upper limit 1.5 by the robot, and 1 by its document",
         "- no state of joint 'second' from driver 'arm' at /joint_states",
+        "- no state of the emergency stop from driver 'arm' at /stop",
     ]
     assert not peer.commands
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,8 +14,11 @@ from cbdsl.backends.drivers.limiter import JointLimits, Limiter
 PERIOD = 1.0 / 60.0
 ROUNDING = 1e-9
 
+LARGEST = float(np.finfo(np.float64).max)
 requests = st.one_of(
-    st.floats(-10.0, 10.0), st.sampled_from([math.nan, math.inf, -math.inf, 1e300, -1e300])
+    st.floats(-10.0, 10.0),
+    st.floats(),
+    st.sampled_from([math.nan, math.inf, -math.inf, LARGEST, -LARGEST]),
 )
 
 
@@ -57,6 +61,19 @@ def test_limiter_reaches_a_steady_request_without_overshoot(
     assert all(low - ROUNDING <= position <= high + ROUNDING for position in way)
     assert abs(way[-1] - goal) < 1e-6
     assert limiter.brake()[0] == way[-1] or abs(limiter.positions[0] - way[-1]) < 1e-6
+
+
+@pytest.mark.parametrize("bound", [1.0, math.inf])
+@pytest.mark.parametrize("request_", [LARGEST, -LARGEST, 1e200])
+def test_limiter_approaches_the_largest_numbers_without_overflow(
+    request_: float, bound: float
+) -> None:
+    limiter = Limiter(limits(2.0, 40.0, -bound, bound), PERIOD)
+    first = limiter.approach(np.array([request_]))
+    assert first[0] == pytest.approx(math.copysign(40.0 * PERIOD**2, request_))
+    for _ in range(20):
+        limiter.approach(np.array([request_]))
+    assert limiter.velocities[0] == math.copysign(2.0, request_)
 
 
 def test_limiter_turns_endless_joints_without_position_limits() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -60,7 +61,47 @@ def test_watchdog_refuses_a_first_reference_far_from_the_robot() -> None:
     assert dog.tick(0.0) is None
 
 
-requests = st.one_of(st.floats(-3.0, 3.0), st.just(math.nan), st.none())
+def test_watchdog_ignores_measured_positions_that_are_not_finite() -> None:
+    dog = Watchdog(LIMITS, PERIOD, DEADLINE, start=0.05)
+    dog.note_positions(np.array([math.nan]))
+    dog.request(np.zeros(1), 0.0)
+    assert dog.phase is WatchdogPhase.WAITING
+    dog.note_positions(np.zeros(1))
+    dog.request(np.zeros(1), 0.0)
+    dog.note_positions(np.array([math.nan]))
+    assert dog.tick(0.0) == 0.0
+
+
+def test_watchdog_holds_after_its_own_suspension() -> None:
+    dog = guarding()
+    assert dog.tick(0.02) is not None
+    # The reference queued while the watchdog was suspended, and its program may have ended.
+    dog.request(np.array([0.5]), 0.62)
+    first = dog.tick(0.62)
+    assert dog.phase is WatchdogPhase.HOLDING
+    assert dog.cause == "the watchdog was suspended for 600 ms"
+    assert first is not None
+    rest = [dog.tick(0.62 + PERIOD * i) for i in range(1, 10)]
+    assert rest[-1] == rest[-2], "it stands"
+
+
+@pytest.mark.parametrize("phase", [WatchdogPhase.HOLDING, WatchdogPhase.STOPPED])
+def test_watchdog_never_leaves_a_hold(phase: WatchdogPhase) -> None:
+    dog = guarding()
+    end = 0.5 if phase is WatchdogPhase.HOLDING else 2.0
+    for now in np.arange(0.02, end, PERIOD):
+        dog.tick(float(now))
+    assert dog.phase is phase
+    cause, at = dog.cause, dog.tick(end)
+    for request in (0.02, 0.5, math.nan):
+        dog.note_positions(np.array([0.02]))
+        dog.request(np.array([request]), end)
+        assert dog.tick(end) == at
+        assert dog.phase is phase
+    assert dog.cause == cause
+
+
+requests = st.one_of(st.floats(-3.0, 3.0), st.floats(), st.none())
 
 
 @given(st.lists(requests, max_size=60))
