@@ -81,10 +81,10 @@ class Limiter:
             requested: Positions, rad or m, shape (n,); a joint brakes if its entry is not finite.
         """
         way = np.where(np.isfinite(requested), requested, self.positions) - self.positions
-        way = np.clip(way, -self._reach, self._reach)
         # The first bound ends the step at the request. The second one leaves room to brake before
         # it.
-        speed = np.minimum(np.abs(way) / self._period, self._stoppable(np.abs(way)))
+        distance = np.minimum(np.abs(way), self._reach)
+        speed = np.minimum(distance / self._period, self._stoppable(distance))
         return self._move(np.copysign(speed, way))
 
     def brake(self) -> Floats:
@@ -114,7 +114,7 @@ class Limiter:
         """Return the largest speeds from which joints brake within distances, shape (n,)."""
         step = self._limits.acceleration * self._period
         unit = step * self._period
-        room = np.clip(distances, 0.0, self._reach)
+        room = np.minimum(np.maximum(distances, 0.0), self._reach)
         # The node n solves a dt^2 n (n + 1) / 2 = d. Below it, the distance left from the node n -
         # 1 is covered at the slope n dt.
         nodes = np.ceil((np.sqrt(1.0 + 8.0 * room / unit) - 1.0) / 2.0)

@@ -85,6 +85,8 @@ class Ros2Link:
             for role, topic, message, convert, qualities in _streams(name, driver)
             for readers in [tuple(self._node.reader(topic, message, **q) for q in qualities)]
         ]
+        # A survey leaves no news of peers, so the next poll has to look for changes.
+        self._has_surveyed = False
         self._outputs: dict[str, _Output] = {}
         for name, driver in drivers.items():
             if driver.commands is not None:
@@ -102,7 +104,8 @@ class Ros2Link:
                 if message.sample_info.valid_data:
                     each.count, each.newest = each.count + 1, time.monotonic()
                     samples.append(each.convert(message))
-        if self._node.has_news:
+        if self._node.has_news or self._has_surveyed:
+            self._has_surveyed = False
             samples.extend(self._changes(self._node.remotes()))
         return samples
 
@@ -162,7 +165,7 @@ class Ros2Link:
 
     def survey(self) -> Sequence[Endpoint]:
         """Return the state of each topic; see ``DriverLink.survey``."""
-        remotes = self._node.remotes()
+        remotes, self._has_surveyed = self._node.remotes(), True
         return [*self._surveyed_inputs(remotes), *self._surveyed_outputs(remotes)]
 
     def _surveyed_inputs(self, remotes: Sequence[Remote]) -> Iterator[Endpoint]:
