@@ -54,7 +54,7 @@ class Watchdog:
         self.phase, self.cause = WatchdogPhase.WAITING, ""
 
     def note_positions(self, positions: Floats) -> None:
-        """Take in measured positions, rad or m, shape (n,); those that are not finite are ignored."""
+        """Take in measured positions, rad or m, shape (n,), unless one is not finite."""
         if np.isfinite(positions).all():
             self._measured = positions
 
