@@ -1,4 +1,4 @@
-"""Link: messages of other participants over DDS, whatever their quality of service."""
+"""Link: messages of other participants over DDS, of any quality of service."""
 
 from __future__ import annotations
 
