@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError, Person
 from cbdsl.backends.drivers.clock import Clock
-from cbdsl.backends.drivers.link import DriverLink, Endpoint, open_links
+from cbdsl.backends.drivers.link import DriverLink, Endpoint, open_links, require_drivers
 from cbdsl.backends.drivers.person import RefusingPerson
 from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.drivers.safety_supervisor import SafetySupervisor, State
@@ -101,10 +101,7 @@ class DrivenBackend:
     @staticmethod
     def _require_cover(robot: RobotDocument, cameras: str | None) -> None:
         """Refuse robots of which a part has no driver."""
-        if not robot.drivers:
-            raise BackendError(
-                f"robot '{robot.name}' has no drivers; its document declares them below 'drivers'"
-            )
+        require_drivers(robot)
         if not any(driver.states for driver in robot.drivers.values()):
             raise BackendError(f"no driver of robot '{robot.name}' has joint states")
         driven = {j for d in robot.drivers.values() for e in d.moves for j in robot.joints(e)}

@@ -101,6 +101,18 @@ def open_links(robot: RobotDocument, interface: str | None) -> list[DriverLink]:
     return links
 
 
+def require_drivers(robot: RobotDocument) -> None:
+    """Refuse a robot without drivers.
+
+    Raises:
+        BackendError: It has none.
+    """
+    if not robot.drivers:
+        raise BackendError(
+            f"robot '{robot.name}' has no drivers; its document declares them below 'drivers'"
+        )
+
+
 def _factory(kind: str) -> DriverLinkFactory:
     try:
         module, _, attribute = DRIVERS.get(kind).link.partition(":")

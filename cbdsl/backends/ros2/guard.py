@@ -12,6 +12,7 @@ import numpy as np
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.drivers.joint_limits import joint_limits
 from cbdsl.backends.drivers.limiter import JointLimits
+from cbdsl.backends.drivers.link import require_drivers
 from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.drivers.watchdog import Watchdog, WatchdogPhase
 from cbdsl.backends.ros2 import dds_types as msg
@@ -42,6 +43,7 @@ class Guard:
             for name, driver in robot.drivers.items()
             if driver.kind == "ros2" and driver.form == "positions" and driver.commands
         }
+        require_drivers(robot)
         if not guarded_ones:
             raise BackendError(
                 f"no driver of robot '{robot.name}' has 'form: positions'; trajectory controllers "

@@ -78,12 +78,16 @@ class RosNode:
         interface: Network interface; loopback only if ``None``.
 
     Raises:
-        BackendError: There is no such interface, or the configuration is faulty.
+        BackendError: There is no such interface, the configuration is faulty, or the domain has
+            no free port.
     """
 
     def __init__(self, interface: str | None = None) -> None:
         self._domain = _domain(domain_id(), interface or LOOPBACK)
-        self._participant = DomainParticipant(self._domain.number)
+        try:
+            self._participant = DomainParticipant(self._domain.number)
+        except DDSException:
+            raise BackendError(_refusal(self._domain.number, self._domain.interface)) from None
         self._lease = Policy.Liveliness.Automatic(duration(seconds=_LEASE))
 
     @cached_property
@@ -194,10 +198,22 @@ class _Domain:
         try:
             self._domain = Domain(number, configuration(interface))
         except DDSException:
-            raise BackendError(
-                f"DDS cannot use the network interface '{interface}'; 'ip link' lists the "
-                "interfaces, and CYCLONEDDS_URI may have more settings"
-            ) from None
+            raise BackendError(_refusal(number, interface)) from None
+
+
+def _refusal(number: int, interface: str) -> str:
+    """Return the reason why DDS opens no domain, as a sentence without a full stop."""
+    given = os.environ.get("CYCLONEDDS_URI")
+    if given:
+        return (
+            f"DDS cannot be configured by CYCLONEDDS_URI, which is '{given}'; its own lines above "
+            "have the cause"
+        )
+    return (
+        f"DDS cannot open domain {number} at the network interface '{interface}'; its own line "
+        "above has the cause, such as too many programs in the domain: ROS_DOMAIN_ID chooses "
+        "another"
+    )
 
 
 def _require_interface(interface: str) -> None:

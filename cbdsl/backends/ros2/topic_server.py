@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.backend import Backend, BackendError, embody
+from cbdsl.backends.backend import AttendedBackend, Backend, BackendError, embody
+from cbdsl.backends.drivers.link import require_drivers
 from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.ros2 import dds_types as msg
 from cbdsl.backends.ros2.follower import Follower
@@ -70,6 +71,7 @@ class RobotServer:
         faults: Faults | None = None,
     ) -> None:
         self._drivers = {n: d for n, d in robot.drivers.items() if d.kind == "ros2"}
+        require_drivers(robot)
         if not self._drivers:
             raise BackendError(f"robot '{robot.name}' has no drivers of kind ros2")
         self._robot, self._backend, self._faults = robot, backend, faults or Faults(())
@@ -264,8 +266,14 @@ def simulated_robot(
         robot: Robot to embody.
         urdf: URDF of the robot.
         cameras: ``rendered`` or ``ideal``; the backend's choice if ``None``.
+
+    Raises:
+        BackendError: The backend is unknown, or is that of a real robot.
     """
     backend = embody(name, robot, urdf, cameras=cameras)
+    if isinstance(backend, AttendedBackend):
+        backend.close()
+        raise BackendError(f"backend '{name}' is a real robot; name a simulated one, as mujoco")
     ratio = backend.control_period * robot.control.rate
     if ratio <= 1.0 + 1e-9:
         return backend

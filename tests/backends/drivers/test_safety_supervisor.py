@@ -183,6 +183,67 @@ def test_supervisor_rests_from_running_by_a_hold_only() -> None:
         rig.supervisor.rest()
 
 
+def test_supervisor_starts_references_from_the_newest_positions() -> None:
+    rig = Rig()
+    # The robot was moved after it was ready.
+    rig.measured = np.array([0.3, -0.3])
+    rig.pass_time(rig.period)
+    rig.tell()
+    assert rig.supervisor.admit(np.array([0.3, -0.3]), rig.now) == pytest.approx([0.3, -0.3])
+    assert rig.supervisor.state is State.RUNNING
+
+
+def test_held_joint_that_lags_brakes_and_does_not_return() -> None:
+    rig = Rig(tracking=0.1)
+    rig.run()
+    for tick in range(1, 20):
+        rig.ask(tick * np.array([0.03, 0.01]))
+        # The first joint is stuck.
+        rig.measured[0] = 0.0
+    assert "joint 'first' is 0.1" in rig.supervisor.cause
+    reached, measured = rig.sent[-1], rig.supervisor.joints.positions.copy()
+    for _ in range(40):
+        rig.keep(rig.supervisor.settle(rig.now))
+        rig.pass_time(rig.period)
+    assert rig.sent[-1][0] >= reached[0], "a return would release the joint with a jerk"
+    assert rig.sent[-1][1] == pytest.approx(measured[1], abs=1e-4)
+    assert within(rig.limits, rig.sent, rig.period)
+
+
+@pytest.mark.parametrize(("pause", "sends"), [(0.02, True), (0.3, False)])
+def test_held_robot_whose_controllers_stand_gets_no_reference(pause: float, sends: bool) -> None:
+    rig = Rig(horizon=0.1)
+    rig.run()
+    for _ in range(5):
+        rig.ask(rig.measured + 0.03)
+    rig.supervisor.hold("a person halted it")
+    rig.pass_time(pause)
+    assert (rig.supervisor.settle(rig.now) is not None) is sends
+
+
+def test_emergency_stop_of_one_driver_does_not_release_that_of_another() -> None:
+    document = robot()
+    section = document.drivers["arm"].model_copy(update={"stop": "/stop"})
+    sensors = section.model_copy(update={"moves": (), "commands": None})
+    document = document.model_copy(update={"drivers": {"arm": section, "cell": sensors}})
+    model = parse_urdf(URDF, Path("rail.urdf"))
+    supervisor = SafetySupervisor(document, model, 0.02)
+    for driver, pressed in (("cell", True), ("arm", False)):
+        supervisor.note(StopSample(driver, pressed), 0.0, EPOCH)
+    assert "the emergency stop of driver 'cell' is pressed" in supervisor.obstacles()
+    supervisor.note(StopSample("cell", False), 0.0, EPOCH)
+    assert not any("emergency" in obstacle for obstacle in supervisor.obstacles())
+
+
+@pytest.mark.parametrize(("speed", "patience"), [(0.01, 0.5), (0.05, 0.05)])
+def test_patience_is_longer_while_references_stand_only(speed: float, patience: float) -> None:
+    rig = Rig()
+    rig.run()
+    for tick in range(1, 30):
+        rig.ask(np.array([speed * rig.period * tick, 0.0]))
+    assert rig.supervisor.patience == patience
+
+
 wild = st.one_of(st.floats(-3.0, 3.0), st.floats())
 asked = st.tuples(wild, wild)
 actions = st.one_of(asked, st.integers(1, 30), st.sampled_from(sorted(EVENTS)), st.just("release"))
