@@ -108,28 +108,33 @@ def test_an_action_whose_features_were_undefined_counts_and_teaches_nothing() ->
     assert (step.change, after.variance(), after.tried) == (0.0, before.variance(), 2)
 
 
+@pytest.mark.parametrize("kind", ["catalog", "models"])
 @given(
-    st.integers(0, 1000),
-    st.tuples(*[st.floats(-3.0, 3.0)] * 3),
-    st.tuples(*[st.sampled_from([-1.0, 1.0])] * 3),
+    seed=st.integers(0, 1000),
+    origin=st.tuples(*[st.floats(-3.0, 3.0)] * 3),
+    signs=st.tuples(*[st.sampled_from([-1.0, 1.0])] * 3),
+    axes=st.permutations(range(3)),
 )
-def test_rewards_do_not_depend_on_the_origin_and_axis_signs_of_the_frame(
-    seed: int, origin: tuple[float, ...], signs: tuple[float, ...]
+def test_rewards_do_not_depend_on_the_origin_and_the_axes_of_the_frame(
+    kind: str, seed: int, origin: tuple[float, ...], signs: tuple[float, ...], axes: list[int]
 ) -> None:
-    """Mirror and shift a log: its rewards and predictions stay, and so does the next choice."""
-    rng, frames = np.random.default_rng(seed), [catalog(), catalog()]
+    """Mirror, shift and swap the axes of a random log: its rewards and predictions stay."""
+    start: Any = {"catalog": catalog, "models": models}[kind]
+    rng, frames = np.random.default_rng(seed), [start(), start()]
+    middle, spread = rng.uniform(-1.0, 1.0, 3), rng.uniform(0.005, 0.2, 3)
     for _ in range(12):
-        place = rng.normal([0.5, -0.2, 0.1], 0.05)
-        there = np.array(signs) * (place - np.array(origin))
+        place = rng.normal(middle, spread)
+        there = (np.array(signs) * (place - np.array(origin)))[axes]
         name, rewarded = ("touch", "lift")[rng.integers(2)], bool(rng.random() < 0.7)
         steps = []
         for exploration, seen in zip(frames, (place, there), strict=True):
             features = {"place": tuple(seen.tolist())}
-            outcome = ActionOutcome(name, rewarded, features, {name: features})
+            outcome = ActionOutcome(name, rewarded, features, ahead={name: features})
             steps.append(exploration.note(outcome))
         assert steps[1].reward == pytest.approx(steps[0].reward, abs=1e-6)
         one, other = (each.affordances[name].reward_probability() for each in frames)
         assert other == pytest.approx(one, abs=1e-6)
+        assert frames[1].values == pytest.approx(frames[0].values, abs=1e-6)
 
 
 def test_rewards_by_the_measure_of_the_source_depend_on_the_signs() -> None:
