@@ -183,8 +183,13 @@ def test_widened_holes_leave_the_clearance() -> None:
     assert pairs.things["tube"].form.radius == (0.06, 0.06), "10 mm, as the stage has it"
 
 
-@pytest.mark.parametrize(("own", "met"), [(0.05, True), (0.25, False), (0.3, False)])
-def test_score_is_missed_unless_its_mean_is_below_the_baseline(own: float, met: bool) -> None:
+@pytest.mark.parametrize(
+    ("own", "met", "tie"),
+    [(0.05, True, False), (0.25, False, True), (0.25 - 1e-12, False, True), (0.3, False, False)],
+)
+def test_score_is_missed_unless_its_mean_is_below_the_baseline(
+    own: float, met: bool, tie: bool
+) -> None:
     judge = JUDGES["catalogs"]
     condition = judge.conditions[0]
     outcomes = dict.fromkeys(condition.aims, True)
@@ -193,7 +198,8 @@ def test_score_is_missed_unless_its_mean_is_below_the_baseline(own: float, met: 
     result = result_of(campaign_of(judge, condition, 9), {condition.name: verdicts})
     (row,) = (each for each in result["rows"] if each["outcome"] == "Brier score")
     assert row["met"] is met is result["met"]
-    assert row["interval"] == pytest.approx([own - 0.25] * 2)
+    assert row["result"].endswith("(tie)") is tie
+    assert row["interval"] == pytest.approx([own - 0.25] * 2, abs=1e-6)
 
 
 def test_catalogs_are_all_judged() -> None:

@@ -17,6 +17,8 @@ from cbdsl_reproduction.judges.judging import Campaign, Verdicts
 
 # Largest number of episodes that a row lists as amiss.
 _MOST = 20
+# Largest difference of equal scores of an episode, which rounding causes.
+_EQUAL = 1e-9
 
 
 def result_of(campaign: Campaign, verdicts: Verdicts) -> dict[str, Any]:
@@ -111,15 +113,17 @@ def _scores(
         # Both scores are of the same episodes. Their differences vary less than either score alone.
         pairs = [(each[score.measure], each[score.baseline]) for each in measures]
         own, baseline = (sum(column) / len(pairs) for column in zip(*pairs, strict=True))
+        # Equal predictions tie. A tie misses the aim, whatever rounding makes of the means.
+        is_tie = all(math.isclose(mine, other, abs_tol=_EQUAL) for mine, other in pairs)
         yield {
             "condition": condition.name,
             "program": condition.program,
             "outcome": score.name,
-            "result": f"{own:.4f}, baseline {baseline:.4f}",
+            "result": f"{own:.4f}, baseline {baseline:.4f}" + (" (tie)" if is_tie else ""),
             "episodes": len(pairs),
             "interval": _difference([mine - other for mine, other in pairs]),
             "aim": "below the baseline",
-            "met": own < baseline,
+            "met": own < baseline and not is_tie,
             "amiss": [],
         }
 
