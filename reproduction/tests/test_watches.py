@@ -15,6 +15,7 @@ import cbdsl
 from cbdsl_reproduction.judges import (
     both_hands,
     calibration,
+    ensure_stacked,
     everyday,
     find_by_touch,
     gripper,
@@ -348,6 +349,30 @@ def test_handover_demands_that_the_giver_carried_the_object(
         world.cells["ball"], world.loads["ball"] = cells, {support} - {""}
         watch.note(None)
     assert concluded(watch).outcomes["handed over"] == is_passed
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "touched", "outcome", "stands", "is_false"),
+    [
+        ("lower", "lower", False, "success", True, False),
+        ("lower", "lower", True, "success", False, True),
+        ("table", "lower", True, "success", True, False),
+        ("table", "table", True, "success", False, True),
+        ("table", "lower", True, "failure", False, False),
+    ],
+)
+def test_ensure_stacked_counts_a_pair_that_stands_or_was_stacked(
+    before: str, after: str, touched: bool, outcome: str, stands: bool, is_false: bool
+) -> None:
+    world = World("lower", "upper", "table")
+    world.places = {"upper": (0.6, 0.0, 0.2), "lower": (0.6, 0.0, 0.1)}
+    watch = watch_of(ensure_stacked.JUDGE, ensure_stacked._Pair, world)
+    for bearer, cells in ((before, frozenset()), (before, RIGHT if touched else frozenset()),
+                          *[(after, frozenset())] * 15):  # fmt: skip
+        world.loads["upper"], world.cells["upper"] = {bearer}, frozenset(cells)
+        watch.note(None)
+    expected = {"stands": stands, "false success": is_false}
+    assert concluded(watch, outcome).outcomes == expected
 
 
 @pytest.mark.parametrize(("near", "is_followed"), [(1.0, True), (0.96, True), (0.94, False)])
