@@ -13,6 +13,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from scipy.stats import binomtest
+
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "results"
 FILE = ROOT / "docs" / "results.md"
@@ -22,9 +24,9 @@ _HEAD = """\
 
 Each table holds the newest judged numbers of a capability.
 Intervals are exact (Clopper-Pearson, 95 %) unless stated otherwise.
-A command, with its commit in parentheses, stands in the first of its successive rows.
+A command, with its commit, stands in the first of its rows.
 Rows without commit are of the first-order control law (commit 55090bcb).
-`cb judge NAME` has taken over some scripts that they name.
+`cb judge NAME` replaces some named scripts.
 Seeds from 7000000 are [judging seeds](seeds.md).
 No listed seed influenced a choice, except where a remark says so.
 [Judge behaviour](how_to/judge_behaviour.md) explains `cb judge`.
@@ -75,13 +77,29 @@ def _rows(
 
 
 def _judged(file: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
-    """Yield the outcomes with aims of a judge's file."""
+    """Yield the outcomes with aims of a judge's file; those that should not occur, in sum."""
+    none: dict[str, list[Mapping[str, Any]]] = {}
     for row in file["rows"]:
-        if row["aim"]:
-            # A row of an earlier run holds the command of that run.
-            run = row.get("run", file)
-            setting = {key: run[key] for key in ("command", "commit", "seed")}
-            yield {**row, **setting, "condition": f"{row['condition']}: {row['outcome']}"}
+        if row["aim"] == "none":
+            none.setdefault(row["outcome"], []).append(row)
+        elif row["aim"]:
+            yield {
+                **row,
+                **_setting(row, file),
+                "condition": f"{row['condition']}: {row['outcome']}",
+            }
+    for outcome, rows in none.items():
+        successes, count = (sum(row[key] for row in rows) for key in ("successes", "n"))
+        interval = binomtest(successes, count).proportion_ci(method="exact")
+        total = {"successes": successes, "n": count, "interval": tuple(interval)}
+        yield {**rows[-1], **_setting(rows[-1], file), **total, "condition": outcome}
+
+
+def _setting(row: Mapping[str, Any], file: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the command of a row, with its commit and seed."""
+    # A row of an earlier run holds the command of that run.
+    run = row.get("run", file)
+    return {key: run[key] for key in ("command", "commit", "seed")}
 
 
 def _table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:

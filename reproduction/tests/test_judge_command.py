@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import pytest
 import cbdsl
 from cbdsl_reproduction.interval import exact_interval
 from cbdsl_reproduction.judges import registry
+from cbdsl_reproduction.judges import result as judge_results
 from cbdsl_reproduction.judges.judge import (
     NONE,
     Aim,
@@ -137,6 +139,72 @@ def test_judge_only_replaces_the_rows_that_it_measured(
     assert {row.get("run", third)["seed"] for row in third["rows"]} == {2, 9}
 
 
+def _interrupted(monkeypatch: pytest.MonkeyPatch, condition: str) -> list[str]:
+    """Interrupt the toy judge in a condition, once; return the list of measured conditions."""
+    measured: list[str] = []
+
+    def measure(
+        judged: JudgedCondition, body: BodyChoice, seeds: Sequence[int]
+    ) -> Iterator[EpisodeVerdict]:
+        measured.append(judged.name)
+        if judged.name == condition and measured.count(condition) == 1:
+            raise KeyboardInterrupt
+        return _measure(judged, body, seeds)
+
+    monkeypatch.setattr(registry, "JUDGES", {"toy": replace(TOY, measure=measure)})
+    return measured
+
+
+def test_judge_resumes_after_the_finished_conditions(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file, arguments = tmp_path / "toy.json", ["toy", "--seed", "4", "--out", str(tmp_path)]
+    measured = _interrupted(monkeypatch, "hard one")
+    assert cb(monkeypatch, *arguments) == 130
+    told = capsys.readouterr()
+    assert f"interrupted; {file} has 1 finished conditions; --resume continues" in told.err
+    assert {row["condition"] for row in json.loads(file.read_text())["rows"]} == {"easy"}
+    assert cb(monkeypatch, *arguments, "--resume") == 1
+    assert measured == ["easy", "hard one", "hard one"]
+    resumed = capsys.readouterr().out
+    assert cb(monkeypatch, *arguments, "--resume") == 1
+    assert len(measured) == 3 and capsys.readouterr().out == resumed
+    assert cb(monkeypatch, *arguments) == 1
+    assert capsys.readouterr().out == resumed and len(measured) == 5
+
+
+@pytest.mark.parametrize(
+    "change", [["--seed", "5"], ["--episodes", "9"], ["--cameras", "rendered"]]
+)
+def test_judge_resumes_no_conditions_of_another_run(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, change: list[str]
+) -> None:
+    arguments = ["toy", "--seed", "4", "--out", str(tmp_path)]
+    measured = _interrupted(monkeypatch, "")
+    cb(monkeypatch, *arguments)
+    cb(monkeypatch, *arguments, *change, "--resume")
+    assert measured == ["easy", "hard one"] * 2
+
+
+def test_judge_resumes_no_conditions_of_another_commit(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    arguments = ["toy", "--seed", "4", "--out", str(tmp_path)]
+    measured = _interrupted(monkeypatch, "")
+    cb(monkeypatch, *arguments)
+    monkeypatch.setattr(judge_results, "commit", lambda: "another")
+    cb(monkeypatch, *arguments, "--resume")
+    assert measured == ["easy", "hard one"] * 2
+
+
+def test_judge_interrupted_without_a_folder_keeps_nothing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _interrupted(monkeypatch, "hard one")
+    assert cb(monkeypatch, "toy") == 130
+    assert "interrupted; no result is kept without --out" in capsys.readouterr().err
+
+
 def test_judge_refuses_a_foreign_result_file_before_any_episode(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -156,6 +224,7 @@ def test_judge_refuses_a_foreign_result_file_before_any_episode(
             "unknown condition of toy 'easyy'; did you mean 'easy'? (known: easy, hard one)",
         ),
         (["toy", "--out", "/dev/null/results"], "--out /dev/null/results: cannot be written"),
+        (["toy", "--resume"], "--resume: which results? name their folder by --out"),
         (["toy", "--workers", "100000"], "--workers 100000: at most"),
         (["toy", "--episode", "3"], "--episodes"),
         (["toy", "--episodes", "0"], "--episodes"),

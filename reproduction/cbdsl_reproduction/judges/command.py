@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -39,6 +40,10 @@ Out = Annotated[
     Path | None,
     typer.Option("--out", help="Folder for NAME.json, in which only measured rows are replaced."),
 ]
+Resume = Annotated[
+    bool,
+    typer.Option("--resume", help="Keep the conditions that --out has of the same run."),
+]
 
 
 def judge(
@@ -52,11 +57,13 @@ def judge(
     cameras: Cameras = None,
     workers: Workers = 1,
     out: Out = None,
+    resume: Resume = False,
     as_json: Json = False,
 ) -> None:
     """Count successes of the shipped programs by the truth of the simulated world.
 
-    No program sees this truth. Shares have exact (Clopper-Pearson) 95 % intervals.
+    No program sees this truth. Shares have exact (Clopper-Pearson) 95 % intervals. With --out, each
+    finished condition is written immediately, and --resume continues an interrupted run.
 
     Exit 0 if all aims are met, 1 if one is missed, 2 if it cannot run.
     """
@@ -65,7 +72,6 @@ def judge(
     from cbdsl_reproduction.judges.judge import BodyChoice
     from cbdsl_reproduction.judges.judging import Campaign
     from cbdsl_reproduction.judges.registry import JUDGES
-    from cbdsl_reproduction.judges.result import result_of
 
     if list_them:
         _list(as_json)
@@ -83,11 +89,11 @@ def judge(
         seed,
         episodes or chosen.episodes,
     )
+    if resume and out is None:
+        raise UsageError("--resume: which results? name their folder by --out")
     if out is not None:
         _require_writable(out, name)
-    result = result_of(campaign, _run(campaign, workers))
-    if out is not None:
-        _write(out, result)
+    result = _result(campaign, workers, out, resume=resume)
     if as_json:
         print_json(result)
     else:
@@ -117,12 +123,58 @@ def _conditions(judge: Judge, only: list[str] | None) -> tuple[JudgedCondition, 
     return tuple(each for each in judge.conditions if not only or each.name in only)
 
 
-def _run(campaign: Campaign, workers: int) -> Verdicts:
-    from cbdsl.cli.command import Progress, shown_on_failure, termination_interrupts
+def _result(campaign: Campaign, workers: int, out: Path | None, *, resume: bool) -> dict[str, Any]:
+    """Return the result of a campaign, some of whose conditions a file may have already."""
+    from cbdsl_reproduction.judges.kept_result import measured_alike, read_result
+    from cbdsl_reproduction.judges.result import result_of, run_of
 
-    title = campaign.judge.name
-    with termination_interrupts(), shown_on_failure(), Progress(title) as progress:
-        return campaign.run(workers, progress.note)
+    file = None if out is None else out / f"{campaign.judge.name}.json"
+    known = read_result(file) if file is not None and resume else None
+    kept = measured_alike(known, run_of(campaign)) if known else ()
+    rest = tuple(each for each in campaign.conditions if each.name not in kept)
+    if rest:
+        campaign_left = replace(campaign, conditions=rest)
+        result = result_of(campaign_left, _run(campaign_left, workers, out))
+        if out is not None:
+            _write(out, result)
+        if not kept:
+            return result
+    assert file is not None
+    whole = read_result(file) or {}
+    names = [condition.name for condition in campaign.conditions]
+    rows = [row for row in whole["rows"] if row["condition"] in names]
+    return {**whole, "met": all(row["met"] for row in rows), "rows": rows}
+
+
+def _run(campaign: Campaign, workers: int, out: Path | None) -> Verdicts:
+    """Return the verdicts of a campaign, and write each finished condition."""
+    from cbdsl.cli.command import (
+        Progress,
+        print_problem,
+        shown_on_failure,
+        termination_interrupts,
+    )
+    from cbdsl_reproduction.judges.result import result_of
+
+    title, count = campaign.judge.name, 0
+
+    def finished(condition: JudgedCondition, verdicts: Verdicts) -> None:
+        nonlocal count
+        if out is not None:
+            _write(out, result_of(replace(campaign, conditions=(condition,)), verdicts))
+            count += 1
+
+    try:
+        with termination_interrupts(), shown_on_failure(), Progress(title) as progress:
+            return campaign.run(workers, progress.note, finished)
+    except KeyboardInterrupt:
+        file = None if out is None else out / f"{title}.json"
+        print_problem(
+            "interrupted; no result is kept without --out"
+            if file is None
+            else f"interrupted; {file} has {count} finished conditions; --resume continues"
+        )
+        raise
 
 
 def _list(as_json: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from cbdsl_reproduction.judges.judge import BodyChoice, EpisodeVerdict, Judge, J
 
 Verdicts = Mapping[str, Sequence[EpisodeVerdict]]
 Progress = Callable[[int, int], None]
+Finished = Callable[[JudgedCondition, Verdicts], None]
 
 # Parts of a condition's episodes for each process, so that no process waits for long.
 _PARTS = 4
@@ -39,26 +41,30 @@ class Campaign:
         """Seeds of the episodes."""
         return range(self.seed, self.seed + self.episodes)
 
-    def run(self, workers: int, progress: Progress) -> Verdicts:
+    def run(
+        self, workers: int, progress: Progress, finished: Finished = lambda condition, own: None
+    ) -> Verdicts:
         """Return verdicts by condition, ordered by seed and context.
 
         Args:
             workers: Number of parallel processes; no verdict depends on it.
             progress: Function called with the number of finished seeds, and of all.
+            finished: Function called with each finished condition and its verdicts.
         """
         verdicts: dict[str, list[EpisodeVerdict]] = {
             condition.name: [] for condition in self.conditions
         }
         total = len(self.conditions) * self.episodes
-        done = 0
+        by_name = {condition.name: condition for condition in self.conditions}
+        done: Counter[str] = Counter()
         for name, count, part in self._parts(workers):
             verdicts[name] += part
-            done += count
-            progress(done, total)
-        return {
-            name: sorted(own, key=lambda verdict: (verdict.seed, verdict.context))
-            for name, own in verdicts.items()
-        }
+            done[name] += count
+            if done[name] == self.episodes:
+                verdicts[name].sort(key=lambda verdict: (verdict.seed, verdict.context))
+                finished(by_name[name], verdicts)
+            progress(done.total(), total)
+        return verdicts
 
     def _parts(self, workers: int) -> Iterator[tuple[str, int, list[EpisodeVerdict]]]:
         """Yield condition, number of seeds and verdicts of each part of the campaign."""

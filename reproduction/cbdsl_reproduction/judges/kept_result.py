@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -50,4 +50,19 @@ def merged(result: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any
         "met": all(row["met"] for row in rows),
         "rows": rows,
         "measures": {**known["measures"], **result["measures"]},
+    }
+
+
+def measured_alike(known: Mapping[str, Any], run: Mapping[str, Any]) -> Collection[str]:
+    """Return the conditions of a kept result that were measured in the setting of a run.
+
+    Args:
+        known: Kept result of the same judge.
+        run: Values of the keys ``RUN`` of the new run; its command does not count.
+    """
+    setting = {key: run[key] for key in RUN if key != "command"}
+    return {
+        row["condition"]
+        for row in known["rows"]
+        if setting.items() <= dict(row.get("run", known)).items()
     }

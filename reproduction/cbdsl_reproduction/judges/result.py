@@ -31,10 +31,22 @@ def result_of(campaign: Campaign, verdicts: Verdicts) -> dict[str, Any]:
             *_scores(campaign.judge.scores, condition, verdicts),
         )
     ]
-    body = campaign.body
     return {
         "judge": campaign.judge.name,
         "title": campaign.judge.title,
+        **run_of(campaign),
+        "met": all(row["met"] for row in rows),
+        "rows": rows,
+        "measures": {
+            condition.name: _measures(verdicts[condition.name]) for condition in campaign.conditions
+        },
+    }
+
+
+def run_of(campaign: Campaign) -> dict[str, Any]:
+    """Return the setting of a campaign as data for JSON."""
+    body = campaign.body
+    return {
         "command": command_of(campaign),
         "commit": commit(),
         "versions": dict(versions(body.backend)),
@@ -42,11 +54,6 @@ def result_of(campaign: Campaign, verdicts: Verdicts) -> dict[str, Any]:
         "cameras": body.cameras,
         "seed": campaign.seed,
         "episodes": campaign.episodes,
-        "met": all(row["met"] for row in rows),
-        "rows": rows,
-        "measures": {
-            condition.name: _measures(verdicts[condition.name]) for condition in campaign.conditions
-        },
     }
 
 
