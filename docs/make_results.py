@@ -77,7 +77,7 @@ def _rows(
 
 
 def _judged(file: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
-    """Yield the outcomes with aims of a judge's file; those that should not occur, in sum."""
+    """Yield the outcomes with aims of a judge's file, and sums of undesired ones."""
     none: dict[str, list[Mapping[str, Any]]] = {}
     for row in file["rows"]:
         if row["aim"] == "none":

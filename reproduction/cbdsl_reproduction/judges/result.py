@@ -120,7 +120,7 @@ def _scores(
         # Both scores are of the same episodes. Their differences vary less than either score alone.
         pairs = [(each[score.measure], each[score.baseline]) for each in measures]
         own, baseline = (sum(column) / len(pairs) for column in zip(*pairs, strict=True))
-        # Equal predictions tie. A tie misses the aim, whatever rounding makes of the means.
+        # Equal predictions tie. A tie misses the aim, although rounding may separate the means.
         is_tie = all(math.isclose(mine, other, abs_tol=_EQUAL) for mine, other in pairs)
         yield {
             "condition": condition.name,
