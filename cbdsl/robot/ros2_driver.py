@@ -22,6 +22,12 @@ def _problems(driver: Driver) -> Iterator[Problem]:
             yield steps, f"'{address}' is private to a node; give the absolute topic"
         elif not _TOPIC.fullmatch(address) or "__" in address or len(address) > _LONGEST:
             yield steps, f"'{address}' is not a topic of ROS 2, such as /joint_states"
+    for camera in driver.images:
+        if camera not in driver.camera_info:
+            yield ("images", camera), f"'camera_info' lacks camera '{camera}', to compare its lens"
+    for camera in driver.camera_info:
+        if camera not in driver.images and camera not in driver.regions:
+            yield ("camera_info", camera), f"it has neither 'images' nor 'regions' of '{camera}'"
     for option in driver.options:
         yield ("options", option), f"kind ros2 has no option '{option}'"
 

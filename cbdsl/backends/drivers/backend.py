@@ -113,8 +113,14 @@ class DrivenBackend:
             for finger in cells:
                 if (hand, finger) not in read:
                     raise BackendError(f"no driver reads load cell '{hand}.{finger}'")
-        if cameras == "ideal" and not any(d.regions for d in robot.drivers.values()):
+        ideal = cameras == "ideal"
+        views = {c for d in robot.drivers.values() for c in (d.regions if ideal else d.images)}
+        if ideal and not views:
             raise BackendError("no driver has regions; leave --cameras ideal out")
+        # A robot without any view may run programs that need none.
+        for camera in robot.cameras if views else ():
+            if camera not in views:
+                raise BackendError(f"no driver reads camera '{camera}'")
 
     def _columns(self, joints: Sequence[str]) -> NDArray[np.intp]:
         names = self.supervisor.joints.names

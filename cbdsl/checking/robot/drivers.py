@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable
 
 from cbdsl.checking.robot.limits import is_of_another_kind
 from cbdsl.diagnostics.diagnostics import Diagnostics
@@ -29,6 +29,10 @@ _SECTIONS: dict[Step, tuple[str, ...]] = {
 }
 # Units in messages about accelerations of revolute and prismatic joints.
 _ACCELERATIONS = {"rad": "rad/s^2", "m": "m/s^2"}
+# Longest deadline, horizon and skew, s: a robot must not move on for longer without its program.
+_LONGEST = 1.0
+# Streams that several drivers may read.
+_SHARED = ("states", "stop", "description")
 
 
 def check_drivers(
@@ -61,6 +65,7 @@ class _DriverCheck:
             self._units(name, driver)
         self._cover()
         self._shared()
+        self._named_once()
 
     def _kind(self, name: str, driver: Driver) -> None:
         """Report an unknown kind, and the values that a known kind cannot use."""
@@ -117,7 +122,11 @@ class _DriverCheck:
         return all_known(parts) is not UNKNOWN
 
     def _times(self, name: str, driver: Driver) -> None:
-        """Report times that are shorter than a control period."""
+        """Report times that are shorter than a control period, or unsafely long."""
+        for key in ("deadline", "horizon", "skew"):
+            if (getattr(driver, key) or 0.0) > _LONGEST:
+                problem = f"{getattr(driver, key):.4g} s are more than {_LONGEST:g} s"
+                self._problem(name, (key,), problem)
         control = self._source.known(self._robot.control, "control")
         if isinstance(control, Unknown):
             return
@@ -142,20 +151,23 @@ class _DriverCheck:
             self._problem(name, ("moves",), "it has no 'states' of the joints that it moves")
         if not list(addresses(driver)):
             self._problem(name, (), "it has no address, such as 'states'")
-        for other, names in _doubled(driver.joints.items()):
-            self._problem(name, ("joints", names[-1]), f"'{other}' is the name of '{names[0]}' too")
+        if driver.start > driver.tracking:
+            key = "tracking" if self._source.holds("drivers", name, "tracking") else "start"
+            problem = f"'start', {driver.start:g}, is more than 'tracking', {driver.tracking:g}"
+            self._problem(name, (key,), problem)
 
     def _units(self, name: str, driver: Driver) -> None:
-        """Report distances and accelerations of another kind than the joints' positions."""
-        joints = () if self._model is None else self._reported(driver)
-        units = {
-            self._model.joints[joint].unit
-            for joint in joints
-            if self._model is not None and joint in self._model.joints
-        }
+        """Report distances and accelerations that do not fit the joints' positions."""
+        models = {} if self._model is None else self._model.joints
+        joints = [models[joint] for joint in self._reported(driver) if joint in models]
+        units = {joint.unit for joint in joints}
         if len(units) != 1:
             return
         (unit,) = units
+        longest = max(joint.upper - joint.lower for joint in joints)
+        if driver.tracking >= longest and self._source.holds("drivers", name, "tracking"):
+            problem = f"no joint moves by more than {longest:.4g} {unit}, so that none is too far"
+            self._problem(name, ("tracking",), problem)
         for key in ("tracking", "start", "acceleration"):
             path = ("drivers", name, key)
             if self._source.holds(*path):
@@ -186,20 +198,40 @@ class _DriverCheck:
                 self._problem(names[-1], ("moves",), problem)
 
     def _shared(self) -> None:
-        """Report addresses that two drivers write, and sensors that two drivers read."""
-        taken: dict[tuple[str, ...], str] = {}
+        """Report addresses with two roles or writers, and sensors that two drivers read."""
+        streams: dict[tuple[str, str], tuple[str, Steps]] = {}
+        sensors: dict[Steps, str] = {}
+        clashing: set[tuple[str, str]] = set()
         for name, driver in self._robot.drivers.items():
             for steps, address in addresses(driver):
-                # Several drivers may read one stream of joint states, one description and one
-                # emergency stop.
-                if steps[0] in ("states", "stop", "description"):
+                stream = driver.kind, _absolute(address)
+                owner, path = streams.setdefault(stream, (name, steps))
+                if stream in clashing:
                     continue
-                keys = {steps if len(steps) > 1 else (), (steps[0], driver.kind, address)} - {()}
-                for key in keys:
-                    if key in taken:
-                        self._problem(name, steps, f"driver '{taken[key]}' has it already")
-                        break
-                    taken[key] = name
+                if path[0] != steps[0]:
+                    clashing.add(stream)
+                    problem = f"driver '{owner}' has '{address}' as its '{path[0]}' already"
+                    self._problem(name, steps, problem)
+                elif steps[0] in _SHARED:
+                    continue
+                elif (owner, path) != (name, steps):
+                    self._problem(name, steps, f"driver '{owner}' has it already")
+                elif len(steps) > 1 and sensors.setdefault(steps, name) != name:
+                    self._problem(name, steps, f"driver '{sensors[steps]}' has it already")
+
+    def _named_once(self) -> None:
+        """Report joints that have one name in one stream of joint states."""
+        named: dict[tuple[str, str, str], str] = {}
+        for name, driver in self._robot.drivers.items():
+            stream = driver.kind, _absolute(driver.states or driver.commands or "")
+            for joint in self._reported(driver):
+                theirs = driver.joints.get(joint, joint)
+                other = named.setdefault((*stream, theirs), joint)
+                if not theirs.strip():
+                    self._problem(name, ("joints", joint), "its name in messages is empty")
+                elif other != joint:
+                    problem = f"'{theirs}' is the name of '{other}' too"
+                    self._problem(name, ("joints", joint), problem)
 
     def _problem(self, name: str, steps: Iterable[Step], problem: str) -> None:
         path = ("drivers", name, *steps)
@@ -208,9 +240,6 @@ class _DriverCheck:
         self._diagnostics.add("CB322", place, name=name, problem=problem)
 
 
-def _doubled(pairs: Iterable[tuple[str, str]]) -> Iterator[tuple[str, list[str]]]:
-    """Yield each value that several keys have, and these keys."""
-    keys: dict[str, list[str]] = {}
-    for key, value in pairs:
-        keys.setdefault(value, []).append(key)
-    yield from ((value, names) for value, names in keys.items() if len(names) > 1)
+def _absolute(address: str) -> str:
+    """Return an address with one leading slash, because topics may omit it."""
+    return f"/{address.lstrip('/')}"

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cbdsl.api.reading.robots import read_robot
 from cbdsl.backends.drivers.joint_limits import joint_limits
 from cbdsl.backends.drivers.joint_watch import JointWatch
 from cbdsl.backends.drivers.sample import JointSample
-from cbdsl.robot.urdf_reader import parse_urdf
+from cbdsl.robot.urdf_reader import parse_urdf, read_urdf
 from tests.backends.drivers.conftest import NAMES, URDF, robot
 
 EPOCH = 1.7e9
@@ -121,3 +122,17 @@ def test_joint_watch_names_the_joint_that_lags(distance: float, lags: bool) -> N
     joints = watch(tracking=0.1)
     note(joints, 0.0)
     assert joints.lag(np.array([0.0, -distance])).startswith("joint 'second' is") is lags
+
+
+@pytest.mark.parametrize(
+    ("joint", "frozen"), [("left_finger_1", False), ("left_finger_2", False), ("pan", True)]
+)
+def test_fingers_that_press_stand_still_without_being_frozen(joint: str, frozen: bool) -> None:
+    document, urdf = read_robot("dexter")
+    joints = JointWatch(document, joint_limits(document, read_urdf(urdf)))
+    zeros = (0.0,) * len(joints.names)
+    for now in (0.0, 0.07):
+        joints.note(JointSample("body", EPOCH + now, joints.names, zeros, zeros), now, EPOCH + now)
+        references = np.where(np.array(joints.names) == joint, now, 0.0)
+        found = joints.frozen(references)
+    assert bool(found) is frozen

@@ -200,6 +200,8 @@ def test_held_joint_that_lags_brakes_and_does_not_return() -> None:
         rig.ask(tick * np.array([0.03, 0.01]))
         # The first joint is stuck.
         rig.measured[0] = 0.0
+        if rig.supervisor.state is State.HELD:
+            break
     assert "joint 'first' is 0.1" in rig.supervisor.cause
     reached, measured = rig.sent[-1], rig.supervisor.joints.positions.copy()
     for _ in range(40):
@@ -208,6 +210,20 @@ def test_held_joint_that_lags_brakes_and_does_not_return() -> None:
     assert rig.sent[-1][0] >= reached[0], "a return would release the joint with a jerk"
     assert rig.sent[-1][1] == pytest.approx(measured[1], abs=1e-4)
     assert within(rig.limits, rig.sent, rig.period)
+
+
+def test_held_robot_stops_on_a_long_way_back() -> None:
+    rig = Rig(speed=0.05)
+    rig.run()
+    rig.measured = np.array([0.25, 0.0])
+    rig.pass_time(rig.period)
+    rig.tell()
+    rig.supervisor.hold("a person halted it")
+    steps = 0
+    while rig.supervisor.settle(rig.now) is not None and steps < 100:
+        rig.pass_time(rig.period)
+        steps += 1
+    assert 20 <= steps <= 25
 
 
 @pytest.mark.parametrize(("pause", "sends"), [(0.02, True), (0.3, False)])

@@ -105,6 +105,23 @@ def test_supervisor_holds_a_robot_whose_wrench_is_overdue() -> None:
     assert supervisor.cause.startswith("no wrench of load cell")
 
 
+def test_supervisor_counts_ages_from_the_end_of_a_long_tick() -> None:
+    robot, urdf = read_robot("dexter")
+    supervisor = SafetySupervisor(robot, read_urdf(urdf), 1.0 / 60.0, ideal=True)
+    for hand, cells in robot.load_cells.items():
+        for finger, cell in cells.items():
+            supervisor.note(wrench(cell=(hand, finger), frame=cell.link), 0.0, 0.0)
+    for camera in robot.cameras:
+        supervisor.note(RegionsSample("body", camera, 1.0, {}), 0.0, 0.0)
+    supervisor.joints.overdue = lambda now: ""  # type: ignore[method-assign]
+    supervisor.make_ready(0.0)
+    supervisor.resume(0.3)
+    supervisor.check(0.31)
+    assert supervisor.state is State.READY
+    supervisor.check(0.36)
+    assert supervisor.state is State.HELD
+
+
 def test_views_are_taken_when_each_camera_has_a_new_one() -> None:
     sensors = SensorWatch(dexter(), ideal=False)
     sensors.note_view(image("left"), 0.0)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.api.reading.robots import read_robot
 from cbdsl.checking.document import check_document
 from tests.conftest import ROOT
 
@@ -68,7 +69,7 @@ def test_shipped_drivers_have_no_findings(tmp_path: Path) -> None:
         ("    kind", "    joints: {pan: j, tilt: j}\n    kind", "'j' is the name of 'pan' too"),
         (
             "    kind",
-            "    images: {middle: /image}\n    kind",
+            "    images: {middle: /i}\n    camera_info: {middle: /c}\n    kind",
             "CB308 'middle' is not a known camera",
         ),
         ("    kind", "    regions: {left: '9'}\n    kind", "'9' is not a topic of ROS 2"),
@@ -99,3 +100,67 @@ def test_driver_that_cannot_work_is_found(
     assert old in drivers
     found = diagnostics(tmp_path, drivers.replace(old, new, 1))
     assert any(expected in diagnostic for diagnostic in found), found
+
+
+TWO = """
+    kind: ros2
+    moves: [left_arm, left_hand, head]
+    states: /joint_states
+    commands: /left/commands
+    stop: /stop
+    KEYS
+  other:
+    kind: ros2
+    moves: [right_arm, right_hand]
+    states: /joint_states
+    commands: /right/commands
+    stop: /stop
+    MORE
+"""
+
+
+def two(tmp_path: Path, keys: str = "", more: str = "") -> list[str]:
+    """Return the diagnostics of Dexter with two drivers that share two streams."""
+    return diagnostics(tmp_path, TWO.replace("    KEYS\n", keys).replace("    MORE\n", more))
+
+
+def test_drivers_may_share_joint_states_and_an_emergency_stop(tmp_path: Path) -> None:
+    assert two(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("keys", "more", "expected"),
+    [
+        ("    deadline: 5 s\n", "", "'body' cannot be used: 5 s are more than 1 s"),
+        ("    deadline: 50\n", "", "50 s are more than 1 s"),
+        ("    horizon: 2 s\n", "", "2 s are more than 1 s"),
+        ("    skew: 1e9 s\n", "", "1e+09 s are more than 1 s"),
+        ("    skew: -5 ms\n", "", "'-5 ms' given, more than 0 required"),
+        ("    deadline: 5 mm\n", "", "expected time"),
+        ("    state: /joints\n", "", "CB202 unknown key 'state'"),
+        ("    start: 1 rad\n", "", "'start', 1, is more than 'tracking', 0.3"),
+        ("    tracking: 1 deg\n", "", "'start', 0.05, is more than 'tracking'"),
+        ("    tracking: 100 rad\n", "", "no joint moves by more than"),
+        ("    description: /stop\n", "", "driver 'body' has '/stop' as its 'description' already"),
+        ("    description: stop\n", "", "driver 'body' has '/stop' as its 'description' already"),
+        ("", "    images: {left: /left/commands}\n    camera_info: {left: /i}\n",
+         "driver 'body' has '/left/commands' as its 'commands' already"),
+        ("", "    wrenches: {left_hand: {finger_1: /joint_states}}\n",
+         "driver 'body' has '/joint_states' as its 'states' already"),
+        ("    wrenches: {left_hand: {finger_1: /w}}\n",
+         "    wrenches: {left_hand: {finger_1: /x}}\n", "driver 'body' has it already"),
+        ("    wrenches: {left_hand: {finger_1: /w, finger_2: w}}\n", "", "has it already"),
+        ("    joints: {pan: tilt}\n", "", "'tilt' is the name of 'pan' too"),
+        ("    joints: {pan: ''}\n", "", "its name in messages is empty"),
+        ("    joints: {pan: a}\n", "    joints: {RIGHT: a}\n", "'a' is the name of 'pan' too"),
+        ("    images: {left: /l}\n", "", "'camera_info' lacks camera 'left'"),
+        ("    camera_info: {left: /l}\n", "", "neither 'images' nor 'regions' of 'left'"),
+    ],
+)  # fmt: skip
+def test_drivers_with_a_mistake_have_one_finding(
+    keys: str, more: str, expected: str, tmp_path: Path
+) -> None:
+    right = read_robot("dexter")[0].joints("right_arm")[0]
+    found = two(tmp_path, keys, more.replace("RIGHT", right))
+    assert len(found) == 1, found
+    assert expected in found[0]
