@@ -162,7 +162,7 @@ def test_judge_resumes_after_the_finished_conditions(
     measured = _interrupted(monkeypatch, "hard one")
     assert cb(monkeypatch, *arguments) == 130
     told = capsys.readouterr()
-    assert f"interrupted; {file} has 1 finished conditions; --resume continues" in told.err
+    assert f"interrupted; {file} has 1 of 2 conditions; --resume continues" in told.err
     assert {row["condition"] for row in json.loads(file.read_text())["rows"]} == {"easy"}
     assert cb(monkeypatch, *arguments, "--resume") == 1
     assert measured == ["easy", "hard one", "hard one"]

@@ -156,7 +156,7 @@ def _run(campaign: Campaign, workers: int, out: Path | None) -> Verdicts:
     )
     from cbdsl_reproduction.judges.result import result_of
 
-    title, count = campaign.judge.name, 0
+    title, count, total = campaign.judge.name, 0, len(campaign.conditions)
 
     def finished(condition: JudgedCondition, verdicts: Verdicts) -> None:
         nonlocal count
@@ -172,7 +172,7 @@ def _run(campaign: Campaign, workers: int, out: Path | None) -> Verdicts:
         print_problem(
             "interrupted; no result is kept without --out"
             if file is None
-            else f"interrupted; {file} has {count} finished conditions; --resume continues"
+            else f"interrupted; {file} has {count} of {total} conditions; --resume continues"
         )
         raise
 
