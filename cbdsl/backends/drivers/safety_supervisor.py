@@ -84,7 +84,8 @@ class SafetySupervisor:
         self._mismatches: dict[str, str] = {}
         # Differences between each driver's description of the robot and its document.
         self._differences: dict[str, list[str]] = {}
-        self._pressed: set[str] = set()
+        # Drivers and publishers of which the newest message presses the stop.
+        self._pressed: set[tuple[str, int]] = set()
         # Positions that a held robot returns to; ``None`` if its joint states are not trusted.
         self._target: Floats | None = None
         self._settling = 0
@@ -168,10 +169,12 @@ class SafetySupervisor:
 
     def _stop(self, sample: StopSample) -> str:
         self._unstated.discard(sample.driver)
+        # Of several publishers, such as two buttons, each releases its own stop only.
+        button = sample.driver, sample.source
         if not sample.pressed:
-            self._pressed.discard(sample.driver)
+            self._pressed.discard(button)
             return ""
-        self._pressed.add(sample.driver)
+        self._pressed.add(button)
         return f"the emergency stop of driver '{sample.driver}' is pressed" if self.passes else ""
 
     def obstacles(self, surveyed: Iterable[StreamProblem] = ()) -> list[str]:
@@ -194,7 +197,7 @@ class SafetySupervisor:
         for address, text in self._unheard():
             if _absolute(address) not in explained:
                 yield text
-        for driver in sorted(self._pressed):
+        for driver, _ in sorted(self._pressed):
             yield f"the emergency stop of driver '{driver}' is pressed"
 
     def _unheard(self) -> Iterator[tuple[str, str]]:

@@ -95,10 +95,17 @@ class DescriptionSample(NamedTuple):
 
 
 class StopSample(NamedTuple):
-    """State of the emergency stop."""
+    """State of the emergency stop.
+
+    Attributes:
+        driver: Name of the driver.
+        pressed: True if the stop is pressed.
+        source: Number of the publisher; 0 if the transport has none.
+    """
 
     driver: str
     pressed: bool
+    source: int = 0
 
 
 class FaultSample(NamedTuple):

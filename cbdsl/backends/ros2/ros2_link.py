@@ -100,7 +100,7 @@ class Ros2Link:
         """Return the samples that arrived since the last call; see ``DriverLink.poll``."""
         samples: list[Sample] = []
         for each in self._inputs:
-            for message in chain.from_iterable(reader.take(_MOST) for reader in each.readers):
+            for message in chain.from_iterable(map(_taken, each.readers)):
                 if message.sample_info.valid_data:
                     each.count, each.newest = each.count + 1, time.monotonic()
                     samples.append(each.convert(message))
@@ -225,9 +225,9 @@ def _streams(name: str, driver: Driver) -> Iterator[_Stream]:
         described = lambda m: DescriptionSample(name, m.data)  # noqa: E731
         yield "description", driver.description, msg.Text, described, ({"lasting": True},)
     if driver.stop is not None:
-        pressed = lambda m: StopSample(name, bool(m.data))  # noqa: E731
+        pressed = lambda m: StopSample(name, bool(m.data), _source(m))  # noqa: E731
         # A lasting reader gets the state from before its time, but only from lasting writers.
-        qualities = {"reliable": True}, {"lasting": True}
+        qualities = {"reliable": True, "every": True}, {"lasting": True, "every": True}
         yield "stop", driver.stop, msg.Flag, pressed, qualities
     for hand, fingers in driver.wrenches.items():
         for finger, topic in fingers.items():
@@ -240,6 +240,19 @@ def _streams(name: str, driver: Driver) -> Iterator[_Stream]:
         yield "camera_info", topic, msg.CameraInfo, _camera(name, camera), usual
 
 
+def _taken(reader: Any) -> Iterator[Any]:
+    """Yield the messages of a reader, and remove them."""
+    while messages := reader.take(_MOST):
+        yield from messages
+        if len(messages) < _MOST:
+            return
+
+
+def _source(message: Any) -> int:
+    """Return the number of a message's publisher."""
+    return int(message.sample_info.publication_handle)
+
+
 def _joints(driver: str, message: msg.JointState) -> JointSample:
     return JointSample(
         driver,
@@ -248,7 +261,7 @@ def _joints(driver: str, message: msg.JointState) -> JointSample:
         tuple(message.position),
         tuple(message.velocity),
         tuple(message.effort),
-        message.sample_info.publication_handle,
+        _source(message),
     )
 
 

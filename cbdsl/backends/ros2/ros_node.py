@@ -104,7 +104,13 @@ class RosNode:
         return any(endpoints.has_news for endpoints in self._endpoints)
 
     def reader(
-        self, topic: str, message: type[Any], *, lasting: bool = False, reliable: bool = False
+        self,
+        topic: str,
+        message: type[Any],
+        *,
+        lasting: bool = False,
+        reliable: bool = False,
+        every: bool = False,
     ) -> DataReader[Any]:
         """Return a reader of a topic.
 
@@ -114,10 +120,13 @@ class RosNode:
             lasting: True if the newest message before the reader's time is read, too.
             reliable: True if lost messages are sent again; such a reader does not match writers
                 that do not offer it.
+            every: True if all messages are kept until they are taken. Otherwise those of one
+                writer may replace the last one of another.
         """
-        return DataReader(
-            self._participant, self._topic(topic, message), _qos(lasting or reliable, lasting)
-        )
+        qos = _qos(lasting or reliable, lasting)
+        if every:
+            qos = Qos(Policy.History.KeepAll, base=qos)
+        return DataReader(self._participant, self._topic(topic, message), qos)
 
     def writer(
         self,

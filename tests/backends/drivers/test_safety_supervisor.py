@@ -251,6 +251,16 @@ def test_emergency_stop_of_one_driver_does_not_release_that_of_another() -> None
     assert not any("emergency" in obstacle for obstacle in supervisor.obstacles())
 
 
+def test_emergency_stop_of_two_publishers_is_released_by_both() -> None:
+    rig = Rig(stop="/stop")
+    rig.supervisor.rest()
+    for source, pressed in ((1, True), (2, False), (2, True), (1, False)):
+        rig.hear(StopSample("arm", pressed, source))
+        assert "the emergency stop of driver 'arm' is pressed" in rig.supervisor.obstacles()
+    rig.hear(StopSample("arm", False, 2))
+    assert not any("emergency" in obstacle for obstacle in rig.supervisor.obstacles())
+
+
 @pytest.mark.parametrize(("speed", "patience"), [(0.01, 0.5), (0.05, 0.05)])
 def test_patience_is_longer_while_references_stand_only(speed: float, patience: float) -> None:
     rig = Rig()

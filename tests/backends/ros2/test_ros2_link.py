@@ -62,7 +62,8 @@ def test_link_hears_a_stop_that_was_pressed_before(
 ) -> None:
     writer = node.writer("/stop", msg.Flag, lasting=True)
     writer.write(msg.Flag(True))
-    assert polled(opened(), StopSample) == StopSample("arm", True)
+    sample = polled(opened(), StopSample)
+    assert sample == StopSample("arm", True, sample.source)
 
 
 def test_link_hears_a_stop_whose_publisher_keeps_nothing(
@@ -70,7 +71,43 @@ def test_link_hears_a_stop_whose_publisher_keeps_nothing(
 ) -> None:
     writer, link = node.writer("/stop", msg.Flag), opened()
     pressed = polled(link, StopSample, lambda: writer.write(msg.Flag(True)))
-    assert pressed == StopSample("arm", True)
+    assert pressed == StopSample("arm", True, pressed.source)
+
+
+def test_link_tells_the_publishers_of_a_stop_apart(
+    node: RosNode, opened: Callable[[], Ros2Link]
+) -> None:
+    states = {}
+    writers = [node.writer("/stop", msg.Flag, lasting=True) for _ in range(2)]
+    for writer, pressed in zip(writers, (True, False), strict=True):
+        writer.write(msg.Flag(pressed))
+    link, until = opened(), time.monotonic() + _PATIENCE
+    while len(states) < 2 and time.monotonic() < until:
+        states.update({s.source: s.pressed for s in link.poll() if isinstance(s, StopSample)})
+    assert sorted(states.values()) == [False, True]
+    # Both readers of the link name a publisher by the same number.
+    release = writers[0]
+    release.write(msg.Flag(False))
+    while any(states.values()) and time.monotonic() < until:
+        states.update({s.source: s.pressed for s in link.poll() if isinstance(s, StopSample)})
+    assert list(states.values()) == [False, False]
+
+
+def test_link_keeps_a_pressed_stop_among_many_messages(
+    node: RosNode, opened: Callable[[], Ros2Link]
+) -> None:
+    pressing, other = (node.writer("/stop", msg.Flag) for _ in range(2))
+    link, until = opened(), time.monotonic() + _PATIENCE
+    for writer in (pressing, other):
+        polled(link, StopSample, lambda writer=writer: writer.write(msg.Flag(False)))
+    # Nothing is read meanwhile, as while a person answers.
+    pressing.write(msg.Flag(True))
+    for _ in range(200):
+        other.write(msg.Flag(False))
+    found = False
+    while not found and time.monotonic() < until:
+        found = any(isinstance(s, StopSample) and s.pressed for s in link.poll())
+    assert found
 
 
 def test_link_reports_the_end_of_the_last_publisher_of_a_stop(
