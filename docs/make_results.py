@@ -26,10 +26,9 @@ Each table holds the newest judged numbers of a capability.
 Intervals are exact (Clopper-Pearson, 95 %) unless stated otherwise.
 A command, with its commit, stands in the first of its rows.
 Rows without commit are of the first-order control law (commit 55090bcb).
-`cb judge NAME` replaces some named scripts.
+[`cb judge NAME`](how_to/judge_behaviour.md) replaces some named scripts.
 Seeds from 7000000 are [judging seeds](seeds.md).
 No listed seed influenced a choice, except where a remark says so.
-[Judge behaviour](how_to/judge_behaviour.md) explains `cb judge`.
 The machine has two shared cores and no GPU.
 "Ideal" and "rendered" name the cameras of the [engines](how_to/choose_an_engine.md).
 [Reproduction](reproduction/index.md) holds the results that the dissertation reports.
