@@ -88,6 +88,16 @@ def test_limiter_turns_endless_joints_without_position_limits() -> None:
     assert limiter.velocities[0] == 2.0
 
 
+def test_limiter_starts_at_rest_after_each_reset() -> None:
+    limiter = Limiter(limits(2.0, 40.0), PERIOD)
+    for _ in range(5):
+        limiter.approach(np.array([1.0]))
+    assert not limiter.stands
+    limiter.reset(np.array([0.5]))
+    assert limiter.stands
+    assert limiter.brake()[0] == 0.5
+
+
 def test_limiter_lets_a_joint_that_starts_outside_return() -> None:
     limiter = Limiter(limits(1.0, 20.0), PERIOD)
     limiter.reset(np.array([1.02]))

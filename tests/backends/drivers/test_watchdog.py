@@ -85,6 +85,23 @@ def test_watchdog_holds_after_its_own_suspension() -> None:
     assert rest[-1] == rest[-2], "it stands"
 
 
+def test_watchdog_stops_only_once_the_robot_stands() -> None:
+    slow = JointLimits(*(np.array([v]) for v in (-100.0, 100.0, 2.0, 0.5, math.inf)))
+    dog, now, sent = Watchdog(slow, PERIOD, DEADLINE, start=0.05), 0.0, [0.0]
+    dog.note_positions(np.zeros(1))
+    dog.request(np.zeros(1), now)
+    for tick in range(800):
+        now = tick * PERIOD
+        # The program ends while the robot moves at 2 rad/s, and braking takes 4 s.
+        if tick < 250:
+            dog.request(np.array([90.0]), now)
+        if (references := dog.tick(now)) is not None:
+            sent.append(float(references[0]))
+    assert dog.phase is WatchdogPhase.STOPPED
+    assert sent[-1] == sent[-2], "the last reference stands"
+    assert np.abs(np.diff(sent, 2)).max() <= 0.5 * PERIOD**2 + 1e-9
+
+
 @pytest.mark.parametrize("phase", [WatchdogPhase.HOLDING, WatchdogPhase.STOPPED])
 def test_watchdog_never_leaves_a_hold(phase: WatchdogPhase) -> None:
     dog = guarding()
