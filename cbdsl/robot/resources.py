@@ -84,6 +84,7 @@ SOLID_PARTS = {
     "top": POSITION,
     "placed": POSITION,
     "above": ORIENTATION,
+    "beside": ORIENTATION,
 }
 _LOAD_PARTS = {"force": FORCE, "torque": TORQUE, "wrench": WRENCH}
 

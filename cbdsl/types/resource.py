@@ -180,7 +180,8 @@ class SolidSignal(NamedTuple):
     Attributes:
         channel: Channel of the object.
         other: Channel of the object whose level it stands on.
-        part: ``length``, ``width``, ``height``, ``bulk``, ``top``, ``placed`` or ``above``.
+        part: ``length``, ``width``, ``height``, ``bulk``, ``top``, ``placed``, ``above`` or
+            ``beside``.
     """
 
     channel: str

@@ -126,13 +126,30 @@ class Solid:
         Args:
             centre: Place of the object, m, world frame, shape (3,).
         """
+        x, y = self._lengthwise(centre)
+        return np.array([[x, y, 0.0], [y, -x, 0.0], [0.0, 0.0, -1.0]])
+
+    def facing_aside(self, centre: Floats) -> Floats:
+        """Return the orientation of a tip beside the object, shape (3, 3).
+
+        It is the orientation above the object, turned up by a quarter turn about its y axis. The
+        z axis is level and points to the object, and the x axis points up.
+
+        Args:
+            centre: Place of the object, m, world frame, shape (3,).
+        """
+        x, y = self._lengthwise(centre)
+        return np.array([[0.0, y, x], [0.0, -x, y], [1.0, 0.0, 0.0]])
+
+    def _lengthwise(self, centre: Floats) -> tuple[float, float]:
+        """Return the horizontal direction along the longer extent, away from the base."""
         away = centre[:2] / max(math.hypot(*centre[:2].tolist()), 1e-9)
         along, across = self.extents
         if along > _ROUND * across:
             direction = np.linalg.eigh(self.footprint)[1][:, 1]
             away = direction if direction.dot(away) >= 0.0 else -direction
         x, y = away.tolist()
-        return np.array([[x, y, 0.0], [y, -x, 0.0], [0.0, 0.0, -1.0]])
+        return x, y
 
 
 def extents_of(footprint: Floats) -> tuple[float, float]:

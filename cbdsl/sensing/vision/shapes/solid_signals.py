@@ -86,6 +86,8 @@ class SolidSignals:
             return np.array([*centre[:2].tolist(), solid.top])
         if part == "above":
             return solid.facing_down(centre)
+        if part == "beside":
+            return solid.facing_aside(centre)
         along, across = solid.extents
         sizes = {"length": along, "width": across, "height": solid.height, "bulk": solid.bulk}
         return np.array([sizes[part]])
