@@ -1,6 +1,7 @@
 """Names of signals of two channels: ``left.red.to.blue`` compares red with blue.
 
-``stereo.red.on.green.width`` is the width of the red object, on the level of the green one.
+``stereo.red.on.green.width`` is the width of the red object, on the level of the green one, and
+``stereo.red.on.green.beside.right_arm`` an orientation of that arm beside it.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from cbdsl.robot.resources import SOLID_PARTS, STEREO
+from cbdsl.robot.resources import APPROACH_PARTS, SOLID_PARTS, STEREO
 from cbdsl.types.resource import (
     CYCLOPEAN,
     ConstellationSignal,
@@ -16,6 +17,7 @@ from cbdsl.types.resource import (
     Resource,
     SolidSignal,
     StereoOffset,
+    Tip,
 )
 from cbdsl.types.resource_type import CONSTELLATION, OFFSET
 from cbdsl.types.source_record import camera_of, channel_of, is_located
@@ -31,11 +33,13 @@ class PairName(NamedTuple):
         first: Heading or position of the compared channel.
         second: Heading or position of the channel of comparison.
         part: Part of the first object's size, on the level of the second object; empty otherwise.
+        effector: Effector whose tip the part is of; empty otherwise.
     """
 
     first: Resource
     second: Resource
     part: str = ""
+    effector: str = ""
 
     @property
     def is_of_one(self) -> bool:
@@ -46,8 +50,9 @@ class PairName(NamedTuple):
         """Return the signal of both channels, by its whole name."""
         first, second = channel_of(self.first.source), channel_of(self.second.source)
         if self.part:
-            size = SolidSignal(first, second, self.part)
-            return Resource(name, SOLID_PARTS[self.part], Origin.TRIANGULATION, size)
+            size = SolidSignal(first, second, self.part, self.effector)
+            kind = (APPROACH_PARTS if self.effector else SOLID_PARTS)[self.part]
+            return Resource(name, kind, Origin.TRIANGULATION, size)
         if is_located(self.first.source):
             offset = StereoOffset(first, second)
             return Resource(name, OFFSET, Origin.TRIANGULATION, offset)
@@ -63,7 +68,7 @@ def parse_pair(name: str, named: Mapping[str, Resource]) -> PairName | None:
         named: Resources of the robot by name.
     """
     parts = name.split(".")
-    if not (len(parts) == 4 and parts[2] == _TO) and not _is_size(parts):
+    if not (len(parts) == 4 and parts[2] == _TO) and not _is_size(parts, named):
         return None
     first, second = named.get(f"{parts[0]}.{parts[1]}"), named.get(f"{parts[0]}.{parts[3]}")
     if first is None or second is None or not (_has_blobs(first) and _has_blobs(second)):
@@ -94,9 +99,14 @@ def pair_features(
     return {key: each for key, each in signals.items() if each is not None}
 
 
-def _is_size(parts: Sequence[str]) -> bool:
+def _is_size(parts: Sequence[str], named: Mapping[str, Resource]) -> bool:
     """Return whether the parts of a name are those of an object's size on a level."""
-    return len(parts) == 5 and parts[0] == STEREO and parts[2] == _ON and parts[4] in SOLID_PARTS
+    if parts[0] != STEREO or parts[2:3] != [_ON]:
+        return False
+    if len(parts) == 6:
+        tip = named.get(f"{parts[5]}.orientation")
+        return parts[4] in APPROACH_PARTS and tip is not None and isinstance(tip.source, Tip)
+    return len(parts) == 5 and parts[4] in SOLID_PARTS
 
 
 def _has_blobs(resource: Resource) -> bool:

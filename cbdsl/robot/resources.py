@@ -84,8 +84,9 @@ SOLID_PARTS = {
     "top": POSITION,
     "placed": POSITION,
     "above": ORIENTATION,
-    "beside": ORIENTATION,
 }
+#: Signals of such an object that depend on an effector with a tip, whose name follows.
+APPROACH_PARTS = {"beside": ORIENTATION}
 _LOAD_PARTS = {"force": FORCE, "torque": TORQUE, "wrench": WRENCH}
 
 

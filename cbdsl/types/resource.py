@@ -182,11 +182,13 @@ class SolidSignal(NamedTuple):
         other: Channel of the object whose level it stands on.
         part: ``length``, ``width``, ``height``, ``bulk``, ``top``, ``placed``, ``above`` or
             ``beside``.
+        effector: Effector whose tip is beside the object; empty otherwise.
     """
 
     channel: str
     other: str
     part: str
+    effector: str = ""
 
     @property
     def pair(self) -> tuple[str, str]:

@@ -38,6 +38,8 @@ _LEAST = 4e-3
 _NEWEST = 0.1
 # Least ratio of horizontal extents with a direction, as measurements of a round object differ.
 _ROUND = 1.15
+# Least ratio of the extents of an object whose shorter one has to be between the fingers.
+_SLENDER = 1.6
 
 
 class Silhouette(NamedTuple):
@@ -126,30 +128,40 @@ class Solid:
         Args:
             centre: Place of the object, m, world frame, shape (3,).
         """
-        x, y = self._lengthwise(centre)
-        return np.array([[x, y, 0.0], [y, -x, 0.0], [0.0, 0.0, -1.0]])
-
-    def facing_aside(self, centre: Floats) -> Floats:
-        """Return the orientation of a tip beside the object, shape (3, 3).
-
-        It is the orientation above the object, turned up by a quarter turn about its y axis. The
-        z axis is level and points to the object, and the x axis points up.
-
-        Args:
-            centre: Place of the object, m, world frame, shape (3,).
-        """
-        x, y = self._lengthwise(centre)
-        return np.array([[0.0, y, x], [0.0, -x, y], [1.0, 0.0, 0.0]])
-
-    def _lengthwise(self, centre: Floats) -> tuple[float, float]:
-        """Return the horizontal direction along the longer extent, away from the base."""
-        away = centre[:2] / max(math.hypot(*centre[:2].tolist()), 1e-9)
+        away = _direction(centre[:2])
         along, across = self.extents
         if along > _ROUND * across:
             direction = np.linalg.eigh(self.footprint)[1][:, 1]
             away = direction if direction.dot(away) >= 0.0 else -direction
         x, y = away.tolist()
-        return x, y
+        return np.array([[x, y, 0.0], [y, -x, 0.0], [0.0, 0.0, -1.0]])
+
+    def facing_aside(self, centre: Floats, base: Floats) -> Floats:
+        """Return the orientation of a tip beside the object, shape (3, 3).
+
+        Its x axis points up. Its z axis is level and points away from the base, along a horizontal
+        extent of the object: along the longer one of a long object, and else along the nearest.
+
+        Args:
+            centre: Place of the object, m, world frame, shape (3,).
+            base: Place of the first joint that moves the tip, m, world frame, shape (3,).
+        """
+        away = _direction(centre[:2] - base[:2])
+        along, across = self.extents
+        if along > _ROUND * across:
+            axes = np.linalg.eigh(self.footprint)[1]
+            shares = axes.T.dot(away)
+            is_long = along > _SLENDER * across
+            column = 1 if is_long else int(np.argmax(np.abs(shares)))
+            away = math.copysign(1.0, shares[column]) * axes[:, column]
+        x, y = away.tolist()
+        return np.array([[0.0, y, x], [0.0, -x, y], [1.0, 0.0, 0.0]])
+
+
+def _direction(vector: Floats) -> Floats:
+    """Return a horizontal vector of length 1, shape (2,)."""
+    direction: Floats = vector / max(math.hypot(*vector.tolist()), 1e-9)
+    return direction
 
 
 def extents_of(footprint: Floats) -> tuple[float, float]:

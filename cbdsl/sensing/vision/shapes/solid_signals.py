@@ -11,6 +11,7 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.sensing.touch.touch import Touch
+from cbdsl.sensing.vision.distances import Distances
 from cbdsl.sensing.vision.shapes.solid import Silhouette, Solid
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.types.resource import Resource, SolidSignal
@@ -24,13 +25,20 @@ class SolidSignals:
         robot: Robot document with two cameras.
         vision: Regions and memories of the cameras.
         touch: Contacts of the hands.
+        distances: Places of the bases of effectors.
         resources: Resources of the program.
     """
 
     def __init__(
-        self, robot: RobotDocument, vision: Vision, touch: Touch, resources: Iterable[Resource]
+        self,
+        robot: RobotDocument,
+        vision: Vision,
+        touch: Touch,
+        distances: Distances,
+        resources: Iterable[Resource],
     ) -> None:
         self._robot, self._vision, self._touch = robot, vision, touch
+        self._distances = distances
         self._solids = {source.pair: Solid() for source in sources_of(resources, SolidSignal)}
 
     def reset(self) -> None:
@@ -71,7 +79,11 @@ class SolidSignals:
             return None
         if source.part == "placed":
             return self._placed(solid, source.other)
-        return Reading(self._value(source.part, solid, memory.position), None, self._vision.images)
+        if source.part == "beside":
+            value = solid.facing_aside(memory.position, self._distances.bases(source.effector)[0])
+        else:
+            value = self._value(source.part, solid, memory.position)
+        return Reading(value, None, self._vision.images)
 
     def _placed(self, solid: Solid, other: str) -> Reading | None:
         """Return the place of an object's centre when it stands on the other object, m."""
@@ -86,8 +98,6 @@ class SolidSignals:
             return np.array([*centre[:2].tolist(), solid.top])
         if part == "above":
             return solid.facing_down(centre)
-        if part == "beside":
-            return solid.facing_aside(centre)
         along, across = solid.extents
         sizes = {"length": along, "width": across, "height": solid.height, "bulk": solid.bulk}
         return np.array([sizes[part]])
