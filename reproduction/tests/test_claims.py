@@ -44,6 +44,8 @@ def judged(program: str, contexts: list[str], seed: int) -> list[EpisodeVerdict]
     ("program", "context", "claimed"),
     [
         ("deliver", "soup_can", True),
+        ("bring_from_side", "wine_bottle", True),
+        ("deliver", "bottle", True),
         ("deliver", "canister", False),
         ("deliver", "cereal_box", False),
         ("deliver", "carton", True),

@@ -1,7 +1,8 @@
 """Whether ``deliver`` places everyday objects, or refuses them before an arm moves.
 
 The stage ``other_objects`` has objects of sizes for which no bound was chosen, except for the
-chisel. Which objects count as placed and which as refused was set after runs on development seeds.
+chisel. ``tall_objects`` has objects that are taken from the side, chosen with that grasp. Which
+objects count as placed and which as refused was set after runs on development seeds.
 Some large objects are weighed by a first lift: they are placed, or put back where they stood, or
 refused before motion if they are out of reach of both hands.
 """
@@ -41,6 +42,7 @@ _PLACED = {
         "jar", "mug", "tennis_ball", "softball", "screwdriver",
     ),
     "other_objects": ("tin", "cube", "soap", "shampoo", "handball", "candle", "chisel", "marble"),
+    "tall_objects": ("wine_bottle", "spray_can", "vase", "milk", "pasta", "tube"),
 }  # fmt: skip
 _REFUSED = {
     "everyday_objects": (

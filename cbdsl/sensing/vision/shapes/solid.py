@@ -38,8 +38,6 @@ _LEAST = 4e-3
 _NEWEST = 0.1
 # Least ratio of horizontal extents with a direction, as measurements of a round object differ.
 _ROUND = 1.15
-# Least ratio of the extents of an object whose shorter one has to be between the fingers.
-_SLENDER = 1.6
 
 
 class Silhouette(NamedTuple):
@@ -139,8 +137,8 @@ class Solid:
     def facing_aside(self, centre: Floats, base: Floats) -> Floats:
         """Return the orientation of a tip beside the object, shape (3, 3).
 
-        Its x axis points up. Its z axis is level and points away from the base, along a horizontal
-        extent of the object: along the longer one of a long object, and else along the nearest.
+        Its x axis points up. Its z axis is level and points away from the base: along the nearest
+        horizontal axis of the object, or straight away if the object is round.
 
         Args:
             centre: Place of the object, m, world frame, shape (3,).
@@ -151,9 +149,8 @@ class Solid:
         if along > _ROUND * across:
             axes = np.linalg.eigh(self.footprint)[1]
             shares = axes.T.dot(away)
-            is_long = along > _SLENDER * across
-            column = 1 if is_long else int(np.argmax(np.abs(shares)))
-            away = math.copysign(1.0, shares[column]) * axes[:, column]
+            nearest = int(np.argmax(np.abs(shares)))
+            away = math.copysign(1.0, shares[nearest]) * axes[:, nearest]
         x, y = away.tolist()
         return np.array([[0.0, y, x], [0.0, -x, y], [1.0, 0.0, 0.0]])
 
