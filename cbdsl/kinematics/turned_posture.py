@@ -18,6 +18,7 @@ import numpy as np
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.coordinate_ascent import ascend
 from cbdsl.kinematics.kinematics import Frame, Kinematics
+from cbdsl.kinematics.start_posture import start_positions
 from cbdsl.numeric.arrays import Floats
 
 # Candidates of a joint, and the parts of its range at both ends that are left out.
@@ -59,7 +60,7 @@ class TurnedPosture:
         self._tip = tip
         self._own = kinematics.joints.of(effector)
         self._postures = tuple(robot.effectors[effector].postures.values())
-        self._start = _start_positions(robot, kinematics)
+        self._start = start_positions(robot, kinematics)
         start = self._start[self._own]
         lower, upper = kinematics.lower[self._own], kinematics.upper[self._own]
         self._lower = np.where(np.isfinite(lower), lower, start - _HALF)
@@ -133,11 +134,3 @@ class TurnedPosture:
                 half = _INNER * math.atan2(size / 2, camera.focal_length)
                 total += max(0.0, abs(math.atan2(side, x)) - half) ** 2
         return total
-
-
-def _start_positions(robot: RobotDocument, kinematics: Kinematics) -> Floats:
-    """Return the positions of all joints at the start of an episode, rad or m, shape (n,)."""
-    positions = np.minimum(np.maximum(0.0, kinematics.lower), kinematics.upper)
-    for name, posture in robot.start_postures.items():
-        positions[kinematics.joints.of(name)] = posture
-    return positions

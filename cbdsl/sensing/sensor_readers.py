@@ -47,7 +47,7 @@ class SensorReaders:
         self.distances = Distances(robot, kinematics, self.sight)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
         self.surfaces = Surfaces(robot, self.vision, resources)
-        self.solids = SolidSignals(robot, self.vision, self.touch, self.distances, resources)
+        self.solids = SolidSignals(robot, kinematics, self.vision, self.touch, resources)
         self.novelty = Novelty(robot, kinematics, self.vision, resources)
         self.marks = Marks(robot, kinematics, self.vision, resources)
         # These readers follow the objects that vision has matched.

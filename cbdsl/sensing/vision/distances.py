@@ -6,7 +6,6 @@ import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.sensing.vision.visual_signals import VisualSignals
 from cbdsl.types.resource import ObjectDistance, StereoPosition
@@ -32,12 +31,9 @@ class Distances:
         seen = self._sight.position(StereoPosition(source.channel, source.instance), ())
         if seen is None:
             return None
-        distances = np.linalg.norm(self.bases(source.effector) - seen.value, axis=1)
+        bases = self._kinematics.origins(self._first_joints(source.effector), ())
+        distances = np.linalg.norm(bases - seen.value, axis=1)
         return Reading(distances.min(keepdims=True), None, seen.stamp)
-
-    def bases(self, effector: str) -> Floats:
-        """Return the places of the members' first joints, m, world frame, shape (members, 3)."""
-        return self._kinematics.origins(self._first_joints(effector), ())
 
     def _first_joints(self, effector: str) -> tuple[str, ...]:
         """Return the joint of each member that moves all its other joints."""

@@ -134,17 +134,17 @@ class Solid:
         x, y = away.tolist()
         return np.array([[x, y, 0.0], [y, -x, 0.0], [0.0, 0.0, -1.0]])
 
-    def facing_aside(self, centre: Floats, base: Floats) -> Floats:
+    def facing_aside(self, centre: Floats, start: Floats) -> Floats:
         """Return the orientation of a tip beside the object, shape (3, 3).
 
-        Its x axis points up. Its z axis is level and points away from the base: along the nearest
+        Its x axis points up. Its z axis is level and points away from the start: along the nearest
         horizontal axis of the object, or straight away if the object is round.
 
         Args:
             centre: Place of the object, m, world frame, shape (3,).
-            base: Place of the first joint that moves the tip, m, world frame, shape (3,).
+            start: Place from which the tip comes, m, world frame, shape (3,).
         """
-        away = _direction(centre[:2] - base[:2])
+        away = _direction(centre[:2] - start[:2])
         along, across = self.extents
         if along > _ROUND * across:
             axes = np.linalg.eigh(self.footprint)[1]

@@ -7,11 +7,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.start_posture import start_place
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.table.reading import Reading
 from cbdsl.sensing.touch.touch import Touch
-from cbdsl.sensing.vision.distances import Distances
 from cbdsl.sensing.vision.shapes.solid import Silhouette, Solid
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.types.resource import Resource, SolidSignal
@@ -23,23 +24,25 @@ class SolidSignals:
 
     Args:
         robot: Robot document with two cameras.
+        kinematics: Kinematics of the same robot.
         vision: Regions and memories of the cameras.
         touch: Contacts of the hands.
-        distances: Places of the bases of effectors.
         resources: Resources of the program.
     """
 
     def __init__(
         self,
         robot: RobotDocument,
+        kinematics: Kinematics,
         vision: Vision,
         touch: Touch,
-        distances: Distances,
         resources: Iterable[Resource],
     ) -> None:
         self._robot, self._vision, self._touch = robot, vision, touch
-        self._distances = distances
-        self._solids = {source.pair: Solid() for source in sources_of(resources, SolidSignal)}
+        sources = list(sources_of(resources, SolidSignal))
+        self._solids = {source.pair: Solid() for source in sources}
+        effectors = {source.effector for source in sources if source.effector}
+        self._starts = {name: start_place(robot, kinematics, name) for name in effectors}
 
     def reset(self) -> None:
         """Forget the previous episode."""
@@ -80,7 +83,7 @@ class SolidSignals:
         if source.part == "placed":
             return self._placed(solid, source.other)
         if source.part == "beside":
-            value = solid.facing_aside(memory.position, self._distances.bases(source.effector)[0])
+            value = solid.facing_aside(memory.position, self._starts[source.effector])
         else:
             value = self._value(source.part, solid, memory.position)
         return Reading(value, None, self._vision.images)

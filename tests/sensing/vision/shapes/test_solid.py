@@ -95,20 +95,20 @@ def test_solid_of_a_round_object_turns_the_tip_away_from_the_robot() -> None:
 def test_solid_of_an_edged_object_turns_a_level_tip_along_its_nearest_axis(
     yaw: float, y: float, side: float
 ) -> None:
-    place, base = np.array([0.6, y]), np.array([0.0, side, 0.2])
-    tip = seen(0.12, 0.06, 0.2, yaw, place).facing_aside(np.array([*place, 0.0]), base)
+    place, start = np.array([0.6, y]), np.array([0.0, side, 0.2])
+    tip = seen(0.12, 0.06, 0.2, yaw, place).facing_aside(np.array([*place, 0.0]), start)
     assert tip.T @ tip == pytest.approx(np.eye(3)) and np.linalg.det(tip) == pytest.approx(1.0)
     assert tip[:, 0] == pytest.approx([0.0, 0.0, 1.0])
     along = abs(tip[:2, 2] @ [math.cos(yaw), math.sin(yaw)])
     assert max(along, math.sqrt(1.0 - min(along, 1.0) ** 2)) > math.cos(math.radians(3))
-    away = place - base[:2]
+    away = place - start[:2]
     assert tip[:2, 2] @ away / np.linalg.norm(away) > math.cos(math.radians(49))
 
 
-def test_solid_of_a_round_object_turns_a_level_tip_away_from_the_base_of_the_arm() -> None:
-    place, base = np.array([0.6, -0.2]), np.array([0.1, -0.15, 0.3])
-    tip = seen(0.08, 0.08, 0.2, 0.0, place).facing_aside(np.array([*place, 0.0]), base)
-    assert tip[:2, 2] == pytest.approx((place - base[:2]) / np.linalg.norm(place - base[:2]))
+def test_solid_of_a_round_object_turns_a_level_tip_away_from_its_start() -> None:
+    place, start = np.array([0.6, -0.2]), np.array([0.1, -0.15, 0.3])
+    tip = seen(0.08, 0.08, 0.2, 0.0, place).facing_aside(np.array([*place, 0.0]), start)
+    assert tip[:2, 2] == pytest.approx((place - start[:2]) / np.linalg.norm(place - start[:2]))
 
 
 def test_solid_without_measurement_is_unknown() -> None:
