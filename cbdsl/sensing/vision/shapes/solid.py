@@ -137,8 +137,8 @@ class Solid:
     def facing_aside(self, centre: Floats, start: Floats) -> Floats:
         """Return the orientation of a tip beside the object, shape (3, 3).
 
-        Its x axis points up. Its z axis is level and points away from the start: along the nearest
-        horizontal axis of the object, or straight away if the object is round.
+        Its x axis points up. Its z axis is level and points away from the start, along the nearest
+        horizontal axis of the object. If the object is round, it points straight away.
 
         Args:
             centre: Place of the object, m, world frame, shape (3,).
