@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from cbdsl.api.reading.robots import read_robot
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.drivers.backend import DrivenBackend
 from cbdsl.backends.drivers.safety_supervisor import SafetySupervisor, State
 from cbdsl.backends.drivers.sample import CameraSample, ImageSample, RegionsSample, WrenchSample
 from cbdsl.backends.drivers.sensor_watch import SensorWatch
@@ -151,3 +153,23 @@ def test_camera_info_with_another_focal_length_differs(share: float, differs: bo
 def test_camera_info_with_another_size_differs() -> None:
     found = SensorWatch(dexter(), ideal=False).note_camera(info(width=1))
     assert found.startswith("camera 'left' has 1 x ")
+
+
+@pytest.mark.parametrize("ideal", [False, True])
+def test_robot_of_which_one_camera_is_not_read_is_refused(ideal: bool) -> None:
+    robot, urdf = read_robot("dexter")
+    key = "regions" if ideal else "images"
+    views = {"left": getattr(robot.drivers["body"], key)["left"]}
+    body = robot.drivers["body"].model_copy(update={key: views})
+    partial = robot.model_copy(update={"drivers": {"body": body}})
+    with pytest.raises(BackendError, match="no driver reads camera 'right'"):
+        DrivenBackend(partial, urdf, cameras="ideal" if ideal else None)
+
+
+def test_robot_of_which_one_effector_is_not_moved_is_refused() -> None:
+    robot, urdf = read_robot("dexter")
+    moves = tuple(name for name in robot.drivers["body"].moves if name != "left_arm")
+    body = robot.drivers["body"].model_copy(update={"moves": moves})
+    partial = robot.model_copy(update={"drivers": {"body": body}})
+    with pytest.raises(BackendError, match="no driver of robot 'dexter' moves effector 'left_arm'"):
+        DrivenBackend(partial, urdf)
