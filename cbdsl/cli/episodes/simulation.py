@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.backends.engines import default_engine
+from cbdsl.backends.engines import default_engine, extra_advice
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.robot.urdf import UrdfError
 
@@ -39,8 +39,9 @@ def needing_simulation() -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
+        extra = "ros2" if (error.name or "").split(".")[0] == "cyclonedds" else "sim"
         raise UsageError(
-            f"running needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
+            f"running needs {error.name}, which is not installed: {extra_advice(extra)}"
         ) from error
     except ImportError as error:
         # A package is installed, but it lacks a system library, such as libgomp.
