@@ -3,8 +3,9 @@
 The stage ``other_objects`` has objects of sizes for which no bound was chosen, except for the
 chisel. ``tall_objects`` has objects that are taken from the side, chosen with that grasp. Which
 objects count as placed and which as refused was set after runs on development seeds.
-Some large objects are weighed by a first lift: they are placed, or put back where they stood, or
-refused before motion if they are out of reach of both hands.
+Large objects for both hands are placed, or refused before motion if they are out of reach.
+Some heavy objects are weighed by a first lift: they are placed, or put back where they stood, or
+refused before motion.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ _STILL = 0.05
 # Largest distance of an object that is put back from its first place, m, and least cosine of the
 # angle between the vertical axes in its frame, at the first tick and at the end: 8 degrees.
 _NEAR, _UPRIGHT = 0.1, 0.99
-#: Objects that are placed, that are refused, and that are weighed, by stage.
+#: Objects that are placed, that are refused, that are either, and that are weighed, by stage.
 _PLACED = {
     "everyday_objects": (
         "die", "golf_ball", "block", "matchbox", "carton", "soup_can", "tuna_can", "bottle",
@@ -51,7 +52,8 @@ _REFUSED = {
     ),
     "other_objects": ("plate", "crate", "detergent", "rod"),
 }  # fmt: skip
-_WEIGHED = {"everyday_objects": ("parcel", "paint_can", "canister")}
+_EITHER = {"everyday_objects": ("parcel",), "other_objects": ("hatbox", "chest", "drum")}
+_WEIGHED = {"everyday_objects": ("paint_can", "canister")}
 
 
 class _Delivery(Watch):
@@ -85,7 +87,8 @@ class _Delivery(Watch):
             "put back": is_failure and self._turn >= _STILL and self._is_back(),
             "false success": bool(fault),
         }
-        handled = any(outcomes[name] for name in ("placed", "refused before motion", "put back"))
+        outcomes["placed or refused"] = outcomes["placed"] or outcomes["refused before motion"]
+        handled = outcomes["placed or refused"] or outcomes["put back"]
         outcomes["placed, refused or put back"] = handled
         return EpisodeVerdict(result.seed, outcomes, result.sim_seconds, fault or result.ending)
 
@@ -106,6 +109,12 @@ class _Delivery(Watch):
 def _conditions() -> tuple[JudgedCondition, ...]:
     """Return each object of both stages."""
     most, conditions = Aim(0.9), []
+    either = {
+        "placed": ANY,
+        "refused before motion": ANY,
+        "placed or refused": most,
+        "false success": NONE,
+    }
     weighed = {
         "placed": ANY,
         "refused before motion": ANY,
@@ -116,6 +125,7 @@ def _conditions() -> tuple[JudgedCondition, ...]:
     for objects, aims in (
         (_PLACED, {"placed": most, "refused before motion": ANY, "false success": NONE}),
         (_REFUSED, {"placed": ANY, "refused before motion": most, "false success": NONE}),
+        (_EITHER, either),
         (_WEIGHED, weighed),
     ):
         conditions += [
