@@ -69,7 +69,8 @@ def test_survey_of_an_object_names_the_reason_of_a_refusal_and_moves_no_arm(
     [
         ("parcel", 90_302, ""),
         ("parcel", 90_303, "out of reach of the left hand"),
-        ("paint_can", 90_301, ""),
+        ("paint_can", 90_301, "out of reach of both hands"),
+        ("paint_can", 90_302, ""),
         ("play_ball", 90_301, "may roll away between the hands"),
         ("tray", 90_301, "too low for both hands"),
         ("cereal_box", 90_301, "no wider than one hand"),
