@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import yaml
 
 from cbdsl.checking.knowledge.staleness import LEARNED, changed_inputs
-from cbdsl.documents.kinds import kind_of
+from cbdsl.documents.kinds import KINDS, kind_of
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
@@ -82,10 +82,15 @@ def learn(each: Learned, folder: Path) -> None:
     for words in commands(each.data):
         subprocess.run([_CB, *words[1:]], cwd=folder, check=True)
     for path in sorted(folder.glob("**/*.yaml")):
-        kind = yaml.safe_load(path.read_text("utf-8"))["kind"]
-        target = ROOT / "knowledge" / {"policy": "policies"}.get(kind, f"{kind}s") / path.name
+        kind, target = shipped(path)
         if kind != "model" or target.exists():
             target.write_bytes(path.read_bytes())
+
+
+def shipped(path: Path) -> tuple[str, Path]:
+    """Return the kind of a document, and the path at which it is shipped."""
+    kind = yaml.safe_load(path.read_text("utf-8"))["kind"]
+    return kind, ROOT / KINDS.get(kind).folder / path.name
 
 
 def main(names: Sequence[str]) -> int:
