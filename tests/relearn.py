@@ -43,8 +43,9 @@ class Learned(NamedTuple):
         provenance = self.data["provenance"]
         names = [*provenance.get("policies", {}), self.data.get("policy")]
         used = {f"policies/{name}" for name in names if isinstance(name, str)}
-        if earlier := provenance.get("earlier"):
-            used.add(f"relations/{earlier['name']}")
+        relations = (provenance.get("earlier"), provenance.get("relations"))
+        used |= {f"relations/{identity['name']}" for identity in relations if identity}
+        used |= {f"meta_catalogs/{name}" for name in self.data.get("over", [])}
         return used - {self.key}
 
 

@@ -49,9 +49,9 @@ def changed_inputs(document: Document, path: Path, library: Library) -> Iterator
     for name, sha256 in provenance.policies.items():
         if _policy(name, path, library) != sha256:
             yield f"policy {name}"
-    earlier = getattr(provenance, "earlier", None)
-    if earlier and _digest(RelationsDocument, earlier, path, library) != earlier.sha256:
-        yield f"relations {earlier.name}"
+    for relations in (getattr(provenance, key, None) for key in ("earlier", "relations")):
+        if relations and _digest(RelationsDocument, relations, path, library) != relations.sha256:
+            yield f"relations {relations.name}"
     yield from _changed_world(provenance, path, library)
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from cbdsl import check
 from cbdsl.checking.knowledge.staleness import changed_inputs
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.relations import RelationsDocument
 from cbdsl.documents.schema import SchemaDocument
@@ -62,6 +63,15 @@ def test_changed_inputs_of_relations_names_the_earlier_ones(folder: Path) -> Non
     assert list(changed_inputs(document, path, library)) == ["relations touching"]
 
 
+def test_changed_inputs_of_a_meta_catalog_names_its_relations(folder: Path) -> None:
+    relations = folder / "knowledge" / "relations" / "contacts.yaml"
+    text = relations.read_text("utf-8")
+    relations.write_text(text.replace("dPz > 5", "dPz > 6", 1), "utf-8")
+    path, library = folder / "knowledge" / "meta_catalogs" / "things_in_touch.yaml", Library(folder)
+    document = library.read(path, MetaCatalogDocument).document
+    assert "relations contacts" in list(changed_inputs(document, path, library))
+
+
 def test_validate_of_relations_after_a_change_of_their_program_reports_cb622(folder: Path) -> None:
     program = folder / "programs" / "impedance.yaml"
     text = program.read_text("utf-8")
@@ -75,12 +85,6 @@ def test_changed_inputs_without_a_provenance_says_so(folder: Path) -> None:
     library = Library(folder)
     document = library.read(path, PolicyDocument).document.model_copy(update={"provenance": None})
     assert list(changed_inputs(document, path, library)) == ["its provenance is missing"]
-
-
-def test_learned_lists_policies_before_the_documents_that_use_them() -> None:
-    keys = list(learned())
-    for key, each in learned().items():
-        assert all(keys.index(used) < keys.index(key) for used in each.uses if used in keys)
 
 
 def test_commands_of_a_joined_exploration_begin_without_the_joined_programs() -> None:
