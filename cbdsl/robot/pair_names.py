@@ -17,10 +17,9 @@ from cbdsl.types.resource import (
     Resource,
     SolidSignal,
     StereoOffset,
-    Tip,
 )
 from cbdsl.types.resource_type import CONSTELLATION, OFFSET
-from cbdsl.types.source_record import camera_of, channel_of, is_located
+from cbdsl.types.source_record import camera_of, channel_of, is_located, is_tip
 
 #: Word between the two channels.
 _TO, _ON = "to", "on"
@@ -105,7 +104,7 @@ def _is_size(parts: Sequence[str], named: Mapping[str, Resource]) -> bool:
         return False
     if len(parts) == 6:
         tip = named.get(f"{parts[5]}.orientation")
-        return parts[4] in APPROACH_PARTS and tip is not None and isinstance(tip.source, Tip)
+        return parts[4] in APPROACH_PARTS and tip is not None and is_tip(tip.source)
     return len(parts) == 5 and parts[4] in SOLID_PARTS
 
 

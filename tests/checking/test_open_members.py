@@ -48,6 +48,8 @@ def test_a_transfer_from_hand_to_hand_stands_in_for_the_grasp(found: list[Alloca
         "left_arm_bimanualtouch",
         "left_arm_take",
         "right_arm_take",
+        "left_arm_take_from_side",
+        "right_arm_take_from_side",
     }
     handed = fitting["left_arm_handover"]
     assert handed.values["reachtouch"] == "handover" and handed.program is not None

@@ -21,7 +21,8 @@ CATALOGS = sorted((ROOT / CATALOG.folder).glob("*.yaml"))
 # Section 6.2.2: affordances found for each object; with a pad, PICKANDPLACE joined (7.1).
 # The open inspection is rewarded when the mark of its turn is found.
 AFFORDED = {
-    "table_and_pad": {"searchtrack", "reachtouch"},
+    # The blue pad is a second colour within the outline of the green table.
+    "table_and_pad": {"searchtrack", "reachtouch", "visualinspect_blue"},
     "basketball_and_pad": {"searchtrack", "reachtouch", "bimanualtouch", "pick_and_place"},
     "red_ball_and_pad": {
         "searchtrack",

@@ -36,4 +36,5 @@ def test_the_shipped_policy_knows_the_route_to_its_reward() -> None:
     route = ["XXX", "X0-", "X00", "X10", "X11"]
     along = [learned_values[state] for state in route]
     assert along == sorted(along) and along[0] > 0.0
-    assert learned_values["X1-"] < learned_values["X0-"]
+    beside = learned_values.keys() - set(route)
+    assert beside and max(learned_values[state] for state in beside) < learned_values["X0-"]
