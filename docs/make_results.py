@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from scipy.stats import binomtest
+from cbdsl.numeric.proportion import exact_interval
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "results"
@@ -89,8 +89,7 @@ def _judged(file: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
             }
     for outcome, rows in none.items():
         successes, count = (sum(row[key] for row in rows) for key in ("successes", "n"))
-        interval = binomtest(successes, count).proportion_ci(method="exact")
-        total = {"successes": successes, "n": count, "interval": tuple(interval)}
+        total = {"successes": successes, "n": count, "interval": exact_interval(successes, count)}
         yield {**rows[-1], **_setting(rows[-1], file), **total, "condition": outcome}
 
 

@@ -62,3 +62,8 @@ class Driver(Section):
     """Maximum difference between the robot's clock and that of this computer."""
     options: dict[Name, Number] = {}
     """Numbers for a kind of driver from another package."""
+
+
+def absolute(address: str) -> str:
+    """Return an address with its leading slash, which documents may omit."""
+    return address if address.startswith("/") else f"/{address}"

@@ -32,6 +32,7 @@ from cbdsl.backends.drivers.sample import (
 )
 from cbdsl.backends.drivers.sensor_watch import SensorWatch
 from cbdsl.backends.drivers.survey import StreamProblem
+from cbdsl.documents.driver import absolute
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.description import description_problems
@@ -192,10 +193,10 @@ class SafetySupervisor:
         yield from self._mismatches
         yield from chain.from_iterable(self._differences.values())
         # These explain why nothing is received; a second diagnostic would not help.
-        explained = {_absolute(problem.address) for problem in surveyed}
-        explained.update(_absolute(address) for address in self._mismatches.values() if address)
+        explained = {absolute(problem.address) for problem in surveyed}
+        explained.update(absolute(address) for address in self._mismatches.values() if address)
         for address, text in self._unheard():
-            if _absolute(address) not in explained:
+            if absolute(address) not in explained:
                 yield text
         for driver, _ in sorted(self._pressed):
             yield f"the emergency stop of driver '{driver}' is pressed"
@@ -347,7 +348,3 @@ def _joints(names: list[str]) -> str:
     quoted = ", ".join(f"'{name}'" for name in names[:4])
     more = f" and {len(names) - 4} more" if len(names) > 4 else ""
     return f"joint{'s' if len(names) > 1 else ''} {quoted}{more}"
-
-
-def _absolute(address: str) -> str:
-    return address if address.startswith("/") else f"/{address}"

@@ -25,8 +25,8 @@ from cbdsl.backends.drivers.sample import (
 )
 from cbdsl.backends.ros2 import dds_types as msg
 from cbdsl.backends.ros2.regions_text import read_regions
-from cbdsl.backends.ros2.ros_node import Remote, RosNode, absolute, guarded
-from cbdsl.documents.driver import Driver
+from cbdsl.backends.ros2.ros_node import Remote, RosNode, guarded
+from cbdsl.documents.driver import Driver, absolute
 from cbdsl.documents.robot import RobotDocument
 
 # Messages per poll.

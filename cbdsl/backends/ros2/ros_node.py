@@ -23,6 +23,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from cbdsl.backends.backend import BackendError
+from cbdsl.documents.driver import absolute
 
 LOOPBACK = "lo"
 # Lease of a participant's liveliness, s: others see its death after it.
@@ -251,11 +252,6 @@ def _domain(number: int, interface: str) -> _Domain:
             f"and cannot use '{interface}' as well"
         )
     return domain
-
-
-def absolute(topic: str) -> str:
-    """Return a topic with its leading slash."""
-    return topic if topic.startswith("/") else f"/{topic}"
 
 
 def guarded(topic: str) -> str:

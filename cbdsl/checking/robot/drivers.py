@@ -8,7 +8,7 @@ from cbdsl.checking.robot.limits import is_of_another_kind
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.outcome import UNKNOWN, Unknown, all_known
-from cbdsl.documents.driver import Driver
+from cbdsl.documents.driver import Driver, absolute
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.driver_addresses import addresses
 from cbdsl.robot.driver_kind import DRIVERS
@@ -204,7 +204,7 @@ class _DriverCheck:
         clashing: set[tuple[str, str]] = set()
         for name, driver in self._robot.drivers.items():
             for steps, address in addresses(driver):
-                stream = driver.kind, _absolute(address)
+                stream = driver.kind, absolute(address)
                 owner, path = streams.setdefault(stream, (name, steps))
                 if stream in clashing:
                     continue
@@ -223,7 +223,7 @@ class _DriverCheck:
         """Report joints that have one name in one stream of joint states."""
         named: dict[tuple[str, str, str], str] = {}
         for name, driver in self._robot.drivers.items():
-            stream = driver.kind, _absolute(driver.states or driver.commands or "")
+            stream = driver.kind, absolute(driver.states or driver.commands or "")
             for joint in self._reported(driver):
                 theirs = driver.joints.get(joint, joint)
                 other = named.setdefault((*stream, theirs), joint)
@@ -238,8 +238,3 @@ class _DriverCheck:
         source = self._source
         place = source.place(*path) if source.holds(*path) else source.key("drivers", name)
         self._diagnostics.add("CB322", place, name=name, problem=problem)
-
-
-def _absolute(address: str) -> str:
-    """Return an address with one leading slash, because topics may omit it."""
-    return f"/{address.lstrip('/')}"

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +19,6 @@ from cbdsl.backends.ros2.ros_node import RosNode
 from cbdsl.documents.robot import RobotDocument
 from tests.backends.drivers.conftest import URDF, robot
 
-# Tests that run side by side do not hear each other.
-_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
 _PATIENCE = 5.0
 NAMES = ["j2", "j1"]
 # A robot that stands at its references, with other names in messages; nothing is late on a busy
@@ -44,14 +41,6 @@ class Controller:
         self._states.write(msg.JointState(header, names, state, [], []))
         self._program.write(msg.Float64MultiArray(data=asked))
         self.received += [list(m.data) for m in self._reader.take(64) if m.sample_info.valid_data]
-
-
-@pytest.fixture
-def node(monkeypatch: pytest.MonkeyPatch) -> Iterator[RosNode]:
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(120 + _WORKER))
-    node = RosNode()
-    yield node
-    node.close()
 
 
 @pytest.fixture

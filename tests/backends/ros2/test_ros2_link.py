@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -17,18 +16,8 @@ from cbdsl.backends.ros2.ros2_link import Ros2Link
 from cbdsl.backends.ros2.ros_node import RosNode
 from tests.backends.drivers.conftest import robot
 
-# Tests that run side by side do not hear each other.
-_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
 _PATIENCE = 5.0
 DOCUMENT = robot(stop="/stop")
-
-
-@pytest.fixture
-def node(monkeypatch: pytest.MonkeyPatch) -> Iterator[RosNode]:
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(100 + _WORKER))
-    node = RosNode()
-    yield node
-    node.close()
 
 
 @pytest.fixture
