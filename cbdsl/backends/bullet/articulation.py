@@ -12,6 +12,7 @@ from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.mesh_requirements import require_collisions, require_known_endings
 from cbdsl.backends.staging.links import link_surfaces, matching_links
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.link_mass import link_masses
 from cbdsl.kinematics.quaternion import rotations
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
@@ -98,11 +99,33 @@ class BulletRobot:
         fastest = timestep * np.array([joint.velocity for joint in limits])
         self._largest_error = fastest / max(simulation.position_gain, 1e-9)
         self._gains = simulation.position_gain, simulation.velocity_gain
+        self._weigh()
         self._soften(count)
         self._ignore_contacts(simulation.no_contact)
 
     def _matching(self, patterns: Iterable[str]) -> list[int]:
         return [self.links[name] for name in matching_links(self._document, self._model, patterns)]
+
+    def _weigh(self) -> None:
+        """Set the masses of links for which the simulator has others than the model.
+
+        It gives a link without mass 1 kg, and no inertia to a link with impossible moments.
+        """
+        for link, of in link_masses(self._model).items():
+            number = self.links[link]
+            if number < 0:
+                continue  # the base does not move
+            row = p.getDynamicsInfo(self.id, number, physicsClientId=self._client)
+            axes = rotations(np.array(row[4]))
+            moments = np.diag(axes.T @ of.inertia @ axes)
+            if not np.allclose([row[0], *row[2]], [of.mass, *moments], rtol=1e-6, atol=0.0):
+                p.changeDynamics(
+                    self.id,
+                    number,
+                    mass=of.mass,
+                    localInertiaDiagonal=moments.tolist(),
+                    physicsClientId=self._client,
+                )
 
     def _soften(self, count: int) -> None:
         """Set damping to that of the servos alone, and surfaces to those of the robot file."""

@@ -7,7 +7,6 @@ from itertools import combinations
 from typing import Any
 
 import mujoco as mj
-import numpy as np
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.mujoco.contact import ContactSettings
@@ -15,12 +14,11 @@ from cbdsl.backends.mujoco.geometry import add_shape
 from cbdsl.backends.staging.links import link_surfaces, matching_links
 from cbdsl.backends.staging.scenario import GRAVITY
 from cbdsl.documents.robot import Coupling, MujocoSection, RobotDocument
+from cbdsl.kinematics.link_mass import LinkMass, link_masses
 from cbdsl.kinematics.pose import Pose, displacement
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UrdfInertial, UrdfJoint, UrdfModel
+from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 
-# Lighter bodies are given this mass, kg, and moment of inertia, kg m^2.
-_LEAST_MASS, _LEAST_INERTIA = 1e-4, 1e-8
 # Friction of links without a surface in the robot file.
 _FRICTION = 0.5
 _JOINTS = {
@@ -72,8 +70,8 @@ def _empty_world(timestep: float, settings: MujocoSection) -> Any:
     spec = mj.MjSpec()
     compiler, option = spec.compiler, spec.option
     compiler.degree = False
+    # Removes the rounding of moments that are just possible.
     compiler.balanceinertia = True
-    compiler.boundmass, compiler.boundinertia = _LEAST_MASS, _LEAST_INERTIA
     option.timestep, option.gravity = timestep, [0.0, 0.0, -GRAVITY]
     # Damping is integrated implicitly, so that the servos' brakes are stable.
     option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
@@ -91,6 +89,7 @@ class _Links:
     def __init__(self, spec: Any, robot: RobotDocument, model: UrdfModel) -> None:
         self._spec, self._model, self._joints = spec, model, Joints(robot)
         self._contact = ContactSettings(robot.simulation.mujoco)
+        self._masses = link_masses(model)
         self._friction = {
             link: surface.friction for link, surface in link_surfaces(robot, model).items()
         }
@@ -126,8 +125,7 @@ class _Links:
         content = self._model.bodies[link]
         # Weights are compensated by the servos, as their part of the effort; see ``servos._limit``.
         body.gravcomp = 1.0
-        if content.inertial is not None:
-            _set_inertia(body, content.inertial)
+        _set_mass(body, self._masses[link])
         for number, shape in enumerate(content.collisions):
             geom = add_shape(self._spec, body, shape, f"{link}/{number}", self._model.path)
             self._contact.apply(geom, self._friction.get(link, _FRICTION))
@@ -144,17 +142,11 @@ def wxyz(pose: Pose) -> tuple[float, float, float, float]:
     return w, x, y, z
 
 
-def _set_inertia(body: Any, inertial: UrdfInertial) -> None:
-    """Set mass and principal moments; some public models have impossible ones."""
-    xx, yy, zz, xy, xz, yz = inertial.inertia
-    moments, axes = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
-    # Eigenvectors may form a left-handed frame, which is no rotation.
-    axes[:, 2] *= np.sign(np.linalg.det(axes))
-    pose = Pose.at(inertial.origin) @ Pose(np.zeros(3), axes)
+def _set_mass(body: Any, of: LinkMass) -> None:
+    # Otherwise MuJoCo would compute the mass from the shapes.
     body.explicitinertial = True
-    body.mass = max(inertial.mass, _LEAST_MASS)
-    body.ipos, body.iquat = pose.position, wxyz(pose)
-    body.inertia = np.maximum(moments, _LEAST_INERTIA)
+    body.mass, body.inertia = of.mass, of.moments
+    body.ipos, body.iquat = of.frame.position, wxyz(of.frame)
 
 
 def _without_contact(robot: RobotDocument, model: UrdfModel) -> set[tuple[str, str]]:
