@@ -170,6 +170,9 @@ class ControllerSection(Section):
     """Maximum rate of the task; the robot's setting for the feedback's type if omitted."""
     acceleration: AnyAcceleration | None = None
     """Maximum acceleration of the task; the robot's setting if omitted."""
+    arrival: Tolerance | Literal["rest"] | None = None
+    """Maximum residual at which it has arrived when it is at rest, or `rest` if rest is enough; the
+    tolerance of its quiescence or the robot's setting if omitted."""
     quiescence: QuiescenceSection | None = None
     free_axis: Literal["x", "y", "z"] | None = None
     """Axis of the tip about which an orientation may turn freely, or that points at a position."""

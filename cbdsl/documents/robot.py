@@ -241,6 +241,9 @@ class TaskSettings(Section):
     """Maximum rate of the task coordinates."""
     acceleration: AnyAcceleration | None = None
     """Maximum acceleration of the task coordinates."""
+    arrival: Tolerance | None = None
+    """Maximum residual at which a controller at rest has arrived; if omitted, the bound of its
+    quiescence or 2 cm, 5 deg, 5 mm of sliding joints; forces and other types have no default."""
     quiescence: QuiescenceSection
 
 

@@ -1,5 +1,6 @@
 """Checked controllers and the stacks that compose them."""
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -192,6 +193,8 @@ class Controller:
         tip_stiffness: Stiffness under a tip, N/m, if the speed of a force is the tip's, m/s;
             ``None`` for all others.
         joint_unit: Units of its joints' positions, as of a configuration's type.
+        arrival: Largest residual at which it has arrived when it is at rest: one number, or one for
+            each unit of the task; infinite if rest is enough.
     """
 
     name: str
@@ -218,6 +221,7 @@ class Controller:
     onset: Onset | None = None
     tip_stiffness: float | None = None
     joint_unit: str = "rad"
+    arrival: tuple[float, ...] = (math.inf,)
 
     @property
     def task(self) -> ResourceType:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
-from cbdsl.runtime.controllers.controller_run import ControllerRun
+from cbdsl.runtime.controllers.controller_run import NEAR_GOAL, ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Origin
@@ -27,20 +27,7 @@ _UNITS = {
     _SLIDE: (1000.0, "mm"),
 }
 
-#: Error above which a controller at rest is far from its goal, in SI, if it has no tolerance.
-_FAR = {
-    "position": 0.02,
-    "heading": math.radians(5),
-    "orientation": math.radians(5),
-    "configuration": math.radians(5),
-    _SLIDE: 0.005,
-    _MIXED: math.radians(5),
-}
-
 _VERDICTS = {"success": "Succeeded", "failure": "Failed"}
-
-# Potential below which a field's displacement leads to its goal directly.
-_NEAR = 1e-2
 
 
 def describe(
@@ -108,14 +95,14 @@ def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
 
 
 def stayed_far(run: ProgramRun) -> tuple[str, ...]:
-    """Return the last action's controllers at rest far from their goals, highest priority first."""
+    """Return the last action's controllers that are stuck, highest priority first."""
     action = run.action
     if action is None:
         return ()
     if action.program is not None:
         return stayed_far(run.children[action.name])
     leads = run.leads(action)
-    return tuple(lead.controller.name for lead in leads if lead.predicate == "1" and is_far(lead))
+    return tuple(lead.controller.name for lead in leads if lead.stuck)
 
 
 def _evidence(run: ProgramRun, stuck: Sequence[str]) -> list[str]:
@@ -178,7 +165,7 @@ def _clause(lead: ControllerRun, stuck: Sequence[str] = ()) -> str:
     if math.isnan(lead.error):
         return f"{controller.name} had no {_undefined_resource(controller)}"
     verb = "came to rest" if lead.predicate == "1" else "was still"
-    if lead.predicate == "1" and is_far(lead):
+    if lead.stuck:
         verb = "came to rest far from its goal,"
         if controller.name in stuck:
             verb = f"came to rest {_nearest(lead, stuck)},"
@@ -187,7 +174,7 @@ def _clause(lead: ControllerRun, stuck: Sequence[str] = ()) -> str:
     factor, unit = _UNITS.get(_quantity(lead), (1.0, ""))
     # The residual of a field is bounded: a distant goal is farther away than the residual.
     is_field = POTENTIALS[controller.potential].field
-    at_least = "at least " if is_field and lead.phi > _NEAR else ""
+    at_least = "at least " if is_field and lead.phi > NEAR_GOAL else ""
     distance = f"{at_least}{factor * lead.error:.{1 if unit else 3}f} {unit}".rstrip()
     return f"{controller.name} {verb} {distance} from {_goal(controller)}"
 
@@ -196,15 +183,6 @@ def _nearest(lead: ControllerRun, stuck: Sequence[str]) -> str:
     """Return the place of a level that gets no nearer to its target."""
     is_first = lead.controller.name == stuck[0]
     return "at the nearest point within reach" if is_first else "as near as higher levels allow"
-
-
-def is_far(lead: ControllerRun) -> bool:
-    """Return whether an error exceeds its tolerance or, without one, its default bound."""
-    if not lead.settled:
-        return True
-    if lead.controller.quiescence.tolerance is not None:
-        return False
-    return lead.error > _FAR.get(_quantity(lead), math.inf)
 
 
 def _quantity(lead: ControllerRun) -> str:

@@ -165,6 +165,11 @@ class ProgramRun:
         """The action that runs now."""
         return self._action
 
+    @property
+    def stuck(self) -> tuple[str, ...]:
+        """Members of the running action at rest beyond their tolerance, in written order."""
+        return () if self._action is None else self._rewards.stuck(self._action)
+
     def active(self) -> Sequence[Active]:
         """Return the active levels, highest priority first, down to the background.
 
@@ -307,7 +312,7 @@ class ProgramRun:
         self.rewarded |= bool(rewarding)
         # A stated success or failure has precedence over a reward and over the number of
         # transitions.
-        conclusion = self._rewards.conclusion(state)
+        conclusion = self._rewards.conclusion(state, self.stuck)
         if conclusion is not None:
             self.outcome = conclusion.outcome
             self._end("1" if conclusion.outcome == "success" else "-", conclusion.reason)
@@ -347,7 +352,7 @@ class ProgramRun:
     def _begin_action(self, choice: Choice, features: Features, changed: bool) -> None:
         if choice.action is None:
             is_done = self.rewarded and not self._reward_ends
-            final = self._rewards.final(self.state, changed=changed, is_done=is_done)
+            final = self._rewards.final(self.state, self.stuck, changed=changed, is_done=is_done)
             self._end(final, self._no_action(choice, changed))
             return
         before, self._action = self._action, self._actions[choice.action, choice.allocation]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.program.checked import Action, CheckedProgram
@@ -59,24 +59,37 @@ class Rewards:
         place = self._program.members.index(action.part)
         return (*own, action.part) if after[place] == "1" != before[place] else own
 
-    def conclusion(self, state: str) -> Conclusion | None:
-        """Return the outcome that a state stands for, or ``None``; success comes first."""
+    def stuck(self, action: Action) -> tuple[str, ...]:
+        """Return the members of a running action that are at rest beyond their tolerance."""
+        leads = self._levels.leads.get(action.name, ())
+        return tuple(self._program.members[lead.place] for lead in leads if lead.stuck)
+
+    def conclusion(self, state: str, stuck: Sequence[str] = ()) -> Conclusion | None:
+        """Return the outcome that a state stands for, or ``None``; success comes first.
+
+        Args:
+            state: State of the program.
+            stuck: Members at rest beyond their tolerance, whose rest is no success.
+        """
         program = self._program
-        if any(matches(pattern, state) for pattern in program.success):
+        places = [program.members.index(member) for member in stuck]
+        successes = [pattern for pattern in program.success if matches(pattern, state)]
+        if any(all(pattern[place] != "1" for place in places) for pattern in successes):
             return Conclusion("success", "")
         for pattern in program.failure:
             if matches(pattern, state):
                 return Conclusion("failure", program.reasons.get(pattern, ""))
-        return None
+        return Conclusion("failure", "") if successes else None
 
-    def final(self, state: str, *, changed: bool, is_done: bool) -> str:
+    def final(self, state: str, stuck: Sequence[str] = (), *, changed: bool, is_done: bool) -> str:
         """Return the program's own predicate at the end of its policy.
 
-        A program without rewardable members succeeds when its last action is quiescent. One that
-        states its success achieves nothing else.
+        A program without rewardable members succeeds when its last action is quiescent within its
+        tolerances. One that states its success achieves nothing else.
 
         Args:
             state: Last state.
+            stuck: Members at rest beyond their tolerance.
             changed: True if the last transition changed the state.
             is_done: True if the program was rewarded, and a reward does not end it.
         """
@@ -86,4 +99,4 @@ class Rewards:
             return "1"
         leads = (lead for some in self._levels.leads.values() for lead in some)
         rewardable = any(lead.earners for lead in leads)
-        return "1" if changed and not rewardable and "1" in state else "-"
+        return "1" if changed and not rewardable and "1" in state and not stuck else "-"

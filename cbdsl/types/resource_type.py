@@ -1,7 +1,15 @@
 """Nominal types of sensory and motor signals (Table 3.1)."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple, Self
+
+# Errors within which a controller at rest has arrived, by SI unit. They exceed the noise of cameras
+# and servos, and the error at which common criteria of rest hold during an approach. A force has
+# none: the stiffness of the contact determines at which force it rests.
+_ARRIVALS = {"m": 0.02, "rad": math.radians(5.0)}
+# Slides of fingers are shorter than the ways of tips.
+_SLIDE_ARRIVAL = 0.005
 
 
 class ResourceType(NamedTuple):
@@ -39,6 +47,13 @@ class ResourceType(NamedTuple):
         listed = self.unit.split(", ")
         share = self.dimension // len(listed)
         return tuple(unit for unit in listed for _ in range(share)) * self.factors
+
+    @property
+    def arrivals(self) -> tuple[float, ...]:
+        """Default error of an arrived controller for each unit; infinite for other quantities."""
+        own = _ARRIVALS | ({"m": _SLIDE_ARRIVAL} if self.name == "configuration" else {})
+        units = dict.fromkeys(self.unit.split(", "))
+        return tuple(own.get(unit, math.inf) for unit in units)
 
     def apart_from(self, other: Self) -> str:
         """Return the type as text, with its units if it differs from another type in them alone."""

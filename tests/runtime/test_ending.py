@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from cbdsl.program.controller import Relative
-from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, is_far, stayed_far
+from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stayed_far
 from cbdsl.types.resource import Origin
 from cbdsl.types.resource_type import configuration
 
@@ -21,11 +21,11 @@ def lead(error: float, **other: Any) -> Any:
     """Return a controller that moves the palm to the ball, by its last readings."""
     own = {
         "name": "reach", "feedback": PALM, "reference": BALL, "potential": "spring",
-        "task": Made(name="position"), "quiescence": Made(tolerance=None), "requires": None,
+        "task": Made(name="position"), "requires": None,
     }  # fmt: skip
     controller = Made(**own | {name: other.pop(name) for name in own if name in other})
     runs = {
-        "error": error, "predicate": "1", "phi": 0.5, "settled": True, "exhausted": False,
+        "error": error, "predicate": "1", "phi": 0.5, "stuck": False, "exhausted": False,
         "astray": False,
         "engaged": False, "preparation": Made(no_path=""),
     }  # fmt: skip
@@ -54,17 +54,19 @@ def told(*leads: Any, **other: Any) -> str:
     [
         (lead(0.0149), "reach came to rest 1.5 cm from ball.position"),
         (lead(0.0149, predicate="0"), "reach was still 1.5 cm from ball.position"),
-        (lead(0.021), "reach came to rest far from its goal, 2.1 cm from ball.position"),
-        (lead(0.0149, settled=False), "reach came to rest far from its goal, 1.5 cm from"),
-        (lead(0.5, quiescence=Made(tolerance=1.0)), "reach came to rest 50.0 cm from"),
+        (
+            lead(0.021, stuck=True),
+            "reach came to rest far from its goal, 2.1 cm from ball.position",
+        ),
+        (lead(0.5), "reach came to rest 50.0 cm from"),
         (lead(0.2, task=Made(name="force")), "reach came to rest 0.2 N from"),
         (lead(0.05, task=Made(name="heading")), "reach came to rest 2.9 deg from"),
         (lead(0.0524, task=Made(name="orientation")), "came to rest 3.0 deg from"),
-        (lead(0.1, task=configuration(2)), "far from its goal, 5.7 deg from"),
+        (lead(0.1, stuck=True, task=configuration(2)), "far from its goal, 5.7 deg from"),
         (lead(0.004, task=configuration(2, ["m", "m"])), "came to rest 4.0 mm from"),
-        (lead(0.1, task=configuration(2, ["rad", "m"])), "its goal, 0.1 (rad and m) from"),
+        (lead(0.1, task=configuration(2, ["rad", "m"])), "to rest 0.1 (rad and m) from"),
         (lead(0.25, task=Made(name="scalar")), "reach came to rest 0.250 from"),
-        (lead(0.1, reference=None), "far from its goal, at a potential of 0.5"),
+        (lead(0.1, reference=None), "came to rest at a potential of 0.5"),
         (lead(0.01, reference=Relative(None, (0.1,))), "1.0 cm from its reference"),
         (lead(0.01, reference=Relative(BALL, (0.1,))), "1.0 cm from beside ball.position"),
         (lead(math.nan), "reach had no ball.position"),
@@ -135,15 +137,9 @@ def test_ending_of_a_used_program_is_reported() -> None:
     assert "reach came to rest 1.0 cm from ball.position; it had no more to do" in describe(
         parent, 1.0, ()
     )
-    child.leads = lambda _: (lead(0.1), lead(0.01, name="other"), lead(0.1, predicate="0"))
+    child.leads = lambda _: (lead(0.1, stuck=True), lead(0.01, name="other"))
     assert stayed_far(parent) == ("reach",)
     assert stayed_far(ended(action=None)) == ()
-
-
-def test_far_uses_the_tolerance_or_a_default_by_type() -> None:
-    assert not is_far(lead(0.0199)) and is_far(lead(0.0201))
-    assert not is_far(lead(99.0, task=Made(name="force")))
-    assert not is_far(lead(99.0, quiescence=Made(tolerance=1.0)))
 
 
 def test_stops_are_reported_with_their_cause() -> None:
@@ -169,7 +165,7 @@ def test_stops_are_reported_with_their_cause() -> None:
 def test_ending_of_an_unreachable_target_names_the_nearest_point(
     stuck: tuple[str, ...], clause: str
 ) -> None:
-    assert clause in describe(ended(lead(0.285)), 3.24, (), (), stuck)
+    assert clause in describe(ended(lead(0.285, stuck=True)), 3.24, (), (), stuck)
 
 
 def test_ending_of_a_level_near_its_goal_names_no_nearest_point() -> None:

@@ -22,7 +22,7 @@ def rules(*, success: tuple[str, ...] = (), earners: tuple[str, ...] = ("touch",
         reasons={"-X": "it is too wide"},
         primitives={"reach": SimpleNamespace(rewarded=True)},
     )
-    lead = SimpleNamespace(place=0, is_earned=bool(earners), earners=earners)
+    lead = SimpleNamespace(place=0, is_earned=bool(earners), earners=earners, stuck=True)
     levels: Any = SimpleNamespace(leads={"touch": [lead]})
     child: Any = SimpleNamespace(predicate="1", rewarded=True)
     return Rewards(program, levels, {"reach": child})
@@ -65,6 +65,33 @@ def test_conclusion_of_a_state_has_its_outcome_and_reason(
 
 def test_conclusion_prefers_success_to_failure() -> None:
     assert rules(success=("-X",)).conclusion("-X") == Conclusion("success", "")
+
+
+@pytest.mark.parametrize(
+    ("success", "stuck", "state", "conclusion"),
+    [
+        (("1X",), ("touch",), "1X", Conclusion("failure", "")),
+        (("1*",), ("reach",), "11", Conclusion("success", "")),
+        (("11", "*1"), ("touch",), "11", Conclusion("success", "")),
+        (("1*",), ("touch",), "1-", Conclusion("failure", "")),
+        (("1*",), ("touch",), "0X", None),
+        (("-X",), ("touch",), "-X", Conclusion("success", "")),
+    ],
+)
+def test_conclusion_of_a_success_with_a_stuck_member_is_a_failure(
+    success: tuple[str, ...], stuck: tuple[str, ...], state: str, conclusion: Conclusion | None
+) -> None:
+    assert rules(success=success).conclusion(state, stuck) == conclusion
+
+
+def test_stuck_returns_the_members_of_the_running_action_beyond_their_tolerance() -> None:
+    assert rules().stuck(TOUCH) == ("touch",) and rules().stuck(REACH) == ()
+
+
+def test_final_predicate_with_a_stuck_member_is_no_success() -> None:
+    given = rules(earners=())
+    assert given.final("1X", changed=True, is_done=False) == "1"
+    assert given.final("1X", ("touch",), changed=True, is_done=False) == "-"
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple, TypeVar
 
@@ -11,7 +12,7 @@ from cbdsl.checking.robot.settings import check_settings
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome
 from cbdsl.documents import program as written
-from cbdsl.documents.robot import TaskSettings
+from cbdsl.documents.robot import QuiescenceSection, TaskSettings
 from cbdsl.program.controller import Quiescence
 from cbdsl.types.casts import FEATURES
 from cbdsl.types.modifier import declared
@@ -27,13 +28,14 @@ LOOK_AT = "look_at"
 class ControllerSettings(NamedTuple):
     """Settings of one controller; its own settings override the robot's.
 
-    ``tip_stiffness`` has the meaning of the field of ``Controller``.
+    ``arrival`` and ``tip_stiffness`` have the meaning of the fields of ``Controller``.
     """
 
     gain: float
     speed: float | None
     acceleration: float | None
     quiescence: Quiescence
+    arrival: tuple[float, ...]
     tip_stiffness: float | None = None
 
 
@@ -133,7 +135,31 @@ def settings_of(
         _first(settings.speed for settings in candidates),
         _first(settings.acceleration for settings in candidates),
         Quiescence(quiescence.rate, quiescence.window, quiescence.within, quiescence.tolerance),
+        _arrival(document, general, _task(document, feedback)),
     )
+
+
+def _arrival(
+    document: written.ControllerSection, general: TaskSettings | None, task: ResourceType
+) -> tuple[float, ...]:
+    """Return the largest residuals at which a controller at rest has arrived.
+
+    A bound of quiescence is a tolerance, too; beyond it the controller is not at rest.
+    """
+    if document.arrival == "rest" or not POTENTIALS[document.potential].reference:
+        return (math.inf,)
+    stated = [document.arrival, _bound(document.quiescence)]
+    if general is not None:
+        stated += [general.arrival, None if document.quiescence else _bound(general.quiescence)]
+    tolerance = _first(stated)
+    return task.arrivals if tolerance is None else (tolerance,)
+
+
+def _bound(quiescence: QuiescenceSection | None) -> float | None:
+    """Return the largest residual at rest; infinite if a share of the reference bounds it."""
+    if quiescence is None or quiescence.tolerance is not None:
+        return None if quiescence is None else quiescence.tolerance
+    return None if quiescence.within is None else math.inf
 
 
 def _task(document: written.ControllerSection, feedback: Resource) -> ResourceType:

@@ -151,6 +151,7 @@ class _Triple:
             speed=settings.speed,
             acceleration=settings.acceleration,
             quiescence=settings.quiescence,
+            arrival=settings.arrival,
             manipulator=self._manipulator(),
             field=self._field(potential, ControllerSpec(feedback, reference, joints)),
             modifiers=read_modifiers(self._context, self._steps, document, feedback),

@@ -37,13 +37,14 @@ def check_settings(
     allowed: dict[tuple[str, ...], tuple[str, ...]] = {
         ("speed",): (*speeds, "speed") if of_tips and kind.name == "force" else speeds,
         ("acceleration",): _rates(dimensions, _ACCELERATIONS),
+        ("arrival",): dimensions,
         ("quiescence", "tolerance"): dimensions,
         ("onset", "change"): dimensions,
         ("onset", "borne"): dimensions,
     }
     for keys, dimensions in allowed.items():
         path = (*steps, *keys)
-        if not source.holds(*path):
+        if not source.holds(*path) or source.node(path).value == "rest":
             continue
         try:
             read_quantity(source.node(path).value, dimensions)

@@ -22,8 +22,12 @@ from cbdsl.runtime.controllers.preparation import Preparation
 from cbdsl.runtime.controllers.slot_setting import SlotSetting, modified
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.reading import Reading
+from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.source_record import record_of
 from cbdsl.types.state import Predicate
+
+#: Potential of a field below which its displacement leads to its goal directly.
+NEAR_GOAL = 1e-2
 
 
 class Evaluation(NamedTuple):
@@ -231,6 +235,16 @@ class ControllerRun:
         """True if it is defined, and its error is small enough to count as at rest."""
         return self.error <= self._bound()
 
+    @property
+    def arrived(self) -> bool:
+        """True if it is at rest within its tolerance."""
+        return self.predicate == "1" and self._is_near()
+
+    @property
+    def stuck(self) -> bool:
+        """True if it is at rest beyond its tolerance."""
+        return self.predicate == "1" and not self._is_near()
+
     def evaluate(self) -> Evaluation | None:
         """Return the potential in this tick, in the active joints; ``None`` while undefined."""
         if math.isnan(self.phi):
@@ -272,6 +286,23 @@ class ControllerRun:
         return table.values(self.rows.feedback), (
             table.values(self.rows.reference) if self.rows.reference >= 0 else np.zeros(0)
         )
+
+    def _is_near(self) -> bool:
+        """Return whether its error is within the tolerance of an arrival."""
+        tolerances = self.controller.arrival
+        if not self.settled or tolerances == (math.inf,):
+            return self.settled
+        # The displacement of a field is bounded: a distant goal is farther away.
+        if POTENTIALS[self.controller.potential].field and self.phi > NEAR_GOAL:
+            return False
+        evaluation = self.evaluate() if len(tolerances) > 1 else None
+        if evaluation is None:
+            return self.error <= tolerances[0]
+        units = self.controller.task.units
+        # A free axis shortens the last quantity of a pose.
+        of_unit = np.array([units.index(unit) for unit in units])[: self.size]
+        parts = [evaluation.residual[of_unit == first] for first in dict.fromkeys(of_unit)]
+        return all(np.linalg.norm(p) <= t for p, t in zip(parts, tolerances, strict=True))
 
     def _bound(self) -> float:
         """Return the largest error at rest, in the unit of the feedback."""

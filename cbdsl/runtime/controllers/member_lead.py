@@ -38,6 +38,16 @@ class MemberLead(NamedTuple):
         return leading
 
     @property
+    def arrived(self) -> bool:
+        """True if the member is at rest, and its leading controller within its tolerance."""
+        return self.predicate == "1" and self.run.arrived
+
+    @property
+    def stuck(self) -> bool:
+        """True if the member is at rest, and its leading controller beyond its tolerance."""
+        return self.predicate == "1" and self.run.stuck
+
+    @property
     def is_earned(self) -> bool:
         """True if all controllers that its reward depends on are at rest within their bounds."""
         if not self.earners:

@@ -15,7 +15,7 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.controller import Controller, Literal
+from cbdsl.program.controller import Controller, Literal, Relative
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
@@ -283,6 +283,56 @@ def test_controller_run_at_constant_potential_is_quiescent_only_within_its_toler
         signals.clock[0] += 1
         started.tick()
     assert started.run.predicate == predicate
+
+
+@pytest.mark.parametrize(
+    ("arrival", "arrived"), [((0.01,), False), ((10.0,), True), ((math.inf,), True)]
+)
+def test_controller_at_rest_has_arrived_only_within_its_arrival(
+    reachtouch: CheckedProgram,
+    signals: Signals,
+    start: Start,
+    arrival: tuple[float, ...],
+    arrived: bool,
+) -> None:
+    signals.vision.memories["sat_10"].position = np.array([0.5, -0.2, -0.3])
+    started = start(replace(approach_of(reachtouch), arrival=arrival))
+    started.tick()
+    assert not started.run.arrived and not started.run.stuck
+    for _ in range(100):
+        signals.clock[0] += 1
+        started.tick()
+    assert started.run.predicate == "1"
+    assert (started.run.arrived, started.run.stuck) == (arrived, not arrived)
+
+
+@pytest.mark.parametrize(
+    ("shift", "turn", "arrived"),
+    [(0.019, 0.08, True), (0.021, 0.0, False), (0.0, 0.09, False), (0.0, 0.0, True)],
+)
+def test_controller_of_a_pose_has_arrived_by_its_distance_and_its_angle(
+    dexter: RobotDocument,
+    reachtouch: CheckedProgram,
+    signals: Signals,
+    start: Start,
+    shift: float,
+    turn: float,
+    arrived: bool,
+) -> None:
+    pose = resources(dexter)["right_arm.pose"]
+    approach = approach_of(reachtouch)
+    still = Relative(None, (shift, 0.0, 0.0, 0.0, turn, 0.0))
+    quiescence = approach.quiescence._replace(rate=1e3)
+    controller = replace(
+        approach, feedback=pose, reference=still, standoff=None, funnel=None,
+        quiescence=quiescence, arrival=pose.type.arrivals,
+    )  # fmt: skip
+    started = start(controller)
+    for _ in range(100):
+        signals.clock[0] += 1
+        started.tick()
+    assert started.run.predicate == "1"
+    assert (started.run.arrived, started.run.stuck) == (arrived, not arrived)
 
 
 def test_controller_without_a_reference_is_undefined_and_requests_nothing(
