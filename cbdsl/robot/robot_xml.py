@@ -30,7 +30,10 @@ def robot_text(path: Path) -> bytes:
 
 
 def xml_root(text: bytes | str, path: Path, kind: str) -> ElementTree.Element:
-    """Return the root of an XML text.
+    """Return the root of an XML text, whose names keep their prefixes.
+
+    Namespaces are not resolved, because no engine does: exporters write ``xmlns`` on ``<robot>``,
+    and prefixes of extensions, such as ``drake:acceleration``, without a declaration.
 
     Args:
         text: Text of the file.
@@ -42,9 +45,14 @@ def xml_root(text: bytes | str, path: Path, kind: str) -> ElementTree.Element:
     """
     # This check has to precede the reader, which expands entities while it reads.
     refuse_entities(text, path)
+    builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
+    parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
+    parser.CharacterDataHandler, parser.buffer_text = builder.data, True
     try:
-        return ElementTree.fromstring(text)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        # Engines read a declaration behind empty lines, too.
+        parser.Parse(text.lstrip(), True)
+        return builder.close()
+    except (expat.ExpatError, ValueError, LookupError) as error:
         raise UrdfError(f"{path}: it is not XML, the format of {kind}: {error}") from None
 
 

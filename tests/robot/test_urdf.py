@@ -6,6 +6,8 @@ import math
 import re
 from pathlib import Path
 
+import pinocchio
+import pybullet as p
 import pybullet_data
 import pytest
 
@@ -249,7 +251,6 @@ def test_missing_model_is_reported(tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
 def test_every_accepted_model_can_be_built_by_pinocchio(path: Path) -> None:
     """Accept no model in the checker that kinematics refuses."""
-    pinocchio = pytest.importorskip("pinocchio")
     try:
         read_urdf(path)
     except UrdfError:
@@ -280,3 +281,27 @@ def test_names_that_engines_read_otherwise_are_refused(
     else:
         with pytest.raises(UrdfError, match=f"encoded in {encoding}, and engines read UTF-8"):
             read_urdf(file)
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        '<robot name="m" xmlns="http://www.ros.org">{}</robot>',
+        '<robot name="m"><drake:joint name="x"/>{}</robot>',
+        '<robot name="m" xmlns:gz="http://gz.org">{}<gz:plugin gz:a="1"/></robot>',
+        '\n\n<?xml version="1.0"?><robot name="m">{}</robot>',
+    ],
+)
+def test_namespaces_and_prefixes_are_read_as_engines_read_them(
+    document: str, tmp_path: Path
+) -> None:
+    limit = LIMIT.format('lower="-1" upper="1" drake:acceleration="3"')
+    joint = JOINT.format("j", "revolute", "a", "b", limit)
+    path = tmp_path / "model.urdf"
+    path.write_text(document.format(f'<link name="a"/><link name="b"/>{joint}'), encoding="utf-8")
+    assert read_urdf(path).movable == ("j",)
+    assert list(pinocchio.buildModelFromUrdf(str(path)).names) == ["universe", "j"]
+    client = p.connect(p.DIRECT)
+    body = p.loadURDF(str(path), physicsClientId=client)
+    assert p.getNumJoints(body, physicsClientId=client) == 1
+    p.disconnect(client)

@@ -40,13 +40,15 @@ def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFold
             document = xacro.process_file(str(path), mappings=known)
     except RecursionError:
         raise UrdfError(
-            f"{path}: xacro cannot expand it: a macro, or a file that it includes, uses itself"
+            f"{parts.place}: xacro cannot expand it: a macro, or a file that it includes, uses "
+            "itself"
         ) from None
     except Exception as error:
+        place = parts.place or path
         if parts.refusals:  # which xacro has wrapped and repeated
-            raise UrdfError(f"{path}: {parts.refusals[0]}") from None
+            raise UrdfError(f"{place}: {parts.refusals[0]}") from None
         # Expressions and macros of the file can raise any exception.
-        raise UrdfError(f"{path}: xacro cannot expand it: {_reason(error)}") from None
+        raise UrdfError(f"{place}: xacro cannot expand it: {_reason(error)}") from None
     unknown = next((name for name in arguments if name not in known.asked), None)
     if unknown is not None:
         names = ", ".join(sorted(known.asked)) or "none"

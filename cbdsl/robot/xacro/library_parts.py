@@ -14,7 +14,8 @@ from contextlib import contextmanager
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
-from xml.dom import minidom
+from xml.dom import expatbuilder
+from xml.parsers import expat
 
 import xacro
 
@@ -37,6 +38,9 @@ _PIECES = re.compile(
     r"\$(?P<escaped>\$+[{(])|\$\{(?P<expression>[^}]*)\}|\$\((?P<extension>[^)]*)\)"
     r"|(?P<text>[^$]+|\$[^{($]+|\$$)"
 )
+# Key of an element's place, and functions of the library whose first argument is an element.
+_PLACE = "place"
+_OF_ELEMENTS = ("check_attrs", "reqd_attrs", "handle_macro_call")
 
 
 class LibraryParts:
@@ -48,12 +52,14 @@ class LibraryParts:
 
     Attributes:
         refusals: Errors to report, which the library wraps in its own.
+        place: File and line of the element that is expanded; empty before the first one.
     """
 
     def __init__(self, arguments: Mapping[str, str], packages: PackageFolders) -> None:
         self._arguments, self._packages = arguments, packages
         self._budget = StepBudget()
         self.refusals: list[Exception] = []
+        self.place = ""
         self._library_eval_all: Callable[..., None] = xacro.eval_all
         self._library_load_yaml: Callable[[str], Any] = xacro.load_yaml
         self._functions = functions(
@@ -69,12 +75,13 @@ class LibraryParts:
         """Replace the library's parts during the expansion of a model."""
         parts = {
             "_global_symbols": self._functions,
-            "safe_eval": lambda text, names, _=None: self._evaluate(text, names),
+            "safe_eval": self._evaluate,
             "eval_text": self._eval_text,
             "eval_all": self._eval_all,
-            "eval_extension": lambda text: self._substitute(text[2:-1]),
+            "eval_extension": lambda s: self._substitute(s[2:-1]),
             "parse": self._parse,
             "get_include_files": self._included,
+            **{name: self._placed(getattr(xacro, name)) for name in _OF_ELEMENTS},
         }
         # The library has no hooks, so its module's globals are replaced for the whole process
         # meanwhile. Two threads must not expand models at the same time.
@@ -85,6 +92,15 @@ class LibraryParts:
         finally:
             vars(xacro).update(library)
 
+    def _placed(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Return a function of the library that first sets the place to that of its element."""
+
+        def placed(elt: Any, *arguments: Any, **named: Any) -> Any:
+            self.place = elt.getUserData(_PLACE) or self.place
+            return function(elt, *arguments, **named)
+
+        return placed
+
     @contextmanager
     def _reported(self) -> Iterator[None]:
         try:
@@ -93,18 +109,20 @@ class LibraryParts:
             self.refusals.append(error)
             raise
 
-    def _evaluate(self, text: str, names: Mapping[str, Any]) -> Any:
+    def _evaluate(
+        self, expr: str, globals: Mapping[str, Any], locals: Mapping[str, Any] | None = None
+    ) -> Any:
         try:
-            return evaluate(text, names, self._budget)
+            return evaluate(expr, globals, self._budget)
         except ExpressionError as error:
-            refusal = ExpressionError(f"expression '{text.strip()}': {error}")
+            refusal = ExpressionError(f"expression '{expr.strip()}': {error}")
             self.refusals.append(refusal)
             raise refusal from None
         except BudgetError as error:
             self.refusals.append(error)
             raise
 
-    def _eval_text(self, text: str, names: Mapping[str, Any]) -> Any:
+    def _eval_text(self, text: str, symbols: Mapping[str, Any]) -> Any:
         """Return the text with expressions and substitutions replaced, or a lone one's value."""
         results: list[Any] = []
         size, at = 0, 0
@@ -113,7 +131,7 @@ class LibraryParts:
             if piece is None:
                 raise ExpressionError(f"invalid expression: {text[at : at + 60]}")
             at = piece.end()
-            result = self._piece(piece, names)
+            result = self._piece(piece, symbols)
             size += len(result) if isinstance(result, str) else 1
             with self._reported():
                 self._budget.spend(1 + len(piece[0]) // 100)
@@ -134,7 +152,10 @@ class LibraryParts:
     def _eval_all(self, node: Any, macros: Any, symbols: Any) -> None:
         with self._reported():
             self._budget.spend(_ELEMENT_STEPS * (1 + len(node.childNodes)))
+        outer = self.place
+        self.place = node.getUserData(_PLACE) or outer
         self._library_eval_all(node, macros, symbols)
+        self.place = outer  # an error leaves the place of the innermost element
 
     def _substitute(self, text: str) -> str:
         """Return the value of ``$(text)``."""
@@ -191,28 +212,58 @@ class LibraryParts:
         self._budget.spend(5 * len(data))
         return _plain(self._library_load_yaml(name))
 
-    def _parse(self, source: Any, filename: str | None = None) -> Any:
-        """Return the document of a file."""
+    def _parse(self, inp: Any, filename: str | None = None) -> Any:
+        """Return the document of a file, whose elements know their places."""
         path = Path(xacro.root_dir, filename or "")
         try:
             data = _read(path, MOST_BYTES)
         except UrdfError as error:
             xacro.filestack.pop()
             raise xacro.XacroException(str(error), exc=FileNotFoundError()) from None
-        with self._reported():
-            refuse_entities(data, path)
-            self._budget.spend(len(data) // 20)
-        return minidom.parseString(data)
+        try:
+            with self._reported():
+                refuse_entities(data, path)
+                self._budget.spend(len(data) // 20)
+            return _PlacedBuilder(path).parseString(data)
+        except expat.ExpatError as error:
+            self.place = f"{path}:{error.lineno}:{error.offset}"
+            raise UrdfError(expat.errors.messages[error.code]) from None
 
-    def _included(self, spec: str, names: Mapping[str, Any]) -> Iterator[str]:
+    def _included(self, filename_spec: str, symbols: Mapping[str, Any]) -> Iterator[str]:
         """Yield the files of an include, whose last part may be a pattern."""
-        path = Path(xacro.abs_filename_spec(str(self._eval_text(spec, names))))
+        path = Path(xacro.abs_filename_spec(str(self._eval_text(filename_spec, symbols))))
         if not any(sign in path.name for sign in "*?["):
             yield str(path)
         elif path.parent.is_dir():
             yield from sorted(
                 str(file) for file in path.parent.iterdir() if fnmatchcase(file.name, path.name)
             )
+
+
+class _PlacedBuilder(expatbuilder.ExpatBuilderNS):
+    """Builder of documents whose elements know their file and line.
+
+    Args:
+        path: File of the document.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self._path = path
+
+    def start_element_handler(self, name: str, attributes: Any) -> None:
+        super().start_element_handler(name, attributes)
+        line = self.getParser().CurrentLineNumber
+        self.curNode.setUserData(_PLACE, f"{self._path}:{line}", _CopiedPlace)
+
+
+class _CopiedPlace:
+    """Handler by which a copy, as of a macro's body, keeps the places of its elements."""
+
+    @classmethod
+    def handle(cls, _operation: int, key: str, data: str, _source: Any, copy: Any) -> None:
+        """Set the place of a copied element."""
+        copy.setUserData(key, data, cls)
 
 
 def _read(path: Path, most: int) -> bytes:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 
 import pytest
+import xacro
 
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.xacro.expansion import expand_xacro
+from cbdsl.robot.xacro.library_parts import LibraryParts
 
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 BOMB = "".join(f'<xacro:property name="p{n + 1}" value="${{p{n}}}${{p{n}}}"/>' for n in range(40))
@@ -106,3 +109,42 @@ def test_expand_pattern_includes_files_in_order(tmp_path: Path) -> None:
         (tmp_path / "parts" / f"{name}.xml").write_text(f'<r><link name="{name}"/></r>')
     text = expand(tmp_path, '<xacro:include filename="parts/*.xml"/>')
     assert text.index('"a"') < text.index('"b"')
+
+
+def test_expand_names_the_included_file_and_line_of_an_error(tmp_path: Path) -> None:
+    for fault, place in (
+        ("<link>", "part.xacro:5:2: .*mismatched tag"),
+        ('<link name="${absent}"/>', "part.xacro:4: expression 'absent'"),
+        ('<xacro:absent name="a"/>', "part.xacro:4: .*unknown macro"),
+        ('<xacro:if value="perhaps"/>', "part.xacro:4: .*not a boolean"),
+        ('<xacro:property name="p" value="$(arg absent)" lazy_eval="no"/>', "part.xacro:4: "),
+        ('<a><b c="$(find absent)"/></a>', "part.xacro:4: "),
+    ):
+        (tmp_path / "part.xacro").write_text(f'{HEAD}\n<link name="foot"/>\n\n{fault}\n</robot>')
+        with pytest.raises(UrdfError, match=place):
+            expand(tmp_path, '<link/><xacro:include filename="part.xacro"/>\n<link/>')
+
+
+def test_expand_names_the_line_within_a_macro(tmp_path: Path) -> None:
+    body = '\n<xacro:macro name="m" params="a">\n<b>\n<c d="${a}${absent}"/></b></xacro:macro>\n\n'
+    with pytest.raises(UrdfError, match=r"any\.xacro:4: expression 'absent'"):
+        expand(tmp_path, f'{body}<xacro:m a="1"/>')
+
+
+def test_expand_element_and_attribute_with_computed_names(tmp_path: Path) -> None:
+    body = (
+        '<xacro:property name="kind" value="link"/><xacro:element xacro:name="${kind}" name="a">'
+        '<xacro:attribute name="b${1 + 1}" value="c"/></xacro:element>'
+    )
+    assert '<link b2="c" name="a"/>' in expand(tmp_path, body)
+
+
+def test_library_parts_take_the_arguments_by_the_names_of_the_library(tmp_path: Path) -> None:
+    originals = dict(vars(xacro))
+    with LibraryParts({}, PackageFolders({}, [], tmp_path)).installed():
+        replaced = {name: part for name, part in vars(xacro).items() if part != originals[name]}
+    assert len(replaced) > 5
+    for name, part in replaced.items():
+        if callable(part) and part.__name__ != "placed":
+            own, library = (inspect.signature(each).parameters for each in (part, originals[name]))
+            assert list(own) == list(library), name
