@@ -51,8 +51,8 @@ def memory(process: subprocess.Popen[bytes]) -> float:
 
 def listen() -> None:
     """Read joint states for a while."""
-    from cbdsl.backends.ros2.dds_types import JointState
-    from cbdsl.backends.ros2.ros_node import RosNode
+    from cbdsl_ros2.dds_types import JointState
+    from cbdsl_ros2.ros_node import RosNode
 
     node, until = RosNode(), time.monotonic() + _LISTENING
     reader = node.reader("/joint_states", JointState)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.api.reading.robots import read_robot
-from cbdsl.api.simulation.serve import serve_robot
+from cbdsl_ros2.serve import serve_robot
 from cbdsl.cli.arguments.options import Cameras, Rate
 from cbdsl.cli.episodes.attendance import Interface, TerminalPerson
 from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
@@ -167,7 +167,7 @@ def watchdog(robot: Robot, *, interface: Interface = None) -> None:
     """
     document, urdf = read_robot(robot)
     with needing_simulation(), stop_requests() as stopped:
-        from cbdsl.backends.ros2.guard import Guard
+        from cbdsl_ros2.guard import Guard
 
         guard = Guard(document, urdf, interface)
         try:

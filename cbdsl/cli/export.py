@@ -70,9 +70,9 @@ def export_mcap(what: Recording, out: Out = None, schemas: Schemas = "foxglove")
         raise UsageError.unknown("kind of schemas", schemas, SCHEMAS)
     # Imports are here, because packages of an extra may be missing.
     with needed("MCAP", "mcap"):
-        from cbdsl.reporting.mcap_file import write_mcap
+        from cbdsl_mcap.mcap_file import write_mcap
         from cbdsl.reporting.recorded import find_recordings, read_recording
-        from cbdsl.reporting.ros2.file import write_ros2_mcap
+        from cbdsl_ros2.export.file import write_ros2_mcap
     recordings = find_recordings(what)
     if out is not None and len(recordings) > 1:
         raise UsageError(
@@ -103,7 +103,7 @@ def export_lerobot(
     action, rewards, and the state and action of the program. Requires the extra lerobot.
     """
     with needed("A LeRobot dataset", "lerobot"):
-        from cbdsl.reporting.lerobot.dataset import write_dataset
+        from cbdsl_lerobot.dataset import write_dataset
         from cbdsl.reporting.recorded import find_recordings, read_recording
     recordings = find_recordings(what)
     target = out or recordings[0].parent / "lerobot"

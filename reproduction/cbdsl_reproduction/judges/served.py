@@ -19,7 +19,7 @@ from cbdsl.api.control import Kinematics
 from cbdsl.api.sensing import EpisodeListeners, Runner, Tick
 from cbdsl.api.shipped import shipped_program
 from cbdsl.api.simulation.rehearsal import rehearse
-from cbdsl.api.simulation.serve import serve_robot
+from cbdsl_ros2.serve import serve_robot
 from cbdsl.api.trials import AttendedBackend, Backend, embody
 from cbdsl_reproduction.judges.judge import ANY, BodyChoice, EpisodeVerdict, Judge, JudgedCondition
 

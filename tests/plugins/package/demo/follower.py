@@ -3,8 +3,8 @@
 import time
 from typing import Any
 
-from cbdsl.backends.lerobot.backend import LeRobotBackend
-from cbdsl.backends.lerobot.rescaled import Rescaled, Scale
+from cbdsl_lerobot.backend import LeRobotBackend
+from cbdsl_lerobot.rescaled import Rescaled, Scale
 
 MOTORS = ("waist", "shoulder", "elbow", "forearm_roll", "wrist_bend", "flange_roll")
 

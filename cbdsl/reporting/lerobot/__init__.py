@@ -1,1 +1,0 @@
-"""Recorded episodes as datasets of LeRobot."""

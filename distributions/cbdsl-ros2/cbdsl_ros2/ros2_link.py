@@ -1,0 +1,317 @@
+"""Link to the parts of a robot that speak ROS 2."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
+from typing import Any
+
+import numpy as np
+
+from cbdsl.backends.drivers.link import Endpoint
+from cbdsl.backends.drivers.sample import (
+    CameraSample,
+    Command,
+    DescriptionSample,
+    FaultSample,
+    ImageSample,
+    JointSample,
+    RegionsSample,
+    Sample,
+    StopSample,
+    WrenchSample,
+)
+from cbdsl_ros2 import dds_types as msg
+from cbdsl_ros2.regions_text import read_regions
+from cbdsl_ros2.ros_node import Remote, RosNode, guarded
+from cbdsl.documents.driver import Driver, absolute
+from cbdsl.documents.robot import RobotDocument
+
+# Messages per poll.
+_MOST = 64
+_FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
+
+
+@dataclass
+class _Input:
+    """Stream that a driver reads."""
+
+    driver: str
+    role: str
+    topic: str
+    message: type[Any]
+    convert: Callable[[Any], Sample]
+    readers: tuple[Any, ...]
+    since: float = field(default_factory=time.monotonic)
+    count: int = 0
+    newest: float | None = None
+    peers: frozenset[Any] = frozenset()
+
+
+@dataclass
+class _Output:
+    """Stream that a driver writes; it has a writer once the robot is claimed."""
+
+    driver: str
+    topic: str
+    message: type[Any]
+    horizon: float
+    writer: Any = None
+    peers: frozenset[Any] = frozenset()
+    rivals: frozenset[Any] = frozenset()
+
+
+class Ros2Link:
+    """Topics of a robot's drivers of kind ``ros2``; see ``DriverLink``.
+
+    Args:
+        robot: Robot with drivers.
+        drivers: Drivers of this kind, by name.
+        interface: Network interface; loopback only if ``None``.
+
+    Raises:
+        BackendError: The interface cannot be used.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, drivers: Mapping[str, Driver], interface: str | None
+    ) -> None:
+        self._node = RosNode(interface)
+        self._inputs = [
+            _Input(name, role, topic, message, convert, readers)
+            for name, driver in drivers.items()
+            for role, topic, message, convert, qualities in _streams(name, driver)
+            for readers in [tuple(self._node.reader(topic, message, **q) for q in qualities)]
+        ]
+        # A survey leaves no news of peers, so the next poll has to look for changes.
+        self._has_surveyed = False
+        self._outputs: dict[str, _Output] = {}
+        for name, driver in drivers.items():
+            if driver.commands is not None:
+                message = _FORMS[driver.form]
+                horizon = driver.horizon or 3.0 / robot.control.rate
+                # Without a watchdog nothing listens, and the robot is never ready.
+                topic = guarded(driver.commands) if driver.form == "positions" else driver.commands
+                self._outputs[name] = _Output(name, topic, message, horizon)
+
+    def poll(self) -> Sequence[Sample]:
+        """Return the samples that arrived since the last call; see ``DriverLink.poll``."""
+        samples: list[Sample] = []
+        for each in self._inputs:
+            for message in chain.from_iterable(map(_taken, each.readers)):
+                if message.sample_info.valid_data:
+                    each.count, each.newest = each.count + 1, time.monotonic()
+                    samples.append(each.convert(message))
+        if self._node.has_news or self._has_surveyed:
+            self._has_surveyed = False
+            samples.extend(self._changes(self._node.remotes()))
+        return samples
+
+    def _changes(self, remotes: Sequence[Remote]) -> Iterator[FaultSample]:
+        """Yield the peers that ended, and commanders that began, since the last call."""
+        for each in self._inputs:
+            topic = absolute(each.topic)
+            peers = frozenset(r.key for r in remotes if r.writes and r.topic == topic)
+            # A camera that ends leaves the robot on its memory, and its own time-out follows.
+            if each.peers - peers and each.role in ("states", "wrenches"):
+                yield FaultSample(each.driver, f"a publisher of {topic} has ended")
+            # A person may press the stop by a tool that ends after its message.
+            if each.peers and not peers and each.role == "stop":
+                yield FaultSample(each.driver, f"the last publisher of {topic} has ended")
+            each.peers = peers
+        for output in self._outputs.values():
+            topic = absolute(output.topic)
+            peers = frozenset(r.key for r in remotes if not r.writes and r.topic == topic)
+            rivals = frozenset(self._rivals(output, remotes))
+            if output.peers - peers:
+                yield FaultSample(output.driver, f"a subscriber of {topic} has ended")
+            if rivals - output.rivals:
+                yield FaultSample(output.driver, f"another commander writes to {topic}")
+            output.peers, output.rivals = peers, rivals
+
+    @staticmethod
+    def _rivals(output: _Output, remotes: Sequence[Remote]) -> Iterator[Any]:
+        # The node sees its own writers, too.
+        own = None if output.writer is None else output.writer.get_guid()
+        topic = absolute(output.topic)
+        for remote in remotes:
+            if remote.writes and remote.topic == topic and remote.key != own:
+                yield remote.key
+
+    def claim(self) -> None:
+        """Announce the writers of all commands; see ``DriverLink.claim``."""
+        for output in self._outputs.values():
+            if output.writer is None:
+                output.writer = self._node.writer(
+                    output.topic, output.message, deadline=output.horizon
+                )
+
+    def send(self, driver: str, command: Command) -> None:
+        """Send references to a driver's controller; see ``DriverLink.send``."""
+        output = self._outputs.get(driver)
+        if output is None:
+            return
+        assert output.writer is not None, "a link is claimed before it sends"
+        if output.message is msg.Float64MultiArray:
+            output.writer.write(msg.Float64MultiArray(data=list(command.positions)))
+            return
+        point = msg.JointTrajectoryPoint(
+            positions=list(command.positions), time_from_start=msg.Duration.of(command.horizon)
+        )
+        header = msg.Header(stamp=msg.Time.of(command.stamp))
+        output.writer.write(msg.JointTrajectory(header, list(command.names), [point]))
+
+    def survey(self) -> Sequence[Endpoint]:
+        """Return the state of each topic; see ``DriverLink.survey``."""
+        remotes, self._has_surveyed = self._node.remotes(), True
+        return [*self._surveyed_inputs(remotes), *self._surveyed_outputs(remotes)]
+
+    def _surveyed_inputs(self, remotes: Sequence[Remote]) -> Iterator[Endpoint]:
+        for each in self._inputs:
+            peers = [r for r in remotes if r.writes and r.topic == absolute(each.topic)]
+            foreign = _foreign(peers, each.message)
+            now = time.monotonic()
+            yield Endpoint(
+                each.driver, each.role, absolute(each.topic), msg.type_name(each.message),
+                outgoing=False, peers=len(peers), foreign_types=foreign,
+                candidates=_candidates(remotes, each.message, writes=True),
+                rate=each.count / max(now - each.since, 1e-3),
+                age=None if each.newest is None else now - each.newest,
+            )  # fmt: skip
+
+    def _surveyed_outputs(self, remotes: Sequence[Remote]) -> Iterator[Endpoint]:
+        for output in self._outputs.values():
+            topic = absolute(output.topic)
+            peers = [r for r in remotes if not r.writes and r.topic == topic]
+            rivals = len(list(self._rivals(output, remotes)))
+            yield Endpoint(
+                output.driver, "commands", topic, msg.type_name(output.message), outgoing=True,
+                peers=len(peers), rivals=rivals, foreign_types=_foreign(peers, output.message),
+                candidates=_candidates(remotes, output.message, writes=False),
+            )  # fmt: skip
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self._inputs.clear()
+        self._outputs.clear()
+        self._node.close()
+
+
+def _foreign(peers: Sequence[Remote], message: type[Any]) -> tuple[str, ...]:
+    own = msg.type_name(message)
+    types = {msg.ros_type(remote.type) for remote in peers}
+    return tuple(sorted(types - {own}))
+
+
+def _candidates(remotes: Sequence[Remote], message: type[Any], *, writes: bool) -> tuple[str, ...]:
+    """Return the topics that others write, or read, with a message type."""
+    own = msg.type_name(message)
+    topics = {r.topic for r in remotes if r.writes is writes and msg.ros_type(r.type) == own}
+    return tuple(sorted(topics))
+
+
+_Quality = dict[str, bool]
+_Stream = tuple[str, str, type[Any], Callable[[Any], Sample], tuple[_Quality, ...]]
+
+
+def _streams(name: str, driver: Driver) -> Iterator[_Stream]:
+    """Yield role, topic, message, conversion and the readers' qualities of service."""
+    usual: tuple[_Quality, ...] = ({},)
+    if driver.states is not None:
+        yield "states", driver.states, msg.JointState, lambda m: _joints(name, m), usual
+    if driver.description is not None:
+        described = lambda m: DescriptionSample(name, m.data)  # noqa: E731
+        yield "description", driver.description, msg.Text, described, ({"lasting": True},)
+    if driver.stop is not None:
+        pressed = lambda m: StopSample(name, bool(m.data), _source(m))  # noqa: E731
+        # A lasting reader gets the state from before its time, but only from lasting writers.
+        qualities = {"reliable": True, "every": True}, {"lasting": True, "every": True}
+        yield "stop", driver.stop, msg.Flag, pressed, qualities
+    for hand, fingers in driver.wrenches.items():
+        for finger, topic in fingers.items():
+            yield "wrenches", topic, msg.WrenchStamped, _wrench(name, (hand, finger)), usual
+    for camera, topic in driver.images.items():
+        yield "images", topic, msg.Image, _image(name, camera), usual
+    for camera, topic in driver.regions.items():
+        yield "regions", topic, msg.CameraRegions, _regions(name, camera), usual
+    for camera, topic in driver.camera_info.items():
+        yield "camera_info", topic, msg.CameraInfo, _camera(name, camera), usual
+
+
+def _taken(reader: Any) -> Iterator[Any]:
+    """Yield the messages of a reader, and remove them."""
+    while messages := reader.take(_MOST):
+        yield from messages
+        if len(messages) < _MOST:
+            return
+
+
+def _source(message: Any) -> int:
+    """Return the number of a message's publisher."""
+    return int(message.sample_info.publication_handle)
+
+
+def _joints(driver: str, message: msg.JointState) -> JointSample:
+    return JointSample(
+        driver,
+        message.header.stamp.seconds,
+        tuple(message.name),
+        tuple(message.position),
+        tuple(message.velocity),
+        tuple(message.effort),
+        _source(message),
+    )
+
+
+def _wrench(driver: str, cell: tuple[str, str]) -> Callable[[msg.WrenchStamped], Sample]:
+    def convert(message: msg.WrenchStamped) -> Sample:
+        force, torque = message.wrench.force, message.wrench.torque
+        wrench = (force.x, force.y, force.z, torque.x, torque.y, torque.z)
+        header = message.header
+        return WrenchSample(driver, cell, header.stamp.seconds, header.frame_id, wrench)
+
+    return convert
+
+
+def _image(driver: str, camera: str) -> Callable[[msg.Image], Sample]:
+    def convert(message: msg.Image) -> Sample:
+        stamp = message.header.stamp.seconds
+        return ImageSample(driver, camera, stamp, _pixels(message), message.encoding)
+
+    return convert
+
+
+def _pixels(message: msg.Image) -> np.ndarray[Any, np.dtype[np.uint8]] | None:
+    """Return an RGB image, shape (height, width, 3); ``None`` if it cannot be read."""
+    height, width, step = message.height, message.width, message.step
+    if message.encoding not in ("rgb8", "bgr8") or step < 3 * width:
+        return None
+    # Rows may have padding: a step of more than 3 bytes per pixel of the width.
+    if len(message.data) != height * step:
+        return None
+    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(height, step)
+    pixels = rows[:, : 3 * width].reshape(height, width, 3)
+    return np.ascontiguousarray(pixels if message.encoding == "rgb8" else pixels[:, :, ::-1])
+
+
+def _regions(driver: str, camera: str) -> Callable[[msg.CameraRegions], Sample]:
+    def convert(message: msg.CameraRegions) -> Sample:
+        stamp = message.header.stamp.seconds
+        try:
+            return RegionsSample(driver, camera, stamp, read_regions(message.regions))
+        except ValueError as error:
+            return FaultSample(
+                driver, f"camera '{camera}' sends regions that cannot be read: {error}"
+            )
+
+    return convert
+
+
+def _camera(driver: str, camera: str) -> Callable[[msg.CameraInfo], Sample]:
+    def convert(message: msg.CameraInfo) -> Sample:
+        focal = message.k[0], message.k[4]
+        return CameraSample(driver, camera, message.width, message.height, focal)
+
+    return convert

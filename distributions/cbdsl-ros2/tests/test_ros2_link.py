@@ -1,0 +1,124 @@
+"""Link: messages of other participants over DDS, of any quality of service."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+pytest.importorskip("cyclonedds")
+
+from cbdsl.backends.drivers.sample import FaultSample, Sample, StopSample
+from cbdsl_ros2 import dds_types as msg
+from cbdsl_ros2.ros2_link import Ros2Link
+from cbdsl_ros2.ros_node import RosNode
+from tests.backends.drivers.conftest import robot
+
+_PATIENCE = 5.0
+DOCUMENT = robot(stop="/stop")
+
+
+@pytest.fixture
+def opened(node: RosNode) -> Iterator[Callable[[], Ros2Link]]:
+    """Return a function that opens the robot's link when a test needs it."""
+    links: list[Ros2Link] = []
+
+    def open_link() -> Ros2Link:
+        links.append(Ros2Link(DOCUMENT, DOCUMENT.drivers, None))
+        return links[-1]
+
+    yield open_link
+    for link in links:
+        link.close()
+
+
+def polled(link: Ros2Link, kind: type[Any], meanwhile: Callable[[], None] = lambda: None) -> Sample:
+    """Return the first sample of a kind."""
+    until = time.monotonic() + _PATIENCE
+    while time.monotonic() < until:
+        meanwhile()
+        for sample in link.poll():
+            if isinstance(sample, kind):
+                return sample
+        time.sleep(0.005)
+    raise AssertionError(f"no {kind.__name__} came")
+
+
+def test_link_hears_a_stop_that_was_pressed_before(
+    node: RosNode, opened: Callable[[], Ros2Link]
+) -> None:
+    writer = node.writer("/stop", msg.Flag, lasting=True)
+    writer.write(msg.Flag(True))
+    sample = polled(opened(), StopSample)
+    assert sample == StopSample("arm", True, sample.source)
+
+
+def test_link_hears_a_stop_whose_publisher_keeps_nothing(
+    node: RosNode, opened: Callable[[], Ros2Link]
+) -> None:
+    writer, link = node.writer("/stop", msg.Flag), opened()
+    pressed = polled(link, StopSample, lambda: writer.write(msg.Flag(True)))
+    assert pressed == StopSample("arm", True, pressed.source)
+
+
+def test_link_tells_the_publishers_of_a_stop_apart(
+    node: RosNode, opened: Callable[[], Ros2Link]
+) -> None:
+    states = {}
+    writers = [node.writer("/stop", msg.Flag, lasting=True) for _ in range(2)]
+    for writer, pressed in zip(writers, (True, False), strict=True):
+        writer.write(msg.Flag(pressed))
+    link, until = opened(), time.monotonic() + _PATIENCE
+    while len(states) < 2 and time.monotonic() < until:
+        states.update({s.source: s.pressed for s in link.poll() if isinstance(s, StopSample)})
+    assert sorted(states.values()) == [False, True]
+    # Both readers of the link name a publisher by the same number.
+    release = writers[0]
+    release.write(msg.Flag(False))
+    while any(states.values()) and time.monotonic() < until:
+        states.update({s.source: s.pressed for s in link.poll() if isinstance(s, StopSample)})
+    assert list(states.values()) == [False, False]
+
+
+def test_link_keeps_a_pressed_stop_among_many_messages(
+    node: RosNode, opened: Callable[[], Ros2Link]
+) -> None:
+    pressing, other = (node.writer("/stop", msg.Flag) for _ in range(2))
+    link, until = opened(), time.monotonic() + _PATIENCE
+    for writer in (pressing, other):
+        polled(link, StopSample, lambda writer=writer: writer.write(msg.Flag(False)))
+    # Nothing is read meanwhile, as while a person answers.
+    pressing.write(msg.Flag(True))
+    for _ in range(200):
+        other.write(msg.Flag(False))
+    found = False
+    while not found and time.monotonic() < until:
+        found = any(isinstance(s, StopSample) and s.pressed for s in link.poll())
+    assert found
+
+
+def test_link_reports_the_end_of_the_last_publisher_of_a_stop(
+    node: RosNode, opened: Callable[[], Ros2Link]
+) -> None:
+    writers, link = [node.writer("/stop", msg.Flag) for _ in range(2)], opened()
+    while _peers(link) < 2:
+        link.poll()
+    link.poll()
+    del writers[0]
+    while _peers(link) > 1:
+        assert not any(isinstance(sample, FaultSample) for sample in link.poll())
+    assert not any(isinstance(sample, FaultSample) for sample in link.poll())
+    del writers[0]
+    fault = polled(link, FaultSample)
+    assert fault == FaultSample("arm", "the last publisher of /stop has ended")
+
+
+def _peers(link: Ros2Link) -> int:
+    return next(each.peers for each in link.survey() if each.role == "stop")
+
+
+def test_survey_names_each_stream_once(opened: Callable[[], Ros2Link]) -> None:
+    roles = [endpoint.role for endpoint in opened().survey()]
+    assert roles == ["states", "stop", "commands"]
