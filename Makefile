@@ -7,6 +7,9 @@ MARK ?= slow or not slow
 # What a bill of materials is made for.
 USERS = sim,editor,formats,learn,mujoco,gym,trees,mcap,lerobot,ros2
 
+# First-party plug-ins.
+DISTRIBUTIONS = $(wildcard distributions/cbdsl-*)
+
 # How many mutants, which ones, and with which tests: `all` fast ones take minutes for each that is hard to kill. With a
 # file in KEEP it can be interrupted, and goes on.
 SAMPLE ?= 100
@@ -36,7 +39,7 @@ types:
 
 layers:
 	$(BIN)lint-imports
-	$(BIN)lint-imports --config reproduction/pyproject.toml
+	for project in reproduction $(DISTRIBUTIONS); do $(BIN)lint-imports --config $$project/pyproject.toml || exit 1; done
 
 spelling:
 	$(BIN)codespell
@@ -85,23 +88,23 @@ constraints:
 	(echo "# Versions that CI installs, for Python 3.11 to 3.14: pip install -c constraints.txt ..."; \
 	echo "# make constraints renews them."; \
 	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-annotate --upgrade \
-	--no-emit-package cbdsl --no-emit-package cbdsl-reproduction \
-	--extra dev --extra release --extra fuzz pyproject.toml reproduction/pyproject.toml) > build/constraints.txt
+	$(foreach name,cbdsl cbdsl-reproduction $(notdir $(DISTRIBUTIONS)),--no-emit-package $(name)) \
+	--extra dev --extra release --extra fuzz pyproject.toml reproduction/pyproject.toml \
+	$(DISTRIBUTIONS:%=%/pyproject.toml)) > build/constraints.txt
 	mv build/constraints.txt constraints.txt
 
-# Wheels and sdists of both distributions in dist/, checked where nothing else is installed.
+# Wheels and sdists of all distributions in dist/, checked where nothing else is installed.
 dist:
 	rm -rf dist
 	$(BIN)pip install --quiet --disable-pip-version-check -e ".[release]"
-	$(BIN)python -m build --outdir dist .
-	$(BIN)python -m build --outdir dist reproduction
+	for project in . reproduction $(DISTRIBUTIONS); do $(BIN)python -m build --outdir dist $$project || exit 1; done
 	$(BIN)twine check --strict dist/*
 	$(BIN)pytest -n 0 -m slow tests/test_distribution.py
 
 # Everything that comes with cbdsl[sim] and the other extras of users, as CycloneDX in dist/sbom.json.
 sbom: dist
 	$(PYTHON) -m venv dist/bare
-	dist/bare/bin/pip install --quiet --disable-pip-version-check "$$(echo dist/cbdsl-*.whl)[$(USERS)]"
+	dist/bare/bin/pip install --quiet --disable-pip-version-check --find-links dist "$$(echo dist/cbdsl-*.whl)[$(USERS)]"
 	$(BIN)cyclonedx-py environment --pyproject pyproject.toml --output-reproducible --of JSON -o dist/sbom.json dist/bare/bin/python
 	rm -rf dist/bare
 

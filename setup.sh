@@ -1,13 +1,10 @@
 #!/bin/sh
 # Make .venv with cbdsl and an extra, and compile in advance:  ./setup.sh sim|dev|...
-# dev also installs the distribution cbdsl-reproduction.
+# Extras that are distributions of this clone are installed from it; dev installs all of these.
 # As root on Debian, apt-get installs the packages that pip cannot provide; otherwise they are named.
 set -eu
 cd "$(dirname "$0")"
 extra="${1:-sim}"
-# The experiments come with what developers need.
-reproduction=""
-[ "$extra" != dev ] || reproduction="./reproduction[dev]"
 
 fail() { echo "setup: $1" >&2; exit 1; }
 # Names in the table of extras.
@@ -15,6 +12,12 @@ extras=$(sed -n '/^\[project.optional-dependencies\]/,/^\[/s/^\([a-z0-9]*\) = .*
 for name in $(echo "$extra" | tr ',' ' '); do
     echo "$extras" | grep -qx "$name" || fail "unknown extra '$name'; allowed: $(echo "$extras" | paste -sd ' ' -)"
 done
+projects=""
+for project in distributions/cbdsl-*; do
+    case ",$extra," in *,"${project#distributions/cbdsl-}",* | *,dev,*) projects="$projects -e ./$project" ;; esac
+done
+# The experiments come with what developers need.
+case ",$extra," in *,dev,*) projects="$projects -e ./reproduction[dev]" ;; esac
 # An ordinary user's PATH may lack ldconfig.
 has_library() { PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q "$1"; }
 is_supported() {
@@ -56,7 +59,9 @@ fi
 can_make_environments || fail "$python cannot make virtual environments: install its package python3-venv"
 
 "$python" -m venv .venv
-.venv/bin/python -m pip install --quiet --disable-pip-version-check -e ".[$extra]" ${reproduction:+-e "$reproduction"}
+# One word per option.
+# shellcheck disable=SC2086
+.venv/bin/python -m pip install --quiet --disable-pip-version-check -e ".[$extra]" $projects
 for library in .venv/lib/python3.*/site-packages/cmeel.prefix/lib; do
     [ -d "$library" ] || continue
     # Pinocchio needs OpenMP and does not bring it; the wheel of pykdtree holds a copy.

@@ -41,8 +41,8 @@ from cbdsl.numeric.proportion import exact_interval
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("control", "sensing", "runtime", "learning")
 COPIED = (
-    "cbdsl", "tests", "reproduction", "benchmarks", "docs", "programs", "robots", "schemas",
-    "knowledge",
+    "cbdsl", "tests", "distributions", "reproduction", "benchmarks", "docs", "programs", "robots",
+    "schemas", "knowledge",
 )  # fmt: skip
 FILES = ("pyproject.toml", "README.md", "CHANGELOG.md", "Makefile", "setup.sh")
 
@@ -167,7 +167,8 @@ def suites_of(file: str, reach: str) -> list[list[str]]:
         near += [each for each in _tests_of("") if imports.search(_text(each))]
         near += [each for other in PACKAGES for each in _tests_of(other)]
     suites = [list(dict.fromkeys(near))]
-    return [*suites, ["-n", "2", "tests", "reproduction/tests"]] if reach == "all" else suites
+    rest = ["-n", "2", "tests", "distributions", "reproduction/tests"]
+    return [*suites, rest] if reach == "all" else suites
 
 
 def _text(test: str) -> str:

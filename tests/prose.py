@@ -56,7 +56,7 @@ class Place(NamedTuple):
 
 def files() -> list[str]:
     """Return the measured files, relative to the root."""
-    folders = ("cbdsl", "reproduction", "tests", "benchmarks", "docs", "robots")
+    folders = ("cbdsl", "distributions", "reproduction", "tests", "benchmarks", "docs", "robots")
     found = [path for name in folders for path in (ROOT / name).rglob("*.*")]
     found += ROOT.glob("*.md")
     names = (

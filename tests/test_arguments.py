@@ -26,7 +26,7 @@ def crowded(source: str) -> Iterator[str]:
                 yield node.name
 
 
-@pytest.mark.parametrize("package", ["cbdsl", "reproduction/cbdsl_reproduction"])
+@pytest.mark.parametrize("package", ["cbdsl", "distributions", "reproduction/cbdsl_reproduction"])
 def test_functions_take_few_positional_arguments_except_at_the_call_boundary(package: str) -> None:
     found = {
         f"{path.relative_to(ROOT)}: {name}"

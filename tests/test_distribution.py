@@ -15,6 +15,7 @@ from tests.conftest import ROOT
 
 pytestmark = pytest.mark.slow
 
+PLUGINS = sorted((ROOT / "distributions").glob("cbdsl-*"))
 SHIPPED = ("robots", "programs", "knowledge", "schemas")
 
 
@@ -32,7 +33,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pip = subprocess.run([tools / "pip", "install", "-q", "build"], capture_output=True, text=True)
     if pip.returncode:
         pytest.skip("pip reaches no package index")
-    for project in (ROOT, ROOT / "reproduction"):
+    for project in (ROOT, ROOT / "reproduction", *PLUGINS):
         command = [tools / "python", "-m", "build", "-o", folder / "dist", project]
         subprocess.run(command, check=True, capture_output=True)
     return folder / "dist"
@@ -63,6 +64,18 @@ def test_experiments_are_in_a_wheel_of_their_own(built: Path) -> None:
     assert not [name for name in zipfile.ZipFile(bare).namelist() if "reproduc" in name]
 
 
+@pytest.mark.parametrize("plugin", [folder.name for folder in PLUGINS])
+def test_plugin_is_in_a_wheel_of_its_own_with_the_version_of_cbdsl(
+    built: Path, plugin: str
+) -> None:
+    name = plugin.replace("-", "_")
+    (wheel,), (core,) = built.glob(f"{name}-*.whl"), built.glob("cbdsl-*.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    assert {entry.split("/")[0].split("-")[0] for entry in names} == {name}
+    assert wheel.name.split("-")[1] == core.name.split("-")[1]
+    assert f"{name}/__init__.py" in names and not [entry for entry in names if "test" in entry]
+
+
 def test_the_sdist_can_be_tested(built: Path) -> None:
     (sdist,) = built.glob("cbdsl-*.tar.gz")
     with tarfile.open(sdist) as archive:
@@ -89,6 +102,12 @@ def test_bare_environment_validates_and_names_the_extra_for_runs(
     assert cb("validate", "reachtouch", "dexter").returncode == 0
     assert cb("new", "program", "mine").returncode == 0
     assert cb("validate", ".").returncode == 0
+    export = cb("export", "lerobot", "tapes")
+    assert export.returncode == 2 and "pip install 'cbdsl[lerobot]'" in export.stderr
+    assert export.stderr.count("\n") == 1
+    (checked,) = json.loads(cb("validate", "dexter", "--format", "json").stdout)["findings"]
+    assert (checked["severity"], checked["code"]) == ("note", "CB324")
+    assert "pip install 'cbdsl[ros2]'" in checked["message"]
     run = cb("run", "mine")
     assert run.returncode == 2 and "pip install 'cbdsl[sim]'" in run.stderr
     for words in (["explain", "CB101"], ["schema", "program"], ["show", "types"], ["--help"]):

@@ -54,6 +54,7 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "reproduction/README.md")),
+    *sorted((ROOT / "distributions").glob("*/README.md")),
     *sorted(DOCS.rglob("*.md")),
 ]
 IDS = [str(page.relative_to(ROOT)) for page in PAGES]
@@ -468,7 +469,7 @@ def test_links_of_a_page_lead_to_files(page: Path) -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_files_of_the_project_that_are_named_exist(page: Path) -> None:
-    folders = "benchmarks|cbdsl|docs|programs|reproduction|robots|schemas|tests"
+    folders = "benchmarks|cbdsl|distributions|docs|programs|reproduction|robots|schemas|tests"
     text = FENCE.sub("", page.read_text("utf-8"))
     own = {block.marks["file"] for block in blocks(page) if "file" in block.marks}
     for name in re.findall(rf"`[^`\n]*?(?<![\w/])((?:{folders})/[\w./-]+)", text):
@@ -477,7 +478,7 @@ def test_files_of_the_project_that_are_named_exist(page: Path) -> None:
 
 def test_tests_named_by_deviations_exist() -> None:
     page = (ROOT / "docs" / "deviations.md").read_text("utf-8")
-    named = set(re.findall(r"`((?:reproduction/)?tests/[\w/]+\.py)`", page))
+    named = set(re.findall(r"`((?:reproduction/|distributions/[\w-]+/)?tests/[\w/]+\.py)`", page))
     assert len(named) > 20
     for name in named:
         assert re.search(r"^def test_", (ROOT / name).read_text("utf-8"), re.MULTILINE), name

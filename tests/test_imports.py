@@ -12,8 +12,11 @@ import pytest
 from tests.conftest import ROOT
 
 #: Folders with Python files, and the folder from which their packages are imported.
-FOLDERS = ("tests", "benchmarks", "reproduction/tests", "reproduction/cbdsl_reproduction")
-SOURCES = {"cbdsl": ROOT, "tests": ROOT, "cbdsl_reproduction": ROOT / "reproduction"}
+FOLDERS = ("tests", "benchmarks", "distributions", "reproduction")
+PLUGINS = {folder.name.replace("-", "_"): folder for folder in (ROOT / "distributions").glob("*-*")}
+SOURCES = {
+    "cbdsl": ROOT, "tests": ROOT, "cbdsl_reproduction": ROOT / "reproduction", **PLUGINS,
+}  # fmt: skip
 FILES = [file for folder in FOLDERS for file in sorted((ROOT / folder).rglob("*.py"))]
 
 
@@ -74,8 +77,8 @@ def test_imports_of_files_outside_of_the_package_exist() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "from cbdsl.backends.ros2 import server",
-        "from cbdsl.backends.ros2.server import RobotServer",
+        "from cbdsl_ros2 import server",
+        "from cbdsl_ros2.server import RobotServer",
         "def warm():\n    import cbdsl.control.laws",
     ],
 )

@@ -17,7 +17,6 @@ MIRRORS = {
         "backends/bullet",
         "backends/drivers",
         "backends/kinematic",
-        "backends/lerobot",
         "backends/mujoco",
         "backends/staging",
     ),

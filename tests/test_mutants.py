@@ -75,7 +75,7 @@ def test_nearest_tests_come_first() -> None:
     assert {Path(each).parts[1] for each in four} == set(PACKAGES)
     assert suites_of("cbdsl/control/law.py", "all") == [
         four,
-        ["-n", "2", "tests", "reproduction/tests"],
+        ["-n", "2", "tests", "distributions", "reproduction/tests"],
     ]
 
 

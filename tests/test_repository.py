@@ -21,6 +21,10 @@ from tests.conftest import ROOT
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
 REPRODUCTION = tomllib.loads((ROOT / "reproduction/pyproject.toml").read_text("utf-8"))["project"]
+PLUGINS = {
+    file.parent.name: tomllib.loads(file.read_text("utf-8"))["project"]
+    for file in sorted((ROOT / "distributions").glob("*/pyproject.toml"))
+}
 PREFIX = "Programming Language :: Python :: 3."
 VERSIONS = sorted(
     (each.split(" :: ")[-1] for each in PROJECT["classifiers"] if each.startswith(PREFIX)),
@@ -56,9 +60,17 @@ def test_workflow_has_least_permissions_and_bounded_jobs(workflow: Path) -> None
         assert "id-token" not in granted or "environment" in job
 
 
-def test_citation_has_the_version_of_both_distributions() -> None:
+def test_citation_has_the_version_of_all_distributions() -> None:
     assert read(ROOT / "CITATION.cff")["version"] == PROJECT["version"] == version("cbdsl")
-    assert version("cbdsl-reproduction") == PROJECT["version"]
+    assert {version(name) for name in ("cbdsl-reproduction", *PLUGINS)} == {PROJECT["version"]}
+
+
+@pytest.mark.parametrize("name", PLUGINS)
+def test_plugin_is_an_extra_that_setup_and_ci_install(name: str) -> None:
+    assert PLUGINS[name]["name"] == name
+    assert EXTRAS[name.removeprefix("cbdsl-")] == [name]
+    assert PLUGINS[name]["requires-python"] == PROJECT["requires-python"]
+    assert f"-e distributions/{name}" in (ROOT / ".ci/run").read_text("utf-8")
 
 
 def test_experiments_are_in_a_distribution_of_their_own() -> None:
@@ -95,7 +107,12 @@ def test_constraints_hold_every_requirement_of_developers(python: str) -> None:
                 (specifier,) = constraint.specifier
                 pinned[canonicalize_name(constraint.name)] = specifier.version
     texts = [*REPRODUCTION["dependencies"], *REPRODUCTION["optional-dependencies"]["dev"]]
-    own = [each for each in map(Requirement, texts) if each.name != "cbdsl"]
+    texts += [text for plugin in PLUGINS.values() for text in plugin["dependencies"]]
+    own = [
+        each
+        for each in map(Requirement, texts)
+        if each.name != "cbdsl" and (each.marker is None or each.marker.evaluate(place))
+    ]
     for requirement in [*required(["dev"], python), *own]:
         name = canonicalize_name(requirement.name)
         assert name in pinned, f"make constraints: {name} is not in constraints.txt"

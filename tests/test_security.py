@@ -102,10 +102,10 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         "cli/arguments/test_workers.py:test_plain_scheduler_on_another_machine_gives_a_warning",
     ),
     "DDS authenticates none of them": (
-        "backends/ros2/test_follower.py:test_follower_refuses_a_second_writer",
+        "../distributions/cbdsl-ros2/tests/test_follower.py:test_follower_refuses_a_second_writer",
     ),
     "a robot is held when another commander writes to its topic": (
-        "backends/ros2/test_follower.py:test_follower_refuses_a_second_writer",
+        "../distributions/cbdsl-ros2/tests/test_follower.py:test_follower_refuses_a_second_writer",
         "backends/drivers/test_backend.py:test_held_robot_is_released_by_a_person_only",
     ),
     "they are kept below the user's folder of caches": (
@@ -454,9 +454,11 @@ def test_dependencies_have_upper_bounds() -> None:
     import tomllib
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    users = ("kinematic", "bullet", "mujoco", "formats", "learn", "editor", "gym", "trees", "mcap")
+    users = ("kinematic", "bullet", "mujoco", "formats", "learn", "editor", "gym", "trees")
     names = [*project["dependencies"]]
     for extra in users:
         names += project["optional-dependencies"][extra]
+    for plugin in sorted((ROOT / "distributions").glob("*/pyproject.toml")):
+        names += tomllib.loads(plugin.read_text("utf-8"))["project"]["dependencies"]
     open_ended = [name for name in names if not name.startswith("cbdsl[") and "<" not in name]
     assert not [name for name in open_ended if not re.search("==", name)]

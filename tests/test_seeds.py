@@ -11,7 +11,10 @@ import pytest
 from tests.conftest import ROOT
 
 JUDGING = range(7_000_000, 8_000_000)
-FOLDERS = ("benchmarks", "cbdsl", "knowledge", "programs", "reproduction", "robots", "tests")
+FOLDERS = (
+    "benchmarks", "cbdsl", "distributions", "knowledge", "programs", "reproduction", "robots",
+    "tests",
+)  # fmt: skip
 NUMBER = re.compile(r"(?<![\w.])\d[\d_]{6,}(?![\w.])")
 
 

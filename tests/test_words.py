@@ -16,7 +16,8 @@ import pytest
 from tests.conftest import ROOT
 from tests.prose import excess, files, places, read_limits
 
-PACKAGES = ("cbdsl", "reproduction/cbdsl_reproduction")
+PLUGINS = (path.relative_to(ROOT) for path in sorted(ROOT.glob("distributions/*/cbdsl_*")))
+PACKAGES = ("cbdsl", "reproduction/cbdsl_reproduction", *map(str, PLUGINS))
 WORDS = tomllib.loads((ROOT / "tests" / "banned_words.toml").read_text("utf-8"))
 #: No function takes more positional parameters, unless it is compiled.
 PARAMETERS = 8
@@ -141,7 +142,7 @@ def test_module_has_no_banned_words(file: str) -> None:
     assert [f"{file}:{line}: {message}" for line, message in faults] == []
 
 
-@pytest.mark.parametrize("folder", ["tests", "reproduction/tests"])
+@pytest.mark.parametrize("folder", ["tests", "distributions", "reproduction/tests"])
 def test_names_of_tests_state_a_unit_and_a_result(folder: str) -> None:
     files = sorted((ROOT / folder).rglob("test_*.py"))
     found = {file.name: riddles(file.read_text("utf-8")) for file in files}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from cbdsl.types.registry import PluginError, Registry
@@ -40,23 +41,40 @@ GROUPS = ("show", "new", "export", "drive")
 #: Modules of commands that are not named like their command.
 _MODULES = {"show": "show.show"}
 
-#: Packages of this project that add commands.
-_PACKAGES = {"reproduce": "cbdsl-reproduction"}
-
-
-def missing_package(name: str) -> str | None:
-    """Return the package that adds a command, if the command is not installed."""
-    return _PACKAGES.get(name) if name not in COMMANDS else None
+#: Requirements of this project that add commands.
+_PROVIDERS = {
+    "reproduce": "cbdsl-reproduction",
+    "judge": "cbdsl-reproduction",
+    "drive.serve": "cbdsl[ros2]",
+    "drive.watchdog": "cbdsl[ros2]",
+}
 
 
 def add_command(app: typer.Typer, name: str, command: Command) -> None:
-    """Add a command to an app."""
+    """Add a command to an app, and to a group of commands those of packages."""
     import typer
 
+    from cbdsl.cli.command_group import CommandGroup
+
     if isinstance(command, typer.Typer):
-        app.add_typer(command, name=name)
+        app.add_typer(
+            command.complete() if isinstance(command, CommandGroup) else command, name=name
+        )
     else:
         app.command(name)(command)
+
+
+def main_names() -> tuple[str, ...]:
+    """Return the names of all usable commands without those of groups, such as `drive.serve`."""
+    return tuple(name for name in COMMANDS.usable_names() if "." not in name)
+
+
+def commands_of(group: str) -> Iterator[tuple[str, Callable[[], Command]]]:
+    """Yield the names of a group's commands from packages, and functions that return them."""
+    for name in (*COMMANDS.names(), *COMMANDS.missing()):
+        before, _, part = name.partition(".")
+        if before == group and part:
+            yield part, partial(COMMANDS.get, name)
 
 
 def add_summary(app: typer.Typer, name: str) -> None:
@@ -101,4 +119,5 @@ COMMANDS: Registry[Command] = Registry(
     "cbdsl.commands",
     {name: f"cbdsl.cli.{_MODULES.get(name, name)}:{name}" for name in SUMMARIES},
     _validate,
+    providers=_PROVIDERS,
 )

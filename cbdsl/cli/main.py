@@ -30,7 +30,7 @@ def build_app(names: Iterable[str] = (), *, lists: bool = False) -> typer.Typer:
     """
     import typer
 
-    from cbdsl.cli.commands import COMMANDS, add_command, add_summary
+    from cbdsl.cli.commands import COMMANDS, add_command, add_summary, main_names
     from cbdsl.cli.version import options
 
     app = typer.Typer(
@@ -41,7 +41,7 @@ def build_app(names: Iterable[str] = (), *, lists: bool = False) -> typer.Typer:
     )
     # With options of its own, cb keeps a command's name when that is the only one.
     app.callback(help=app.info.help)(options)
-    for name in names or COMMANDS.usable_names():
+    for name in names or main_names():
         if lists:
             add_summary(app, name)
         else:
@@ -99,14 +99,14 @@ def _requested(words: list[str]) -> list[str]:
     Raises:
         UsageError: The command belongs to a package that is not installed.
     """
-    from cbdsl.cli.commands import COMMANDS, missing_package
+    from cbdsl.cli.commands import COMMANDS
     from cbdsl.cli.output.plugin_warnings import warn_of_faults
     from cbdsl.diagnostics.errors import UsageError
 
-    if words and words[0] in COMMANDS:
+    if words and words[0] in COMMANDS and "." not in words[0]:
         return words[:1]
-    if package := missing_package(words[0]) if words else None:
-        raise UsageError(f"cb {words[0]} comes with {package}: pip install {package}")
+    if message := COMMANDS.missing().get(words[0]) if words else None:
+        raise UsageError(message)
     warn_of_faults(COMMANDS)
     return []
 

@@ -38,5 +38,5 @@ def _validate(name: str, entry: object) -> DriverKind:
 
 
 DRIVERS: Registry[DriverKind] = Registry(
-    "driver kind", "cbdsl.drivers", {"ros2": "cbdsl.robot.ros2_driver:ROS2"}, _validate
+    "driver kind", "cbdsl.drivers", {}, _validate, providers={"ros2": "cbdsl[ros2]"}
 )

@@ -31,6 +31,8 @@ class Registry(Generic[Entry]):
         validate: Function that returns the entry from its name and the imported object; raises
             PluginError for an object that breaks the contract.
         made: Built-in entries that need no import, by name.
+        providers: Requirement to install, such as ``cbdsl[ros2]``, by the name of an entry that
+            another distribution of this project adds.
     """
 
     def __init__(
@@ -40,8 +42,10 @@ class Registry(Generic[Entry]):
         builtins: Mapping[str, str],
         validate: Callable[[str, Any], Entry],
         made: Mapping[str, Entry] | None = None,
+        providers: Mapping[str, str] | None = None,
     ) -> None:
         self.noun, self.group = noun, group
+        self._providers = dict(providers or {})
         self._made, self._validate = dict(made or {}), validate
         # An entry without an import has no place; its name is still reserved against packages.
         self._builtins = {**dict.fromkeys(self._made, ""), **builtins}
@@ -57,6 +61,15 @@ class Registry(Generic[Entry]):
         """Return the names of all entries, built-in ones first, including faulty plug-ins."""
         return (*self._builtins, *self._plugins())
 
+    def missing(self) -> dict[str, str]:
+        """Return the message of each entry whose distribution is not installed, by name."""
+        return {
+            name: f"{self.noun} '{name}' comes with {provider}, which is not installed: "
+            f"pip install '{provider}'"
+            for name, provider in self._providers.items()
+            if name not in self
+        }
+
     def usable_names(self) -> tuple[str, ...]:
         """Return the names of the built-in entries and of the usable plug-ins."""
         self.faults()
@@ -66,7 +79,8 @@ class Registry(Generic[Entry]):
         """Return the entry of a name.
 
         Raises:
-            UsageError: The name is unknown; the message lists the nearest and all known names.
+            UsageError: The name is unknown; the message lists the nearest and all known names. Or
+                its distribution is not installed; the message names it.
             PluginError: The plug-in of this name cannot be used.
             ImportError: A built-in entry needs a package that is not installed.
         """
@@ -145,6 +159,8 @@ class Registry(Generic[Entry]):
             module, _, attribute = self._builtins[name].partition(":")
             return self._validate(name, getattr(import_module(module), attribute))
         if name not in self._plugins():
+            if message := self.missing().get(name):
+                raise UsageError(message)
             raise UsageError.unknown(self.noun, name, self.names())
         try:
             return self._load_plugin(name)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.cli.commands import COMMANDS
+from cbdsl.cli.commands import main_names
 from cbdsl.documents.kinds import models
 from cbdsl.yaml_text.library import Library, shipped
 from tests.cli.test_main import cb
@@ -72,5 +72,5 @@ def test_shells_complete_commands_and_options(shell: str) -> None:
         )
         return done.stdout
 
-    assert all(name in completed("") for name in COMMANDS.names())
+    assert all(name in completed("") for name in main_names())
     assert "--record" in completed("run", "--rec")

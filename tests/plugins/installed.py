@@ -14,6 +14,7 @@ from cbdsl.backends.backend import BACKENDS
 from cbdsl.cli.commands import COMMANDS
 from cbdsl.documents.kinds import KINDS
 from cbdsl.learning.learner import LEARNERS
+from cbdsl.reporting.export_format import EXPORTS
 from cbdsl.robot.driver_kind import DRIVERS
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.types.modifier import MODIFIERS
@@ -29,6 +30,7 @@ REGISTRIES: tuple[Registry[Any], ...] = (
     MODIFIERS,
     DRIVERS,
     COMMANDS,
+    EXPORTS,
 )
 
 

@@ -79,4 +79,24 @@ def test_a_command_of_a_missing_package_names_the_package(
 ) -> None:
     monkeypatch.setattr(COMMANDS, "_offers", {})
     assert cb(monkeypatch, "reproduce", "all") == 2
-    assert "pip install cbdsl-reproduction" in capsys.readouterr().err
+    assert "pip install 'cbdsl-reproduction'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [("serve", "dexter", "--seed", "3"), ("watchdog", "dexter")])
+def test_subcommand_of_a_missing_distribution_names_its_extra(
+    words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(COMMANDS, "_offers", {})
+    assert cb(monkeypatch, "drive", *words) == 2
+    assert "which is not installed: pip install 'cbdsl[ros2]'" in capsys.readouterr().err
+
+
+def test_dotted_name_adds_a_command_to_a_group(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    points = {"cbdsl.commands": {"drive.wave": "waves:faulty"}}
+    write_package(folder, "waves", points, waves=f"{DOCUMENTED}    print('hello')\n")
+    COMMANDS.refresh()
+    assert cb(monkeypatch, "drive", "wave") == 0
+    assert capsys.readouterr().out == "hello\n"
+    assert cb(monkeypatch, "drive.wave") == 2

@@ -42,7 +42,7 @@ def test_driver_kind_is_listed(
 ) -> None:
     assert cb(monkeypatch, "show", "drivers", "--json") == 0
     rows = json.loads(capsys.readouterr().out)
-    assert [row["driver kind"] for row in rows] == ["ros2", "echo"]
+    assert [row["driver kind"] for row in rows] == ["echo", "ros2"]
 
 
 def test_driver_kind_checks_its_addresses(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 
 from cbdsl.checking.robot.limits import is_of_another_kind
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.outcome import UNKNOWN, Unknown, all_known
@@ -55,6 +56,7 @@ class _DriverCheck:
     ) -> None:
         self._robot, self._source, self._diagnostics = loaded.document, loaded.source, diagnostics
         self._model = model
+        self._uninstalled: set[str] = set()
 
     def all(self) -> None:
         for name, driver in self._robot.drivers.items():
@@ -70,8 +72,7 @@ class _DriverCheck:
     def _kind(self, name: str, driver: Driver) -> None:
         """Report an unknown kind, and the values that a known kind cannot use."""
         if driver.kind not in DRIVERS:
-            place = self._source.place("drivers", name, "kind")
-            self._diagnostics.add("CB321", place, names=list(DRIVERS.names()), name=driver.kind)
+            self._unknown_kind(driver.kind, self._source.place("drivers", name, "kind"))
             return
         try:
             kind = DRIVERS.get(driver.kind)
@@ -80,6 +81,15 @@ class _DriverCheck:
             return
         for steps, problem in kind.problems(driver):
             self._problem(name, steps, problem)
+
+    def _unknown_kind(self, kind: str, place: Place) -> None:
+        """Report an unknown kind, or once a kind whose distribution is not installed."""
+        message = DRIVERS.missing().get(kind)
+        if message is None:
+            self._diagnostics.add("CB321", place, names=list(DRIVERS.names()), name=kind)
+        elif kind not in self._uninstalled:
+            self._uninstalled.add(kind)
+            self._diagnostics.add("CB324", place, reason=message)
 
     def _names(self, name: str, driver: Driver) -> None:
         """Report effectors, joints, load cells and cameras that the robot lacks."""

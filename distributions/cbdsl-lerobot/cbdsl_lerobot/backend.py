@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 
 from cbdsl.backends.backend import BackendError
-from cbdsl_lerobot.robot_interface import METHODS, LeRobot, robot_name
-from cbdsl_lerobot.sensors import Sensors
 from cbdsl.backends.staging.episode_start import choose_context
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.robot import RobotDocument
@@ -21,6 +19,8 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.sensing.observation import Observation
+from cbdsl_lerobot.robot_interface import METHODS, LeRobot, robot_name
+from cbdsl_lerobot.sensors import Sensors
 
 # Distance beyond a limit that is an error of the encoder or of its zero, rad or m.
 _ENCODER_ERROR = 0.05

@@ -23,10 +23,10 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.reporting.recorded import Recorded
 from cbdsl_lerobot.dataset_frames import Frames, frame_rate, frames_of
 from cbdsl_lerobot.statistics import Statistics
 from cbdsl_lerobot.video import video_info, write_video
-from cbdsl.reporting.recorded import Recorded
 
 Json = dict[str, Any]
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl_lerobot.backend import LeRobotBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
+from cbdsl_lerobot.backend import LeRobotBackend
 
 
 class Time:

@@ -9,20 +9,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from device import Device, Time, backend_of, cameras
 from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl.backends.backend import BackendError
-from cbdsl_lerobot.backend import LeRobotBackend
-from cbdsl_lerobot.rescaled import DEGREES, Rescaled, Scale
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_observer import EpisodeListeners
+from cbdsl_lerobot.backend import LeRobotBackend
+from cbdsl_lerobot.rescaled import DEGREES, Rescaled, Scale
 from tests.backends.conftest import robot_named, stage_named
-from device import Device, Time, backend_of, cameras
 from tests.conftest import ROOT, Checked
 
 SIXAXIS = robot_named("sixaxis")

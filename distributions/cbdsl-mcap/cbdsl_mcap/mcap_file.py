@@ -27,9 +27,9 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.program.transition import title_of
 from cbdsl.reporting.drawn_links import DrawnLink, read_links
 from cbdsl.reporting.link_pose import placed
-from cbdsl_mcap.mcap_schemas import SCHEMAS
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.storage.atomic_file import replace_file
+from cbdsl_mcap.mcap_schemas import SCHEMAS
 
 Json = dict[str, Any]
 

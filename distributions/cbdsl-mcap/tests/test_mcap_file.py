@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-import re
 from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
@@ -152,20 +151,16 @@ def test_the_command_writes_a_file_beside_each_recording(
     assert cb(monkeypatch, "export", "mcap", str(folder / "nothing")) == 2
 
 
-def test_a_policy_is_printed_as_a_tree(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_schemas_option_writes_messages_of_ros2_and_names_unknown_schemas(
+    recorded: Recorded,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
 ) -> None:
-    assert cb(monkeypatch, "export", "tree", "searchtrack") == 0
-    assert capsys.readouterr().out.startswith('<root BTCPP_format="4"')
-    assert cb(monkeypatch, "export", "tree", "searchtrak") == 2
-    assert "did you mean 'searchtrack'" in capsys.readouterr().err
-
-
-def test_export_tree_needs_no_stage(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    text = (ROOT / "programs" / "searchtrack.yaml").read_text("utf-8")
-    file = tmp_path / "searchtrack.yaml"
-    file.write_text(re.sub(r"^stage: .*\n", "", text, flags=re.MULTILINE), encoding="utf-8")
-    assert cb(monkeypatch, "export", "tree", str(file)) == 0
-    assert capsys.readouterr().out.startswith('<root BTCPP_format="4"')
+    words = ("export", "mcap", str(recorded.file), "--schemas")
+    assert cb(monkeypatch, *words, "ros2", "--out", str(tmp_path / "bag.mcap")) == 0
+    with (tmp_path / "bag.mcap").open("rb") as stream:
+        assert {s.encoding for s, _, _ in make_reader(stream).iter_messages() if s} == {"ros2msg"}
+    capsys.readouterr()
+    assert cb(monkeypatch, *words, "ros") == 2
+    assert "did you mean 'ros2'" in capsys.readouterr().err

@@ -32,6 +32,4 @@ def _problems(driver: Driver) -> Iterator[Problem]:
         yield ("options", option), f"kind ros2 has no option '{option}'"
 
 
-ROS2 = DriverKind(
-    "ros2", "topics of ROS 2, by DDS", _problems, "cbdsl_ros2.ros2_link:Ros2Link"
-)
+ROS2 = DriverKind("ros2", "topics of ROS 2, by DDS", _problems, "cbdsl_ros2.ros2_link:Ros2Link")

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl_ros2 import dds_types as msg
 from cbdsl.numeric.arrays import Floats
+from cbdsl_ros2 import dds_types as msg
 
 # Silence after which a writer loses its ownership of a controller, s.
 _OWNED = 1.0

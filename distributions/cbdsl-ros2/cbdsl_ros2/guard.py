@@ -15,12 +15,12 @@ from cbdsl.backends.drivers.limiter import JointLimits
 from cbdsl.backends.drivers.link import require_drivers
 from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.drivers.watchdog import Watchdog, WatchdogPhase
-from cbdsl_ros2 import dds_types as msg
-from cbdsl_ros2.ros_node import RosNode, guarded
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
+from cbdsl_ros2 import dds_types as msg
+from cbdsl_ros2.ros_node import RosNode, guarded
 
 _MOST = 64
 

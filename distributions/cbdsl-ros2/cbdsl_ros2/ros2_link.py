@@ -23,11 +23,11 @@ from cbdsl.backends.drivers.sample import (
     StopSample,
     WrenchSample,
 )
+from cbdsl.documents.driver import Driver, absolute
+from cbdsl.documents.robot import RobotDocument
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.regions_text import read_regions
 from cbdsl_ros2.ros_node import Remote, RosNode, guarded
-from cbdsl.documents.driver import Driver, absolute
-from cbdsl.documents.robot import RobotDocument
 
 # Messages per poll.
 _MOST = 64

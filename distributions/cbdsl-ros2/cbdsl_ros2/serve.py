@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl_ros2.topic_server import Moment
     from cbdsl.documents.robot import RobotDocument
+    from cbdsl_ros2.topic_server import Moment
 
 # Window of the real-time factor, s, and the factor below which it is reported.
 _WINDOW, _SLOW = 5.0, 0.97
@@ -53,9 +53,9 @@ def serve_robot(
         UsageError: An item is missing, not installed, or does not fit.
     """
     from cbdsl.api.reading.robots import read_robot, read_stage
+    from cbdsl.robot.control_rate import with_control_rate
     from cbdsl_ros2.injected_faults import Faults, read_fault
     from cbdsl_ros2.topic_server import RobotServer, simulated_robot
-    from cbdsl.robot.control_rate import with_control_rate
 
     if trace is not None:
         _require_writable(trace)

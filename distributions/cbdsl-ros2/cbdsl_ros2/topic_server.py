@@ -13,11 +13,6 @@ from numpy.typing import NDArray
 from cbdsl.backends.backend import AttendedBackend, Backend, BackendError, embody
 from cbdsl.backends.drivers.link import require_drivers
 from cbdsl.backends.drivers.real_time import RealTime
-from cbdsl_ros2 import dds_types as msg
-from cbdsl_ros2.follower import Follower
-from cbdsl_ros2.injected_faults import Faults
-from cbdsl_ros2.regions_text import write_regions
-from cbdsl_ros2.ros_node import RosNode
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -26,6 +21,11 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import load_kept
 from cbdsl.robot.joints import Joints
 from cbdsl.sensing.observation import Observation
+from cbdsl_ros2 import dds_types as msg
+from cbdsl_ros2.follower import Follower
+from cbdsl_ros2.injected_faults import Faults
+from cbdsl_ros2.regions_text import write_regions
+from cbdsl_ros2.ros_node import RosNode
 
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
 _MOST = 64

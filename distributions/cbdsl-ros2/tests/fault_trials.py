@@ -1,9 +1,10 @@
 """Fault trials: a program drives a served robot, and one of the two gets a fault.
 
-``python -m tests.backends.ros2.fault_trials --count 100`` runs them into ``build/faults.jsonl``;
-trials of this file are not repeated, and ``--seconds`` bounds the time. ``--summary`` prints a
-table with exact 95 % intervals. Each trial has three processes: this one, the served robot, and the
-program. They are forked after all imports and compilation, so that a trial takes seconds.
+``python distributions/cbdsl-ros2/tests/fault_trials.py --count 100`` runs them into
+``build/faults.jsonl``; trials of this file are not repeated, and ``--seconds`` bounds the time.
+``--summary`` prints a table with exact 95 % intervals. Each trial has three processes: this one,
+the served robot, and the program. They are forked after all imports and compilation, so that a
+trial takes seconds.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ import numpy as np
 from cbdsl.backends.drivers.link import DriverLink
 from cbdsl.backends.drivers.sample import Command
 from cbdsl.documents.robot import RobotDocument
-from tests.conftest import ROOT
 
+ROOT = Path(__file__).parents[3]
 KINDS = (
     "program killed", "program suspended", "robot killed", "robot suspended", "robot restarted",
     "stall", "loss", "clock", "swap", "missing", "double", "nan", "frozen", "effort",
@@ -347,11 +348,11 @@ def _kill(child: int) -> None:
 def warm() -> None:
     """Import and compile everything before the first fork, without a thread of DDS."""
     from cbdsl.backends.drivers import backend  # noqa: F401
-    from cbdsl_ros2 import guard, ros2_link, topic_server  # noqa: F401
     from cbdsl.checking.program import check_program
     from cbdsl.kinematics.kinematics import Kinematics
     from cbdsl.runtime.episode import Runner
     from cbdsl.yaml_text.library import Library
+    from cbdsl_ros2 import guard, ros2_link, topic_server  # noqa: F401
 
     document, urdf = robot()
     served = topic_server.simulated_robot("kinematic", document, urdf)

@@ -1,7 +1,7 @@
 """Late work: modules imported and machine code loaded while a robot moves.
 
-``python -m tests.backends.ros2.late_work FILE WORDS`` runs the command line with words, such as
-``run reach --backend ros2``, and writes the names of late modules and functions into a file.
+``python distributions/cbdsl-ros2/tests/late_work.py FILE WORDS`` runs the command line with words,
+such as ``run reach --backend ros2``, and writes the names of late modules and functions to a file.
 """
 
 from __future__ import annotations

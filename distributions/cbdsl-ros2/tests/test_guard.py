@@ -13,10 +13,10 @@ import pytest
 pytest.importorskip("cyclonedds")
 
 from cbdsl.backends.backend import BackendError
+from cbdsl.documents.robot import RobotDocument
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.guard import Guard
 from cbdsl_ros2.ros_node import RosNode
-from cbdsl.documents.robot import RobotDocument
 from tests.backends.drivers.conftest import URDF, robot
 
 _PATIENCE = 5.0

@@ -17,12 +17,12 @@ from cbdsl.api.requests.run_request import read_request
 from cbdsl.backends.backend import embody
 from cbdsl.backends.drivers.sample import Command
 from cbdsl.backends.drivers.views import with_views
+from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.runtime.episode import Runner
 from cbdsl_ros2.dds_types import JointState
 from cbdsl_ros2.ros2_link import Ros2Link
 from cbdsl_ros2.ros_node import RosNode
 from cbdsl_ros2.topic_server import RobotServer, simulated_robot
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.runtime.episode import Runner
 
 pytestmark = pytest.mark.slow
 # Growth that is no leak, bytes: caches of interpreters, and the history of an open search.

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fault_trials import robot
 
 from cbdsl.documents.robot import RobotDocument
-from fault_trials import robot
 
 pytest.importorskip("cyclonedds")
 PYTHON = os.environ.get("CB_RCLPY")

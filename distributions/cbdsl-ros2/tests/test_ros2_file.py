@@ -257,15 +257,13 @@ def test_latched_topics_reach_late_subscribers(file: Path) -> None:
     assert not quality["/tf"]
 
 
-def test_export_command_writes_the_chosen_schemas(
+def test_export_command_writes_messages_of_ros2(
     kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     out = tmp_path / "e.mcap"
-    assert cb(monkeypatch, "export", "mcap", str(kept), "--schemas", "ros2", "--out", str(out)) == 0
+    assert cb(monkeypatch, "export", "ros2", str(kept), "--out", str(out)) == 0
     assert "messages" in capsys.readouterr().out
     assert read(out)["/joint_states"]
-    assert cb(monkeypatch, "export", "mcap", str(kept), "--schemas", "ros") == 2
-    assert "did you mean 'ros2'" in capsys.readouterr().err
     nowhere = str(tmp_path / "none" / "e.mcap")
-    assert cb(monkeypatch, "export", "mcap", str(kept), "--out", nowhere) == 2
+    assert cb(monkeypatch, "export", "ros2", str(kept), "--out", nowhere) == 2
     assert f"{nowhere}: No such file" in capsys.readouterr().err

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl_ros2.serve import Pace, serve_robot
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl_ros2.serve import Pace, serve_robot
 
 PERIOD = 0.01
 

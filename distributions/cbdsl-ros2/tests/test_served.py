@@ -16,11 +16,12 @@ import pytest
 pytest.importorskip("cyclonedds")
 
 import fault_trials
+
 from tests.conftest import ROOT
 
 pytestmark = pytest.mark.slow
 CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
-LATE = (sys.executable, "-m", "tests.backends.ros2.late_work")
+LATE = (sys.executable, str(Path(__file__).with_name("late_work.py")))
 
 
 # Tests that run side by side do not hear each other.
@@ -35,7 +36,7 @@ def environment() -> dict[str, str]:
 
 @pytest.mark.parametrize("kind", fault_trials.KINDS)
 def test_robot_is_still_soon_after_a_fault(kind: str) -> None:
-    script = (sys.executable, "-m", "tests.backends.ros2.fault_trials", "--kinds", kind)
+    script = (sys.executable, fault_trials.__file__, "--kinds", kind)
     run = subprocess.run(
         [*script, "--count", "1", "--out", os.devnull],
         env={**os.environ, "ROS_DOMAIN_ID": str(DOMAIN + 1)},

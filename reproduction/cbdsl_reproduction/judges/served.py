@@ -10,6 +10,7 @@ import os
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
+from importlib.util import find_spec
 from multiprocessing import get_context
 from multiprocessing.synchronize import Event
 from typing import cast
@@ -19,7 +20,6 @@ from cbdsl.api.control import Kinematics
 from cbdsl.api.sensing import EpisodeListeners, Runner, Tick
 from cbdsl.api.shipped import shipped_program
 from cbdsl.api.simulation.rehearsal import rehearse
-from cbdsl_ros2.serve import serve_robot
 from cbdsl.api.trials import AttendedBackend, Backend, embody
 from cbdsl_reproduction.judges.judge import ANY, BodyChoice, EpisodeVerdict, Judge, JudgedCondition
 
@@ -41,6 +41,8 @@ class SimulationConsent:
 
 def _serve(robot: str, stage: str, body: BodyChoice, seed: int, ready: Event, stop: Event) -> None:
     """Serve a simulated robot, in a process of its own."""
+    from cbdsl_ros2.serve import serve_robot
+
     serve_robot(
         robot,
         backend=body.backend,
@@ -112,6 +114,8 @@ def _measure(
             for seed in seeds:
                 yield _episode(request, own, seed)
         return
+    if find_spec("cbdsl_ros2") is None:
+        raise UsageError("served robots come with cbdsl[ros2]: pip install 'cbdsl[ros2]'")
     # Loading machine code within a control tick would break the robot's deadline.
     rehearse(request)
     # In a common domain, a process would receive the states of robots that other processes serve.

@@ -27,6 +27,7 @@ import numpy as np
 from cbdsl.kinematics.quaternion import inverse, turned
 from cbdsl.reporting.drawn_links import DrawnLink, read_links
 from cbdsl.reporting.recorded import Recorded
+from cbdsl.storage.atomic_file import replace_file
 from cbdsl_ros2.export.bag import Bag
 from cbdsl_ros2.export.markers import markers
 from cbdsl_ros2.export.ros_messages import TYPES, header, make, stamp, vector
@@ -38,7 +39,6 @@ from cbdsl_ros2.export.transforms import (
     optical_frame,
     world_turns,
 )
-from cbdsl.storage.atomic_file import replace_file
 
 Stamped = tuple[float, str, Any]
 _LOG: Any = TYPES.types["rcl_interfaces/msg/Log"]

@@ -1,0 +1,1 @@
+"""Recorded episodes as MCAP files with the schemas of Foxglove."""
