@@ -129,6 +129,28 @@ class ResumableBackend(Protocol):
         ...
 
 
+@runtime_checkable
+class StagingBackend(Protocol):
+    """Backend that sets up a stage around its robot, which keeps its posture."""
+
+    def set_up_around(
+        self, stage: StageDocument, context: str | None, rng: np.random.Generator
+    ) -> str:
+        """Begin an episode as ``Backend.reset`` does, but without a jump of a joint.
+
+        The robot has to stand.
+
+        Args:
+            stage: Stage with the objects and their places.
+            context: Context of the stage; drawn by the contexts' shares if ``None``.
+            rng: Only source of chance.
+
+        Returns:
+            The name of the context.
+        """
+        ...
+
+
 class Person(Protocol):
     """Person beside a real robot, or at the terminal of its computer."""
 

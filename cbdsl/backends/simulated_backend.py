@@ -16,7 +16,7 @@ from cbdsl.backends.cameras.rendered import RenderedCameras
 from cbdsl.backends.staging.cell_offsets import CellOffsets
 from cbdsl.backends.staging.encoders import Encoders
 from cbdsl.backends.staging.engine import Engine
-from cbdsl.backends.staging.episode_start import choose_context, starting_posture
+from cbdsl.backends.staging.episode_start import draw_start
 from cbdsl.backends.staging.experimenter import Experimenter
 from cbdsl.backends.staging.load_cells import LoadCells
 from cbdsl.backends.staging.sampler import ScenarioSampler
@@ -78,6 +78,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         self._latency = round(robot.vision.latency * rate)
         # Stage and context of the world.
         self._world: tuple[StageDocument, str] | None = None
+        self._reference: Floats = self._nearest_to_zero
 
     @property
     def cameras(self) -> RenderedCameras:
@@ -98,17 +99,35 @@ class SimulatedBackend(Generic[SomeEngine]):
         channels: Collection[str] | None = None,
     ) -> str:
         """Begin an episode; see ``Backend.reset``."""
+        return self._set_up(stage, context, rng, channels)
+
+    def set_up_around(
+        self, stage: StageDocument, context: str | None, rng: np.random.Generator
+    ) -> str:
+        """Begin an episode around the robot; see ``StagingBackend``."""
+        posture, references = self.truth.read()[0].copy(), self._reference
+        name = self._set_up(stage, context, rng, None, posture)
+        # Under load, references differ from positions: the robot keeps both.
+        self._reference = self._reached = references
+        return name
+
+    def _set_up(
+        self,
+        stage: StageDocument,
+        context: str | None,
+        rng: np.random.Generator,
+        channels: Collection[str] | None,
+        posture: Floats | None = None,
+    ) -> str:
+        """Begin an episode in a posture, or in that of the context if ``None``."""
         self._world = None  # none until it is complete
-        name = choose_context(stage, context, rng)
+        name, noise, start = draw_start(
+            stage, context, self._robot, self._joints, self._nearest_to_zero, rng
+        )
         chosen = stage.contexts[name]
-        # The sensors' noise has its own stream, so that other draws from rng cannot change it.
-        noise = np.random.default_rng(rng.integers(2**63))
         self._tick = self._began = 0
         self._dark = math.inf if chosen.dark_after is None else chosen.dark_after
-        self._reference = starting_posture(
-            chosen, self._robot, self._joints, self._nearest_to_zero, rng
-        )
-        self._reached = self._reference
+        self._reference = self._reached = start if posture is None else posture
         self.truth.begin(self._reference)
         self._cells, self._offsets = self._load_cells(noise), self._cell_offsets(noise)
         sampler = ScenarioSampler(stage, self._robot, self.truth.link_pose, rng)

@@ -37,6 +37,28 @@ def test_sensor_noise_does_not_depend_on_other_draws(simulated: Simulated) -> No
     assert rng.bit_generator.state == state
 
 
+def test_stage_is_set_up_around_a_robot_that_stays(unseeing: Simulated) -> None:
+    stage = stage_named("things_and_a_pad")
+    unseeing.reset(stage, None, np.random.default_rng(1))
+    away = unseeing.observe().positions.copy()
+    away[0] += 0.3
+    for _ in range(60):
+        unseeing.apply(away)
+        unseeing.step()
+    before = unseeing.truth.read()[0].copy()
+    context = unseeing.set_up_around(stage, None, np.random.default_rng(2))
+    assert unseeing.truth.read()[0].tobytes() == before.tobytes()
+    assert unseeing.observe().time == 0.0
+    placed = {name: unseeing.truth.pose(name).position.copy() for name in unseeing.truth.names()}
+    unseeing.apply(away)
+    unseeing.step()
+    assert unseeing.truth.read()[0] == pytest.approx(before, abs=1e-3)
+    assert unseeing.reset(stage, None, np.random.default_rng(2)) == context
+    assert placed.keys() == set(unseeing.truth.names())
+    for name, position in placed.items():
+        assert unseeing.truth.pose(name).position == pytest.approx(position, abs=1e-9), name
+
+
 @pytest.mark.parametrize("rate", [30.0, 25.0, 15.0, 7.0])
 def test_cameras_look_at_their_rate(
     make: type[Simulated], dexter: RobotDocument, rate: float

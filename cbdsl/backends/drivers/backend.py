@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError, Person
 from cbdsl.backends.drivers.clock import Clock
-from cbdsl.backends.drivers.link import DriverLink, Endpoint, open_links, require_drivers
+from cbdsl.backends.drivers.joint_limits import joint_limits
+from cbdsl.backends.drivers.link import (
+    DriverLink,
+    Endpoint,
+    Setup,
+    StagingLink,
+    open_links,
+    require_drivers,
+)
 from cbdsl.backends.drivers.person import RefusingPerson
 from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.drivers.safety_supervisor import SafetySupervisor, State
@@ -18,7 +26,8 @@ from cbdsl.backends.drivers.sample import Command, ImageSample, RegionsSample, S
 from cbdsl.backends.drivers.setup import describe_setup
 from cbdsl.backends.drivers.survey import survey_problems
 from cbdsl.backends.drivers.views import with_views
-from cbdsl.backends.staging.episode_start import choose_context
+from cbdsl.backends.drivers.way_back import WayBack
+from cbdsl.backends.staging.episode_start import draw_start
 from cbdsl.backends.staging.fit import read_fitting
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -37,6 +46,12 @@ _PAUSE, _STARVED = 5e-4, 0.02
 _WINDOW = 0.1
 # Control periods until a reference is reached, where the driver states no horizon.
 _PERIODS = 3.0
+# A joint at its start is closer to it, rad or m.
+_AWAY = 0.05
+# Longest time until a robot stands at its start after the last reference, s.
+_ARRIVAL = 2.0
+# Longest time until a stage is set up, and time between two requests for it, s.
+_SET_UP, _REPEATED = 30.0, 0.5
 # Cause of a hold that is no fault.
 HALTED = "the program was halted"
 
@@ -84,6 +99,10 @@ class DrivenBackend:
             robot, model, self.control_period, ideal=cameras == "ideal"
         )
         self._kinematics = Kinematics(robot, urdf)
+        limits = joint_limits(robot, model)
+        self._way_back = WayBack(robot, model, self._kinematics, limits)
+        # Joints without a start posture begin each episode where they began the first one.
+        self._first: Floats | None = None
         self._cells = tuple((h, f) for h, cells in robot.load_cells.items() for f in cells)
         self._commanded = {
             name: (tuple(driver.joints.get(j, j) for j in joints), self._columns(joints))
@@ -152,22 +171,44 @@ class DrivenBackend:
         rng: np.random.Generator,
         channels: Collection[str] | None = None,
     ) -> str:
-        """Begin an episode on a stage that a person has set up; see ``Backend.reset``.
+        """Begin an episode on a stage that is set up; see ``Backend.reset``.
+
+        A robot away from its start releases held objects and returns by motion within its limits.
+        Then it waits, without references, until the stage is set up: by the simulation
+        that serves the robot, or by the person.
 
         Raises:
-            BackendError: The robot is not ready, or the person refuses; the message has a line for
-                each reason.
+            BackendError: The robot is not ready, cannot return, or the person refuses; the message
+                has a line for each reason.
         """
-        name = choose_context(stage, context, rng)
+        drawn = rng.bit_generator.state
         # Order: the links listen, a person confirms, and only then does the robot get a commander.
         # A refusal leaves other programs on the robot undisturbed.
         self._leave_last()
         if not self._links:
             self._links.extend(self._opener(self._robot, self._interface))
         self._await_ready()
-        setup = describe_setup(stage, name, self._robot)
+        here = self.supervisor.joints.positions
+        if self._first is None:
+            self._first = here.copy()
+        start = draw_start(stage, context, self._robot, self._kinematics.joints, self._first, rng)
+        if np.abs(here - start.posture).max(initial=0.0) > _AWAY:
+            self._return(here.copy(), start.posture)
+        self._await_stage(Setup(self._robot.name, stage, context, drawn))
+        setup = describe_setup(stage, start.context, self._robot)
         if not self._person.confirm(setup, "is this set up, and may the robot move", released=True):
             raise BackendError("the stage is not set up: no reference was sent")
+        self._make_ready()
+        self._way_back.begin(self.supervisor.joints.positions)
+        self._observation = self._sense()
+        return start.context
+
+    def _make_ready(self) -> None:
+        """Become the robot's commander.
+
+        Raises:
+            BackendError: The robot is not ready.
+        """
         if self._real_time is not None:
             self._real_time.begin()
         # Messages queued while the person answered are old.
@@ -181,8 +222,66 @@ class DrivenBackend:
         # Time 0 of the episode is by the robot's clock, as all stamps are.
         self._began = self.supervisor.joints.stamp
         self._due = self._clock.monotonic()
-        self._observation = self._sense()
-        return name
+
+    def _return(self, here: Floats, goal: Floats) -> None:
+        """Let go, and move from measured positions to a goal, rad or m, shape (n,); then rest.
+
+        Raises:
+            BackendError: The person refuses, the way is not free, or the robot is held.
+        """
+        names, errors = self.supervisor.joints.names, np.abs(goal - here)
+        farthest = int(errors.argmax())
+        known = self._way_back.is_known(here)
+        text = (
+            f"the robot is away from its start: joint '{names[farthest]}' by "
+            f"{errors[farthest]:.2f}; it opens its hands and returns "
+            + ("on the way that it came" if known else "straight to its start")
+        )
+        if not known and (links := self._way_back.self_contact(here, goal)):
+            raise BackendError(
+                f"{text}, where links '{links[0]}' and '{links[1]}' would touch: bring it near its "
+                "start by hand"
+            )
+        if not self._person.confirm(text, "may it return", released=True):
+            raise BackendError(f"{text}; a person has to allow it")
+        if not known:
+            self._way_back.begin(here)
+        self._make_ready()
+        for reference in self._way_back.references(here, goal, self.control_period):
+            self.apply(reference)
+            self.step()
+        for _ in range(round(_ARRIVAL / self.control_period)):
+            if np.abs(self.supervisor.joints.positions - goal).max() < _AWAY:
+                break
+            self.apply(goal)
+            self.step()
+        self.halt()
+        self.supervisor.release()
+        self.supervisor.rest()
+
+    def _await_stage(self, setup: Setup) -> None:
+        """Wait until the simulation that serves the robot, if any, has set up the stage.
+
+        Raises:
+            BackendError: It refuses, or does not answer.
+        """
+        clock, until, asked = self._clock, self._clock.monotonic() + _SET_UP, -np.inf
+        waiting = [link for link in self._links if isinstance(link, StagingLink) and link.stages]
+        for link in waiting:
+            answer: str | None = None
+            while answer is None:
+                if clock.monotonic() > until:
+                    raise BackendError(
+                        f"the stage is not set up: no answer for {_SET_UP:.0f} s; another program "
+                        "may command the robot"
+                    )
+                if clock.monotonic() - asked > _REPEATED:
+                    link.ask(setup)
+                    asked = clock.monotonic()
+                clock.sleep(_PAUSE)
+                answer = link.answer()
+            if answer:
+                raise BackendError(f"the stage is not set up: {answer}")
 
     def examine(self, seconds: float) -> list[Endpoint]:
         """Listen to the robot for a while, without moving it.
@@ -368,6 +467,7 @@ class DrivenBackend:
             if self.supervisor.joints.stamp > before:
                 break
             clock.sleep(_PAUSE)
+        self._way_back.note(self.supervisor.joints.positions)
         # A late step is not caught up.
         self._due = max(self._due, now - self.control_period)
         self._observation = self._sense()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.drivers.sample import Command, Sample
@@ -12,6 +12,7 @@ from cbdsl.backends.engines import extra_advice
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.driver_kind import DRIVERS
 
 
@@ -69,6 +70,44 @@ class DriverLink(Protocol):
 
     def close(self) -> None:
         """Close the connection."""
+        ...
+
+
+class Setup(NamedTuple):
+    """Stage that an episode requires.
+
+    Attributes:
+        robot: Name of the robot.
+        stage: Stage.
+        context: Context of the stage; drawn if ``None``.
+        draws: State of the episode's generator before its first draw, as of
+            ``numpy.random.BitGenerator.state``.
+    """
+
+    robot: str
+    stage: StageDocument
+    context: str | None
+    draws: Mapping[str, Any]
+
+
+@runtime_checkable
+class StagingLink(Protocol):
+    """Link to a robot whose peer sets up the stage, such as a simulation."""
+
+    @property
+    def stages(self) -> bool:
+        """True if the peer sets up stages."""
+        ...
+
+    def ask(self, setup: Setup) -> None:
+        """Request a stage; repeated requests of one set-up are one."""
+        ...
+
+    def answer(self) -> str | None:
+        """Return the answer to the newest request: empty, or the reason of a refusal.
+
+        ``None`` without an answer so far.
+        """
         ...
 
 

@@ -29,9 +29,6 @@ def _lines(stage: StageDocument, context: str, robot: RobotDocument) -> Iterator
         shapes = [f"'{thing}' ({stage.things[thing].form.shape})" for thing in presentation.things]
         label = "" if alias is None else f"as '{alias}' "
         yield f"- object {' or '.join(shapes)} {label}{_place(presentation.place)}"
-    for name, effector in robot.effectors.items():
-        if effector.start is not None:
-            yield f"- effector '{name}' near its posture '{effector.start}'"
 
 
 def _place(place: PlaceSection) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from cbdsl.backends.backend import BackendError
@@ -11,6 +13,40 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
+
+
+class EpisodeStart(NamedTuple):
+    """Draws with which each episode begins, on any robot.
+
+    Attributes:
+        context: Name of the context.
+        noise: Generator of the sensors' noise.
+        posture: Start positions of the actuated joints, rad or m, shape (n,).
+    """
+
+    context: str
+    noise: np.random.Generator
+    posture: Floats
+
+
+def draw_start(
+    stage: StageDocument,
+    context: str | None,
+    robot: RobotDocument,
+    joints: Joints,
+    elsewhere: Floats,
+    rng: np.random.Generator,
+) -> EpisodeStart:
+    """Draw the beginning of an episode; see ``choose_context`` and ``starting_posture``.
+
+    Raises:
+        BackendError: The stage has no such context, or the robot lacks a joint of it.
+    """
+    name = choose_context(stage, context, rng)
+    # The sensors' noise has its own stream, so that other draws from rng cannot change it.
+    noise = np.random.default_rng(rng.integers(2**63))
+    posture = starting_posture(stage.contexts[name], robot, joints, elsewhere, rng)
+    return EpisodeStart(name, noise, posture)
 
 
 def choose_context(stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:

@@ -18,12 +18,13 @@ Seconds = Annotated[
     float | None, typer.Option("--seconds", min=0, help="Duration, s [until Ctrl-C].")
 ]
 Stage = Annotated[
-    str | None, typer.Option("--stage", help="Stage to set up: file or name [an empty one].")
+    str | None,
+    typer.Option("--stage", help="Stage of all episodes: file or name [each program's]."),
 ]
 Context = Annotated[
     str | None, typer.Option("--context", help="Context of the stage [drawn by share].")
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the episode.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed until a program requests a stage.")]
 FaultOption = Annotated[
     list[str],
     typer.Option(

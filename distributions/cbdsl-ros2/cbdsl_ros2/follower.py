@@ -10,8 +10,9 @@ import numpy as np
 from cbdsl.numeric.arrays import Floats
 from cbdsl_ros2 import dds_types as msg
 
-# Silence after which a writer loses its ownership of a controller, s.
-_OWNED = 1.0
+# Silence after which a writer loses its ownership of a controller, s; and after which a controller
+# is not commanded.
+_OWNED, _SILENT = 1.0, 0.3
 # Time without a request after which a controller counts as stalled, s.
 _STALLED = 0.1
 
@@ -61,6 +62,10 @@ class Follower:
         if not problem:
             self._owner = writer, now
         return problem
+
+    def is_commanded(self, now: float) -> bool:
+        """Return whether a command was followed shortly before a wall time, s since the epoch."""
+        return self._owner is not None and now - self._owner[1] < _SILENT
 
     def _take(self, message: object, now: float) -> str:
         if isinstance(message, msg.Float64MultiArray):

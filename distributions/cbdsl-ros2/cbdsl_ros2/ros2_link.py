@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.backends.drivers.link import Endpoint
+from cbdsl.backends.drivers.link import Endpoint, Setup
 from cbdsl.backends.drivers.sample import (
     CameraSample,
     Command,
@@ -28,6 +28,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.regions_text import read_regions
 from cbdsl_ros2.ros_node import Remote, RosNode, guarded
+from cbdsl_ros2.stage_requests import StageAsker
 
 # Messages per poll.
 _MOST = 64
@@ -85,6 +86,7 @@ class Ros2Link:
             for role, topic, message, convert, qualities in _streams(name, driver)
             for readers in [tuple(self._node.reader(topic, message, **q) for q in qualities)]
         ]
+        self._asker = StageAsker(self._node)
         # A survey leaves no news of peers, so the next poll has to look for changes.
         self._has_surveyed = False
         self._outputs: dict[str, _Output] = {}
@@ -163,6 +165,20 @@ class Ros2Link:
         header = msg.Header(stamp=msg.Time.of(command.stamp))
         output.writer.write(msg.JointTrajectory(header, list(command.names), [point]))
 
+    @property
+    def stages(self) -> bool:
+        """True if a simulation behind the topics sets up stages; see ``StagingLink``."""
+        self._has_surveyed = True
+        return self._asker.is_heard
+
+    def ask(self, setup: Setup) -> None:
+        """Request a stage; see ``StagingLink.ask``."""
+        self._asker.ask(setup)
+
+    def answer(self) -> str | None:
+        """Return the answer to the newest request; see ``StagingLink.answer``."""
+        return self._asker.answer()
+
     def survey(self) -> Sequence[Endpoint]:
         """Return the state of each topic; see ``DriverLink.survey``."""
         remotes, self._has_surveyed = self._node.remotes(), True
@@ -196,6 +212,7 @@ class Ros2Link:
         """Leave the domain."""
         self._inputs.clear()
         self._outputs.clear()
+        del self._asker
         self._node.close()
 
 

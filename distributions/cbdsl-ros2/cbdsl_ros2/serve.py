@@ -36,9 +36,10 @@ def serve_robot(
     Args:
         robot: File or name of the robot.
         backend: Simulated robot's backend.
-        stage: File or name of the stage that is set up; an empty one if ``None``.
+        stage: File or name of the stage of all episodes. If ``None``, it is empty until a program
+            requests the stage of its episodes.
         context: Context of the stage; drawn by share if ``None``.
-        seed: Seed of the episode.
+        seed: Seed of the stage until a program requests one by its own seed.
         cameras: ``rendered`` or ``ideal``; the backend's choice if ``None``.
         rate: Control rate, Hz; that of the robot's document if ``None``.
         faults: Faults, such as ``nan@2.5``.
@@ -64,9 +65,10 @@ def serve_robot(
     set_up = read_stage(stage, document)
     injected = Faults([read_fault(text) for text in faults], seed)
     embodied = simulated_robot(backend, document, urdf, cameras)
-    server = RobotServer(document, urdf, embodied, interface, injected)
+    kept = None if stage is None else set_up
+    server = RobotServer(document, urdf, embodied, interface, injected, stage=kept, report=report)
     moments = _Moments(seconds, stopped, keeps=trace is not None)
-    pace = Pace(embodied.control_period, report)
+    pace = Pace(embodied.control_period, report, lambda: time.monotonic() - server.paused)
     try:
         drawn = server.reset(set_up, context, seed)
         report(_introduction(document, backend, set_up.name, drawn, interface))

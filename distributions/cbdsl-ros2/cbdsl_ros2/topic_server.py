@@ -10,8 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.backend import AttendedBackend, Backend, BackendError, embody
-from cbdsl.backends.drivers.link import require_drivers
+from cbdsl.backends.backend import (
+    AttendedBackend,
+    Backend,
+    BackendError,
+    StagingBackend,
+    embody,
+)
+from cbdsl.backends.drivers.link import Setup, require_drivers
 from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.documents.driver import Driver
 from cbdsl.documents.robot import RobotDocument
@@ -26,6 +32,7 @@ from cbdsl_ros2.follower import Follower
 from cbdsl_ros2.injected_faults import Faults
 from cbdsl_ros2.regions_text import write_regions
 from cbdsl_ros2.ros_node import RosNode
+from cbdsl_ros2.stage_requests import StageSetter, generator
 
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
 _MOST = 64
@@ -57,6 +64,11 @@ class RobotServer:
         backend: Simulated robot, at the robot's control rate.
         interface: Network interface; loopback only if ``None``.
         faults: Faults that are injected.
+        stage: Stage of all episodes; the requested one if ``None``.
+        report: Function called with a line for each stage that is set up.
+
+    Attributes:
+        paused: Time for which the robot stood still while stages were set up, s.
 
     Raises:
         BackendError: The robot has no drivers of kind ``ros2``, or DDS cannot be used.
@@ -69,7 +81,11 @@ class RobotServer:
         backend: Backend,
         interface: str | None = None,
         faults: Faults | None = None,
+        *,
+        stage: StageDocument | None = None,
+        report: Callable[[str], None] = lambda line: None,
     ) -> None:
+        self._stage, self._report, self.paused = stage, report, 0.0
         self._drivers = {n: d for n, d in robot.drivers.items() if d.kind == "ros2"}
         require_drivers(robot)
         if not self._drivers:
@@ -85,6 +101,7 @@ class RobotServer:
             if driver.commands is not None
         }
         self._followers: dict[str, tuple[Follower, NDArray[np.intp]]] = {}
+        self._setter = StageSetter(self._node, robot.name)
         self._real_time = RealTime()
         self.refused = ""
 
@@ -124,6 +141,22 @@ class RobotServer:
                 writer.write(msg.Flag(False))
         return name
 
+    def _set_up_next(self, setup: Setup) -> None:
+        """Set up the stage of the next episode around the robot.
+
+        Raises:
+            BackendError: The stage does not fit, or the backend cannot keep the robot's posture.
+        """
+        began = time.monotonic()
+        if not isinstance(self._backend, StagingBackend):
+            raise BackendError("the simulated robot's backend sets up no stage around a robot")
+        stage = self._stage or setup.stage
+        context = self._backend.set_up_around(stage, setup.context, generator(setup))
+        load_kept()
+        self._real_time.begin()
+        self.paused += time.monotonic() - began
+        self._report(f"set up stage {stage.name}, context {context}")
+
     def serve(self, watch: Callable[[Moment], bool]) -> None:
         """Run the robot in real time, until ``watch`` returns false after a control period."""
         period, due = self._backend.control_period, time.monotonic()
@@ -131,6 +164,9 @@ class RobotServer:
             moment = self.tick()
             if not watch(moment):
                 return
+            # A stage is set up around a robot that nothing commands.
+            if not any(f.is_commanded(time.time()) for f, _ in self._followers.values()):
+                self._setter.attend(self._set_up_next)
             due += period
             left = due - time.monotonic()
             # A simulation that is slower than real time does not catch up.
@@ -251,6 +287,7 @@ class RobotServer:
         """Leave the domain and close the simulated robot."""
         self._writers.clear()
         self._readers.clear()
+        del self._setter
         self._node.close()
         self._backend.close()
         self._real_time.end()

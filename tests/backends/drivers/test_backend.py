@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from cbdsl.backends.backend import AttendedBackend, BackendError
 from cbdsl.backends.drivers.backend import DrivenBackend
-from cbdsl.backends.drivers.link import Endpoint
+from cbdsl.backends.drivers.link import Endpoint, Setup
 from cbdsl.backends.drivers.person import Consent, RefusingPerson
 from cbdsl.backends.drivers.safety_supervisor import State
 from cbdsl.backends.drivers.sample import DescriptionSample, FaultSample, JointSample, StopSample
@@ -447,6 +447,102 @@ def test_fault_in_a_long_tick_holds_before_any_reference(
     with pytest.raises(BackendError, match=sentence):
         driven.apply(sine(1))
     assert len(peer.commands) == sent
+
+
+def test_robot_returns_to_its_start_before_the_next_episode(
+    urdf: Path, stage: StageDocument
+) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, lambda tick: 0.01 * tick * np.array([1.0, -0.5]), 60)
+    driven.halt()
+    assert np.abs(peer.positions).max() > 0.4
+    sent = len(peer.commands)
+    begin(driven, stage)
+    assert peer.positions == pytest.approx(np.zeros(2), abs=0.05)
+    assert driven.supervisor.state is State.READY
+    assert driven.observe().time == pytest.approx(0.0, abs=PERIOD)
+    assert _within_limits(peer.references[sent:])
+    sent = len(peer.commands)
+    begin(driven, stage)
+    assert len(peer.commands) == sent, "a robot at its start does not move"
+
+
+def test_robot_whose_return_is_refused_stays(urdf: Path, stage: StageDocument) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, lambda tick: 0.01 * tick * np.ones(2), 60)
+    driven.halt()
+    sent = len(peer.commands)
+    answers = Answers(True, False)
+    driven.attend(answers)
+    with pytest.raises(BackendError, match=r"joint 'first' by 0\.5.*on the way that it came"):
+        begin(driven, stage)
+    assert answers.questions == ["release it", "may it return"]
+    assert len(peer.commands) == sent
+
+
+def test_fault_on_the_way_back_holds_the_robot(urdf: Path, stage: StageDocument) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, lambda tick: 0.01 * tick * np.ones(2), 60)
+    sent = len(peer.commands)
+
+    def fail(sample: JointSample) -> list[JointSample]:
+        return [] if len(peer.commands) > sent + 15 else [sample]
+
+    peer.alter = fail
+    with pytest.raises(BackendError, match="the robot is held: no new state"):
+        begin(driven, stage)
+    assert np.abs(peer.positions).min() > 0.1
+
+
+class StagingPeer(Peer):
+    """Robot whose simulation sets up the stage at the third request."""
+
+    stages = True
+
+    def __init__(self, problem: str = "", patience: int = 3) -> None:
+        super().__init__()
+        self.problem, self.patience = problem, patience
+        self.asked: list[tuple[Setup, np.ndarray]] = []
+
+    def ask(self, setup: Setup) -> None:
+        self.asked.append((setup, self.positions.copy()))
+
+    def answer(self) -> str | None:
+        return self.problem if len(self.asked) >= self.patience else None
+
+
+def test_stage_is_requested_where_the_robot_starts(urdf: Path, stage: StageDocument) -> None:
+    peer = StagingPeer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, lambda tick: 0.01 * tick * np.ones(2), 60)
+    peer.asked.clear()
+    rng = np.random.default_rng(7)
+    drawn = rng.bit_generator.state
+    driven.reset(stage, None, rng)
+    assert len(peer.asked) == 3, "a request is repeated until it is answered"
+    for setup, positions in peer.asked:
+        assert setup == Setup("rail", stage, None, drawn)
+        assert positions == pytest.approx(np.zeros(2), abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("peer", "words"),
+    [(StagingPeer("no room"), "no room"), (StagingPeer(patience=10**6), "no answer for 30 s")],
+)
+def test_stage_that_is_not_set_up_ends_the_episode(
+    peer: StagingPeer, words: str, urdf: Path, stage: StageDocument
+) -> None:
+    driven = backend(peer, urdf)
+    with pytest.raises(BackendError, match=f"the stage is not set up: {words}"):
+        begin(driven, stage)
+    assert not peer.commands
 
 
 events = st.sampled_from([*FAULTS, "none", "halt", "jump", "nan reference", "huge reference"])

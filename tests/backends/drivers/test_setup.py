@@ -25,4 +25,3 @@ def test_setup_of_a_shipped_stage_names_all_that_is_shown(name: str) -> None:
 def test_setup_states_places_in_centimetres() -> None:
     text = describe_setup(stage_named("table_right"), "in_view", robot_named("dexter"))
     assert " cm" in text
-    assert "near its posture 'home'" in text

@@ -1,0 +1,113 @@
+"""Way back: motion of a robot from where it stands to the start of an episode.
+
+    let go      hands open as wide as they have been; heads turn to their start
+    retrace     arms return on the way that they came, without its loops
+    close       hands go to their start
+
+Configurations that the arms have passed were free of obstacles, so that this needs no model of the
+scene. A robot whose way is unknown, as in the first episode, moves straight to its start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from cbdsl.backends.drivers.limiter import JointLimits
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.kinematics import Kinematics
+from cbdsl.kinematics.self_contacts import SelfContacts
+from cbdsl.numeric.arrays import Booleans, Floats
+from cbdsl.robot.urdf import UrdfModel
+
+# Distance of two configurations that count as one, rad or m.
+_NEAR = 0.05
+# Share of the joints' largest speeds.
+_PACE = 0.5
+# Configurations of a straight way that are examined for self-contacts.
+_EXAMINED = 20
+
+
+class WayBack:
+    """Way of a robot's arms since the start, and the motion back.
+
+    Args:
+        robot: Robot document.
+        model: URDF of the robot.
+        kinematics: Kinematics of the same robot.
+        limits: Limits of the actuated joints.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, model: UrdfModel, kinematics: Kinematics, limits: JointLimits
+    ) -> None:
+        self._names, self._model = kinematics.joints.names, model
+        tips = [effector.tip.link for effector in robot.effectors.values() if effector.tip]
+        carrying = {joint.name for tip in tips for joint in model.way(tip)}
+        self._arms: Booleans = np.array([name in carrying for name in self._names], dtype=bool)
+        self._closing = _closing(robot, kinematics)
+        self._speed = np.minimum(_PACE * limits.velocity, robot.control.joint_speed)
+        self._passed: list[Floats] = []
+        # Most open position of each finger since the start, times the sign of its flexion.
+        self._opened: Floats = np.full(len(self._names), np.inf)
+
+    def begin(self, positions: Floats) -> None:
+        """Begin the way at an episode's start, rad or m, shape (n,)."""
+        self._passed, self._opened = [positions.copy()], self._closing * positions
+
+    def note(self, positions: Floats) -> None:
+        """Take in positions of a moving robot, rad or m, shape (n,)."""
+        self._opened = np.minimum(self._opened, self._closing * positions)
+        near = np.flatnonzero(self._apart(np.array(self._passed), positions) < _NEAR)
+        if len(near):
+            # A loop ends where the arms have been before.
+            del self._passed[near[0] + 1 :]
+        else:
+            self._passed.append(positions.copy())
+
+    def _apart(self, passed: Floats, positions: Floats) -> Floats:
+        distances = np.abs(passed - positions)[..., self._arms]
+        return np.asarray(distances.max(axis=-1, initial=0.0))
+
+    def is_known(self, here: Floats) -> bool:
+        """Return whether the way from positions to the start is known, rad or m, shape (n,)."""
+        return bool(self._passed) and float(self._apart(self._passed[-1], here)) < 2.0 * _NEAR
+
+    def references(self, here: Floats, goal: Floats, period: float) -> Iterator[Floats]:
+        """Yield the references to the goal on the known way, one each control period.
+
+        Args:
+            here: Measured positions, rad or m, shape (n,).
+            goal: Start of the episode, rad or m, shape (n,).
+            period: Control period, s.
+        """
+        open_hands = self._closing * np.minimum(self._closing * goal, self._opened)
+        loose = np.where(self._closing != 0.0, open_hands, goal)
+        arms = [here, *self._passed[::-1], goal]
+        points = [here, *(np.where(self._arms, point, loose) for point in arms), goal]
+        for first, last in pairwise(points):
+            count = int(np.ceil(np.max(np.abs(last - first) / self._speed) / period))
+            for step in range(1, count + 1):
+                yield first + step / count * (last - first)
+
+    def self_contact(self, here: Floats, goal: Floats) -> tuple[str, str] | None:
+        """Return two links that touch on the straight way between two postures; maybe ``None``."""
+        contacts = SelfContacts(self._model)
+        ways = np.linspace(here, goal, _EXAMINED)
+        pairs = [contacts.touching(dict(zip(self._names, way, strict=True))) for way in ways]
+        new = frozenset().union(*pairs) - pairs[0] - pairs[-1]
+        return min(new, default=None)
+
+
+def _closing(robot: RobotDocument, kinematics: Kinematics) -> Floats:
+    """Return 1 for joints that close a finger, -1 for opening joints, and 0 for others, (n,)."""
+    closing = np.zeros(len(kinematics.joints))
+    for cells in robot.load_cells.values():
+        for cell in cells.values():
+            jacobian = kinematics.point(cell.link, (0.0, 0.0, 0.0)).jacobian[:3]
+            pressing = kinematics.frame(cell.link).rotation @ np.array(cell.normal)
+            column = kinematics.joints.index[cell.joint]
+            closing[column] = np.sign(pressing @ jacobian[:, column])
+    return closing
