@@ -235,9 +235,10 @@ class DrivenBackend:
         text = (
             f"the robot is away from its start: joint '{names[farthest]}' by "
             f"{errors[farthest]:.2f}; it opens its hands and returns "
-            + ("on the way that it came" if known else "straight to its start")
+            + ("on the way that it came" if known else "upwards, then straight")
         )
-        if not known and (links := self._way_back.self_contact(here, goal)):
+        points = self._way_back.points(here, goal)
+        if not known and (links := self._way_back.self_contact(points)):
             raise BackendError(
                 f"{text}, where links '{links[0]}' and '{links[1]}' would touch: bring it near its "
                 "start by hand"
@@ -247,7 +248,7 @@ class DrivenBackend:
         if not known:
             self._way_back.begin(here)
         self._make_ready()
-        for reference in self._way_back.references(here, goal, self.control_period):
+        for reference in self._way_back.references(points, self.control_period):
             self.apply(reference)
             self.step()
         for _ in range(round(_ARRIVAL / self.control_period)):

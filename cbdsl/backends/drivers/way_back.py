@@ -5,12 +5,12 @@
     close       hands go to their start
 
 Configurations that the arms have passed were free of obstacles, so that this needs no model of the
-scene. A robot whose way is unknown, as in the first episode, moves straight to its start.
+scene. If the way is unknown, as in the first episode, arms rise and move straight to the start.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -26,8 +26,10 @@ from cbdsl.robot.urdf import UrdfModel
 _NEAR = 0.05
 # Share of the joints' largest speeds.
 _PACE = 0.5
-# Configurations of a straight way that are examined for self-contacts.
-_EXAMINED = 20
+# Height by which arms rise, in steps, m; and damping of a step, m or rad.
+_RISE, _STEP, _DAMPING = 0.12, 0.01, 0.05
+# Distance of configurations that are examined for self-contacts, rad or m.
+_EXAMINED = 0.1
 
 
 class WayBack:
@@ -44,6 +46,7 @@ class WayBack:
         self, robot: RobotDocument, model: UrdfModel, kinematics: Kinematics, limits: JointLimits
     ) -> None:
         self._names, self._model = kinematics.joints.names, model
+        self._robot, self._kinematics, self._limits = robot, kinematics, limits
         tips = [effector.tip.link for effector in robot.effectors.values() if effector.tip]
         carrying = {joint.name for tip in tips for joint in model.way(tip)}
         self._arms: Booleans = np.array([name in carrying for name in self._names], dtype=bool)
@@ -75,27 +78,56 @@ class WayBack:
         """Return whether the way from positions to the start is known, rad or m, shape (n,)."""
         return bool(self._passed) and float(self._apart(self._passed[-1], here)) < 2.0 * _NEAR
 
-    def references(self, here: Floats, goal: Floats, period: float) -> Iterator[Floats]:
-        """Yield the references to the goal on the known way, one each control period.
+    def points(self, here: Floats, goal: Floats) -> list[Floats]:
+        """Return the configurations of the way from measured positions to a goal.
 
         Args:
             here: Measured positions, rad or m, shape (n,).
             goal: Start of the episode, rad or m, shape (n,).
-            period: Control period, s.
         """
         open_hands = self._closing * np.minimum(self._closing * goal, self._opened)
         loose = np.where(self._closing != 0.0, open_hands, goal)
-        arms = [here, *self._passed[::-1], goal]
-        points = [here, *(np.where(self._arms, point, loose) for point in arms), goal]
+        between = self._passed[::-1] if self.is_known(here) else self._risen(here, goal)
+        arms = [here, *between, goal]
+        return [here, *(np.where(self._arms, point, loose) for point in arms), goal]
+
+    def _risen(self, here: Floats, goal: Floats) -> list[Floats]:
+        """Return the configurations in which arms away from the goal rise.
+
+        Each step is a damped least squares solution, which keeps the orientation of the tip.
+        """
+        joints, kinematics = self._kinematics.joints, self._kinematics
+        tips = [
+            effector.tip
+            for name, effector in self._robot.effectors.items()
+            if effector.tip and np.abs(goal - here)[joints.of(name)].max() > _NEAR
+        ]
+        upwards = np.array([0.0, 0.0, _STEP, 0.0, 0.0, 0.0])
+        points = [here]
+        for _ in range(round(_RISE / _STEP)):
+            kinematics.update(points[-1])
+            step = np.zeros(len(here))
+            for tip in tips:
+                jacobian = kinematics.point(tip.link, tip.offset).jacobian
+                square = jacobian @ jacobian.T + _DAMPING**2 * np.eye(6)
+                step += jacobian.T @ np.linalg.solve(square, upwards)
+            raised = points[-1] + np.where(self._arms, step, 0.0)
+            points.append(np.clip(raised, self._limits.lower, self._limits.upper))
+        return points[1:]
+
+    def references(self, points: Sequence[Floats], period: float) -> Iterator[Floats]:
+        """Yield references through configurations, one each control period, s."""
         for first, last in pairwise(points):
             count = int(np.ceil(np.max(np.abs(last - first) / self._speed) / period))
             for step in range(1, count + 1):
                 yield first + step / count * (last - first)
 
-    def self_contact(self, here: Floats, goal: Floats) -> tuple[str, str] | None:
-        """Return two links that touch on the straight way between two postures; maybe ``None``."""
-        contacts = SelfContacts(self._model)
-        ways = np.linspace(here, goal, _EXAMINED)
+    def self_contact(self, points: Sequence[Floats]) -> tuple[str, str] | None:
+        """Return two links that touch between configurations, but not at their ends, if any."""
+        contacts, ways = SelfContacts(self._model), [points[0]]
+        for first, last in pairwise(points):
+            count = int(np.ceil(np.abs(last - first).max() / _EXAMINED))
+            ways += [first + step / count * (last - first) for step in range(1, count + 1)]
         pairs = [contacts.touching(dict(zip(self._names, way, strict=True))) for way in ways]
         new = frozenset().union(*pairs) - pairs[0] - pairs[-1]
         return min(new, default=None)

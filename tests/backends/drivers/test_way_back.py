@@ -55,7 +55,7 @@ def test_way_back_is_slow_passes_known_configurations_and_ends_at_the_goal(
     arm = kinematics.joints.of("right_arm")
     here = moved(start, way_back, arm, *points)
     assert way_back.is_known(here)
-    references = np.array([here, *way_back.references(here, start, PERIOD)])
+    references = np.array([here, *way_back.references(way_back.points(here, start), PERIOD)])
     assert references[-1] == pytest.approx(start)
     speeds = np.abs(np.diff(references, axis=0)) / PERIOD
     assert (speeds <= 0.5 * kinematics.speed + 1e-6).all()
@@ -69,9 +69,11 @@ def test_loops_of_the_way_are_cut_off(
 ) -> None:
     start, arm = start_positions(dexter, kinematics), kinematics.joints.of("right_arm")
     once = moved(start, way_back, arm, 0.5)
-    short = len([*way_back.references(once, start, PERIOD)])
+    short = len([*way_back.references(way_back.points(once, start), PERIOD)])
     often = moved(start, way_back, arm, 0.5, -0.5, 0.5, 0.1, 0.5)
-    assert len([*way_back.references(often, start, PERIOD)]) == pytest.approx(short, abs=5)
+    assert len([*way_back.references(way_back.points(often, start), PERIOD)]) == pytest.approx(
+        short, abs=5
+    )
 
 
 def test_hands_open_before_arms_move_and_close_at_the_start(
@@ -85,7 +87,7 @@ def test_hands_open_before_arms_move_and_close_at_the_start(
     for finger, reach in [(0.05, 0.0), (0.05, 0.4), (0.9, 0.4)]:
         here[fingers], here[arm] = finger, start[arm] + reach
         way_back.note(here)
-    references = np.array([*way_back.references(here, start, PERIOD)])
+    references = np.array([*way_back.references(way_back.points(here, start), PERIOD)])
     moves = np.abs(references[:, arm] - here[arm]).max(axis=1) > 1e-9
     returned = np.abs(references[:, arm] - start[arm]).max(axis=1) < 1e-9
     assert references[moves & ~returned][:, fingers] == pytest.approx(0.05)
@@ -101,6 +103,24 @@ def test_way_is_unknown_before_an_episode_and_after_a_push(
     assert way_back.is_known(start)
     start[kinematics.joints.of("left_arm")] += 0.3
     assert not way_back.is_known(start)
+
+
+def test_arm_on_an_unknown_way_rises_upright_and_then_goes_to_the_goal(
+    way_back: WayBack, dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    start, tip = start_positions(dexter, kinematics), dexter.effectors["right_arm"].tip
+    assert tip is not None
+    here = start.copy()
+    here[kinematics.joints.of("right_arm")] = dexter.effectors["right_arm"].postures["ready"]
+    points = way_back.points(here, start)
+    assert not way_back.is_known(here)
+    tips = [kinematics.posed(point, lambda: kinematics.frame(tip.link)) for point in points]
+    rises = np.array([frame.position - tips[0].position for frame in tips])
+    assert rises[-3] == pytest.approx([0.0, 0.0, 0.12], abs=0.02)
+    assert tips[-3].rotation == pytest.approx(tips[0].rotation, abs=0.05)
+    assert points[-1] == pytest.approx(start)
+    others = np.delete(np.array(points), kinematics.joints.of("right_arm"), axis=1)
+    assert np.ptp(others, axis=0) == pytest.approx(0.0)
 
 
 BOX = '<collision><origin xyz="{} 0"/><geometry><box size="0.2 0.1 0.1"/></geometry></collision>'
@@ -124,5 +144,5 @@ def test_straight_way_through_the_robot_itself_is_found(tmp_path: Path) -> None:
     document = robot().model_copy(update={"base": "root"})
     way_back = made(document, Kinematics(document, path), path)
     before, beyond = np.array([0.5, 0.0]), np.array([2.6, 0.0])
-    assert way_back.self_contact(before, beyond) == ("one", "post")
-    assert way_back.self_contact(before, np.array([-1.0, 0.0])) is None
+    assert way_back.self_contact([before, beyond]) == ("one", "post")
+    assert way_back.self_contact([before, np.array([-1.0, 0.0])]) is None
