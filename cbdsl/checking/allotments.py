@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.program.steps import written_steps
 from cbdsl.types.allotment import ALLOTMENTS, PROGRAM, WHOLE, allotment
 
 
 def exchangeable(document: ProgramDocument) -> set[str]:
     """Return the names that other programs may stand in for: the program itself and its members."""
     members = {*document.use, *document.controllers}
-    return {WHOLE, *(each for each in map(str.strip, document.actions) if each in members)}
+    in_steps = (m for step in written_steps(document, lambda *_: None) for m in step.members)
+    return {WHOLE, *members.intersection((*map(str.strip, document.actions), *in_steps))}
 
 
 def check_allotments(context: ProgramContext) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from cbdsl.checking.allotments import check_allotments
 from cbdsl.checking.cause_order import causes_first
@@ -25,10 +26,11 @@ from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
-from cbdsl.documents import program as written
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.program.automaton import Tables
 from cbdsl.program.checked import Action, CheckedProgram, Guards
 from cbdsl.program.controller import Composition, Primitive
+from cbdsl.program.steps import DocumentSpot, StepReader, written_steps
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
 
@@ -158,7 +160,8 @@ class _ProgramCheck:
             session.sound(loaded.path),
         )
         self._compositions = Compositions(context)
-        self._actions = Actions(context, self._compositions, programs)
+        self._steps = list(written_steps(loaded.document, self._report))
+        self._actions = Actions(context, self._compositions, programs, self._steps)
         # Terms of the background, as written.
         self._below: frozenset[str] = frozenset()
 
@@ -169,10 +172,12 @@ class _ProgramCheck:
         checked = actions.check()
         are_complete = actions.are_complete
         are_shown = not (are_complete and actions.only_composed())
-        policy = actions.policy()
+        tables = self._tables()
+        policy = tables.policy
         is_known = actions.are_read and are_shown and not actions.lack_a_member
         members = actions.members if is_known else UNKNOWN
-        check_states(policy, members, context.source, context.diagnostics)
+        if not self._document.steps:
+            check_states(policy, members, context.source, context.diagnostics)
         ends = read_ends(context, members)
         # Taken before all controllers are checked, because this visits unused ones as well.
         used = frozenset(context.used)
@@ -191,16 +196,45 @@ class _ProgramCheck:
         # The checks below need a sound program. A part with errors may be the use or the end that
         # another part seems to lack.
         check_unused(context, used)
-        program = self._program(checked, policy, background)
+        program = self._program(checked, tables, background)
         check_ends(context, program, ends)
         check_contradictions(context, program, self._actions.places)
         check_suspicious(context, program, self._compositions.checked(), actions.places)
         return UNKNOWN if context.diagnostics.failed else program
 
+    def _tables(self) -> Tables:
+        """Return the document's policy over states, written as patterns or as steps."""
+        document, source = self._document, self._context.source
+        if not document.steps:
+            failure = document.failure
+            reasons = failure if isinstance(failure, dict) else dict.fromkeys(failure, "")
+            return Tables(self._actions.policy(), document.success, reasons)
+        for key in ("policy", "success", "failure"):
+            if getattr(document, key):
+                self._context.add("CB627", source.key(key), key=key)
+        reader = StepReader(document, self._steps, self._report)
+        automaton = reader.automaton(self._actions.members)
+        is_complete = source.known(document.steps, "steps") is not UNKNOWN
+        if not is_complete or self._context.diagnostics.failed:
+            return Tables({}, (), {})
+        return automaton.tables()
+
+    def _report(self, code: str, spot: DocumentSpot, details: dict[str, Any]) -> None:
+        """Add a diagnostic of the steps."""
+        source, path = self._context.source, spot.path
+        place = source.key(*path) if spot.is_key else source.place(*path)
+        if spot.span is not None:
+            inside = source.inside_key if spot.is_key else source.inside
+            place = inside(path, spot.span.start, spot.span.end)
+        other = details.pop("related", None)
+        if other is not None:
+            details["related"] = [(source.key(*other), "the other step")]
+        self._context.add(code, place, **details)
+
     def _program(
         self,
         actions: list[Outcome[Action]],
-        policy: dict[str, str],
+        tables: Tables,
         background: Outcome[Composition | None],
     ) -> CheckedProgram:
         document = self._document
@@ -212,7 +246,7 @@ class _ProgramCheck:
             members=self._actions.members,
             primitives=_primitives(actions),
             actions=tuple(action for action in actions if not isinstance(action, Unknown)),
-            policy=policy,
+            policy=tables.policy,
             background=None if isinstance(background, Unknown) else background,
             transitions=document.limits.transitions,
             transition_time=document.limits.transition_time,
@@ -220,9 +254,10 @@ class _ProgramCheck:
             episode_time=document.limits.episode_time,
             reward_ends=document.limits.reward_ends,
             lost_time=document.limits.lost_time,
-            success=document.success,
-            failure=tuple(document.failure),
-            reasons=_reasons(document),
+            success=tables.success,
+            failure=tuple(tables.failure),
+            reasons=tables.failure,
+            steps={str(step.expression): step.name for step in self._steps},
             guards=Guards(
                 document.guards.finger_force,
                 document.guards.hand_force,
@@ -286,8 +321,3 @@ def _primitives(actions: list[Outcome[Action]]) -> dict[str, Primitive]:
         and action.composition is not None
         and len(action.composition.primitives) == 1
     }
-
-
-def _reasons(document: written.ProgramDocument) -> Mapping[str, str]:
-    """Return the reason of each pattern of failure that states one."""
-    return document.failure if isinstance(document.failure, dict) else {}

@@ -14,36 +14,48 @@ from cbdsl.cli.arguments.options import Paths
 from cbdsl.cli.output.terminal import print_diagnostics, print_problem
 from cbdsl.cli.process.standard_streams import read_standard_input
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.documents.document import Document
 from cbdsl.documents.ownership import is_declared
+from cbdsl.documents.program import ProgramDocument
 from cbdsl.storage.atomic_file import write_text
 from cbdsl.yaml_text.composer import MOST_BYTES
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.reader import decode, formatted_text, read_text
+from cbdsl.yaml_text.reader import decode, formatted_text, read, read_text
 
 Check = Annotated[
     bool, typer.Option("--check", help="Write nothing; exit with 1 if a document would change.")
 ]
 Diff = Annotated[bool, typer.Option("--diff", help="Write nothing; print the changes.")]
 
+AsSteps = Annotated[
+    bool, typer.Option("--steps", help="Also write policies over patterns of states as steps.")
+]
 
-def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
+
+def fmt(
+    paths: Paths, *, check: Check = False, diff: Diff = False, as_steps: AsSteps = False
+) -> None:
     """Format documents: uniform indentation and spacing, without superfluous empty lines.
 
     Values, their order, quotes and comments do not change. Files are replaced atomically, and
     changed files are listed. The standard input is printed. YAML of other tools stays unchanged: a
     document has the key 'cbdsl', or a 'kind' of this project.
 
+    With --steps, a program gets steps with named exits in place of its policy. It decides each
+    state in the same way as before.
+
     Exit 0 on success, 1 if --check found a change or a document is not valid YAML, 2 for wrong
     arguments.
     """
-    if paths == [STANDARD_INPUT] and not (check or diff):
+    if paths == [STANDARD_INPUT] and not (check or diff or as_steps):
         raise typer.Exit(_print_formatted())
     if STANDARD_INPUT in paths:
-        raise UsageError("the standard input stands alone, without --check and --diff")
+        raise UsageError("the standard input stands alone, without --check, --diff and --steps")
     changed, failed = 0, False
     for file in choose_files(paths, Path(STANDARD_INPUT), Library()).files:
         try:
-            changed += _format(file, check=check, diff=diff, is_named=not _is_below(file, paths))
+            is_named = not _is_below(file, paths)
+            changed += _format(file, as_steps, check=check, diff=diff, is_named=is_named)
         except DiagnosticsError as error:
             print_diagnostics(error.diagnostics)
             failed = True
@@ -65,10 +77,12 @@ def _print_formatted() -> int:
     return 0
 
 
-def _format(file: Path, *, check: bool, diff: bool, is_named: bool) -> bool:
+def _format(file: Path, as_steps: bool, *, check: bool, diff: bool, is_named: bool) -> bool:
     """Format a file, and return whether it was, or would be, changed."""
     before = read_text(file)
     after = _formatted(before, file, is_named)
+    if as_steps and is_declared(before):
+        after = _with_steps(after, file)
     if after == before:
         return False
     if diff:
@@ -92,6 +106,16 @@ def _formatted(text: str, file: Path, is_named: bool) -> str:
     if is_named:
         print_problem(f"{file}: not formatted, since it lacks a document's keys 'cbdsl' and 'kind'")
     return text
+
+
+def _with_steps(text: str, file: Path) -> str:
+    from cbdsl.checking.program import check_program
+    from cbdsl.checking.step_conversion import with_steps
+
+    document = read(file, Document, text).document
+    if not isinstance(document, ProgramDocument):
+        return text
+    return with_steps(text, document, check_program(file))
 
 
 def _print_difference(file: Path, before: str, after: str) -> None:

@@ -132,3 +132,6 @@ class Document(Section):
     """Name by which other documents refer to this one."""
     description: str = ""
     """Purpose, in a sentence or two."""
+
+    alternatives: ClassVar[Mapping[str, str]] = {}
+    """Keys that are required without another one, with that one."""

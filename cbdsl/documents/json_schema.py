@@ -118,6 +118,8 @@ class _Generator(GenerateJsonSchema):
         result["additionalProperties"] = self.generate_inner(schema["values_schema"])
         if "min_length" in schema:
             result["minProperties"] = schema["min_length"]
+        if "max_length" in schema:
+            result["maxProperties"] = schema["max_length"]
         return result
 
     def str_schema(self, schema: Any) -> JsonSchemaValue:

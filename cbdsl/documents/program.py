@@ -3,7 +3,14 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Field,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticKnownError
 
 from cbdsl.documents.document import (
@@ -267,19 +274,37 @@ class GuardsSection(Section):
 _ABSENT: Any = object()
 
 
-def _required_without_use(value: Any, info: ValidationInfo) -> Any:
-    """Let a program that uses others have no controllers of its own."""
+def _required_without_alternative(
+    value: Any, validate: ValidatorFunctionWrapHandler, info: ValidationInfo
+) -> Any:
+    """Require a key unless the document has the key that replaces it."""
     if value is not _ABSENT:
-        return value
-    # Fields are validated in order, and ``use`` comes first. A faulty ``use`` is missing here and
-    # counts as given, so that its fault is not reported a second time.
-    if not info.data.get("use", True):
+        return validate(value)
+    # Fields are validated in order, and the other key comes first. If it is faulty, it is missing
+    # here and counts as given, so that its fault is not reported a second time.
+    if not info.data.get(ProgramDocument.alternatives[str(info.field_name)], True):
         raise PydanticKnownError("missing")
-    return {}
+    return {} if info.field_name == "controllers" else ()
+
+
+class StepSection(Section):
+    """Step: an action, and exits to other steps; without an exit that holds, it goes on."""
+
+    do: Text | None = None
+    """Controller, composition or program; the one with the name of the step if omitted."""
+    exits: tuple[Annotated[dict[Text, Text], Field(min_length=1, max_length=1)], ...] = ()
+    """Conditions such as `lift undefined and heavy not at rest`, each with a target: a step,
+    `succeed`, `fail` with a reason, or `end`. The first one that holds applies."""
+    failed: Text | None = None
+    """Target once a member is undefined or, if it is a program, has failed."""
+    then: Text | None = None
+    """Target once each member is at rest or, if it is a program, has succeeded."""
 
 
 class ProgramDocument(Document):
     """Behaviour: controllers and a policy over their states."""
+
+    alternatives: ClassVar[Mapping[str, str]] = {"actions": "steps", "controllers": "use"}
 
     kind: Literal["program"]
     """Kind of this document: a program."""
@@ -301,13 +326,21 @@ class ProgramDocument(Document):
     controllers: Annotated[
         dict[Name, ControllerSection | Text],
         Field(default_factory=lambda: _ABSENT, validate_default=True),
-        BeforeValidator(_required_without_use),
+        WrapValidator(_required_without_alternative),
     ]
     """Triples, or compositions that act as one controller; required without ``use``."""
     background: Text | None = None
     """Composition that runs below every action in the remaining degrees of freedom."""
-    actions: Annotated[tuple[Text, ...], Field(min_length=1)]
-    """Controllers, compositions of controllers, or programs."""
+    steps: dict[Name, StepSection] = {}
+    """Steps with their exits, in place of ``policy``, ``success`` and ``failure``."""
+    start: Name | None = None
+    """First step; the first one of ``steps`` if omitted."""
+    actions: Annotated[
+        tuple[Text, ...],
+        Field(min_length=1, default_factory=lambda: _ABSENT, validate_default=True),
+        WrapValidator(_required_without_alternative),
+    ]
+    """Controllers, compositions of controllers, or programs; beside ``steps``, further ones."""
     policy: dict[str, Text] = {}
     """Action by state: one of X - 0 1, or * for any, per controller and program of ``actions``."""
     success: tuple[str, ...] = ()

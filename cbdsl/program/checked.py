@@ -113,6 +113,7 @@ class CheckedProgram(NamedTuple):
             ``None`` for no limit.
         looks: Programs that define features of its schema, by name of the feature, in order of
             execution.
+        steps: Names of its steps by action; empty for a policy over patterns of states.
     """
 
     name: str
@@ -137,6 +138,7 @@ class CheckedProgram(NamedTuple):
     is_learned: bool = False
     looks: Mapping[str, PriorLook] = {}
     lost_time: float | None = None
+    steps: Mapping[str, str] = {}
 
     @property
     def all_guards(self) -> Guards:

@@ -56,7 +56,13 @@ class SourceMap(NamedTuple):
     def inside(self, steps: Sequence[Step], start: int, end: int) -> Place:
         """Return the place of a substring of a text value; columns from 1, ``end`` exclusive."""
         node = self.node(steps)
-        place, value = node.place, node.value
+        return self._part(node.place, node.value, start, end)
+
+    def inside_key(self, steps: Sequence[Step], start: int, end: int) -> Place:
+        """Return the place of a substring of a key; columns from 1, ``end`` exclusive."""
+        return self._part(self.key(*steps), steps[-1], start, end)
+
+    def _part(self, place: Place, value: object, start: int, end: int) -> Place:
         if not isinstance(value, str):
             return place
         line = self.lines[place.line - 1]

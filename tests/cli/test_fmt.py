@@ -122,3 +122,20 @@ def test_shipped_documents_are_found_by_name(
     monkeypatch.chdir(ROOT)
     assert cb(monkeypatch, "fmt", "--check", "dexter", "robots", "programs", "knowledge") == 0
     assert capsys.readouterr().out == ""
+
+
+def test_steps_replace_the_policy_of_programs_only(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    push = (ROOT / "programs" / "push.yaml").read_text("utf-8")
+    (here / "push.yaml").write_text(push, encoding="utf-8")
+    (here / "broken.yaml").write_text(push.replace("potential", "potentail"), encoding="utf-8")
+    assert cb(monkeypatch, "fmt", "--steps", "push.yaml", "broken.yaml") == 1
+    out = capsys.readouterr().out
+    assert out.startswith("formatted push.yaml\nbroken.yaml:")
+    assert "unknown key 'potentail'" in out
+    text = (here / "push.yaml").read_text("utf-8")
+    assert "\nsteps:\n" in text
+    assert "\npolicy:" not in text
+    assert cb(monkeypatch, "fmt", "--steps", "push.yaml") == 0
+    assert capsys.readouterr().out == ""

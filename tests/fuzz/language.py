@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from itertools import product
 
 from cbdsl.diagnostics.errors import DiagnosticsError
-from cbdsl.language.parser import CompositionError, parse
+from cbdsl.language.parser import parse
+from cbdsl.language.scanner import CompositionError
 from cbdsl.types.quantity_problem import problem_in, quantities_in, quantity_problem
 from cbdsl.types.state import ANY, PREDICATES, STATE, closest_first, matches, overlap, split
 from cbdsl.types.unit import UNITS, QuantityError, is_quantity, read_quantity

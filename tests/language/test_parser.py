@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl.language.expression import Argument, Expression, Span, Term
-from cbdsl.language.parser import CompositionError, parse
+from cbdsl.language.parser import parse
+from cbdsl.language.scanner import CompositionError
 
 NAMES = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
 ARGUMENTS = st.from_regex(

@@ -12,6 +12,7 @@ from cbdsl.api.requests.explored_things import ExploredThing, values_of
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.program.steps import compiled
 from cbdsl.robot.pair_names import pair_features
 from cbdsl.robot.resources import resources
 from cbdsl.robot.urdf_reader import read_urdf_if_sound
@@ -83,7 +84,7 @@ def _require_ends(program: str, things: Mapping[str, ExploredThing], folder: Pat
     library = Library(folder)
     document = library.read(library.locate(ProgramDocument, program), ProgramDocument).document
     missing = [key for key in _ENDS if key not in document.parameters]
-    if missing or not document.success:
+    if missing or not compiled(document).success:
         lacks = f"parameter '{missing[0]}'" if missing else "'success'"
         raise UsageError(f"'{program}' brings no thing to another one: it has no {lacks}")
     for name, thing in things.items():

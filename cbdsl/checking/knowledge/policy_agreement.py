@@ -14,7 +14,8 @@ from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import Unknown
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
-from cbdsl.language.parser import CompositionError, parse
+from cbdsl.language.parser import parse
+from cbdsl.language.scanner import CompositionError
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.resource import Resource

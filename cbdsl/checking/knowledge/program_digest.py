@@ -11,6 +11,7 @@ from cbdsl.documents.document_digest import ProgramDigest, digest
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.program.steps import compiled
 from cbdsl.storage.digest import digest_of_text
 from cbdsl.yaml_text.library import Library
 
@@ -33,7 +34,7 @@ def program_digest(path: Path, library: Library) -> ProgramDigest:
         path: File of a program without diagnostics.
         library: Library that finds documents by name.
     """
-    document = library.read(path, ProgramDocument).document
+    document = _read(path, library)
     whole = digest(document, _BESIDE_THE_POINT) + _parts(document, path, library)
     policies = {
         name: policy_digest(name, path, library)
@@ -82,7 +83,7 @@ def _policies(document: ProgramDocument, path: Path, library: Library) -> Iterat
         elif use.policy is not None:
             yield use.policy
         used = _document_file(ProgramDocument, use.program, path, library)
-        yield from _policies(library.read(used, ProgramDocument).document, used, library)
+        yield from _policies(_read(used, library), used, library)
 
 
 def _parts(document: ProgramDocument, path: Path, library: Library) -> str:
@@ -127,7 +128,7 @@ def _read_schema(name: str, beside: Path, library: Library) -> SchemaDocument:
 def _whole(program: str, policy: str, beside: Path, library: Library) -> str:
     """Return the digest of a used program with its policy, which is its own or another."""
     path = _document_file(ProgramDocument, program, beside, library)
-    document = library.read(path, ProgramDocument).document
+    document = _read(path, library)
     own = digest(document, _BESIDE_THE_POINT if policy else ("stage", "resources"))
     return (
         own
@@ -145,6 +146,11 @@ def _learned(name: str, beside: Path, library: Library) -> str:
         for _, model in sorted(document.models.items())
     )
     return "".join((digest(document, _HISTORY), *(digest(each.document) for each in models)))
+
+
+def _read(path: Path, library: Library) -> ProgramDocument:
+    """Return a program with its policy over states, so that knowledge outlives its notation."""
+    return compiled(library.read(path, ProgramDocument).document)
 
 
 def _document_file(kind: type[Document], name: str, beside: Path, library: Library) -> Path:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome
 from cbdsl.language.expression import Expression
-from cbdsl.language.parser import CompositionError, LookAlikeError, parse
+from cbdsl.language.parser import LookAlikeError, parse
+from cbdsl.language.scanner import CompositionError
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 # Sections whose keys occur in compositions.

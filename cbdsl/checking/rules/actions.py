@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from cbdsl.checking.lookup.parsing import ends_within_a_call
 from cbdsl.checking.program_context import ProgramContext, Steps
@@ -10,6 +10,7 @@ from cbdsl.checking.rules.compositions import Compositions
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.steps import WrittenStep
 
 
 class Actions:
@@ -19,6 +20,7 @@ class Actions:
         context: Program context.
         compositions: Builder of the primitives of its controllers.
         programs: Programs that it uses, by name.
+        steps: Steps whose compositions are valid.
 
     Attributes:
         members: Actions of a single term; a state has one predicate for each.
@@ -31,14 +33,20 @@ class Actions:
         context: ProgramContext,
         compositions: Compositions,
         programs: Mapping[str, Outcome[CheckedProgram]],
+        steps: Sequence[WrittenStep] = (),
     ) -> None:
         self._context, self._compositions, self._programs = context, compositions, programs
         self.lack_a_member = False
-        self._written = self._read()
+        listed = self._read()
+        self._written = _with_steps(listed, steps)
         expressions = [expression for expression, _ in self._written]
         self.members = tuple(str(e.terms[0]) for e in expressions if len(e.terms) == 1)
         written = context.source.known(context.document.actions, "actions")
-        self.are_read = not isinstance(written, Unknown) and len(expressions) == len(written)
+        self.are_read = (
+            not isinstance(written, Unknown)
+            and len(listed) == len(written)
+            and len(steps) == len(context.document.steps)
+        )
 
     @property
     def are_complete(self) -> bool:
@@ -157,3 +165,16 @@ class Actions:
         """Return whether all names are declared controllers or programs, even with errors."""
         known = (self._context.controllers, self._context.programs)
         return all(any(term.name in section for section in known) for term in expression.terms)
+
+
+def _with_steps(
+    listed: list[tuple[Expression, Steps]], steps: Sequence[WrittenStep]
+) -> list[tuple[Expression, Steps]]:
+    """Return the listed actions, then the members of the steps, then their compositions."""
+    actions = {str(expression): (expression, path) for expression, path in listed}
+    for step in steps:
+        for term in step.expression.terms:
+            actions.setdefault(str(term), (Expression((term,)), step.path))
+    for step in steps:
+        actions.setdefault(str(step.expression), (step.expression, step.path))
+    return list(actions.values())

@@ -50,7 +50,7 @@ def check_suspicious(
         if action.name in program.policy.values():
             _levels(context, program, action, actions[action.name])
     # With a wrong priority, a controller may lead wrongly and thus seem to be always defined.
-    if not context.diagnostics.holds(("CB709",)):
+    if not (context.document.steps or context.diagnostics.holds(("CB709",))):
         check_possible(program.policy, program, context.source, context.diagnostics)
 
 

@@ -19,7 +19,7 @@ from cbdsl.yaml_text.writer import dump_plain
 
 _WORD = re.compile(r"[^\W\d]\w*")
 # Keys that refer to states of the previous actions, which no longer exist.
-_OF_STATES = ("use", "success", "failure", "rewards")
+_OF_STATES = ("use", "steps", "start", "success", "failure", "rewards")
 
 Plain = dict[str, Any]
 

@@ -109,6 +109,6 @@ def telling_keys(
 
 def _evidence(keys: frozenset[str], model: type[Document]) -> int:
     """Return the number of keys that match a kind, minus its missing required keys."""
-    fields = model.model_fields.items()
-    missing = sum(field.is_required() and name not in keys for name, field in fields)
-    return len(keys & model.model_fields.keys()) - missing
+    required = {name for name, field in model.model_fields.items() if field.is_required()}
+    required |= {key for key, other in model.alternatives.items() if other not in keys}
+    return len(keys & model.model_fields.keys()) - len(required - keys)

@@ -215,6 +215,8 @@ class _Salvage(Generic[D]):
             least = max((getattr(limit, "min_length", 0) for limit in field.metadata), default=0)
             left = len(list(self._source.node(part[:-1]).steps()))
             return depth == len(part) and left < least
+        if len(part) == 1 and part[0] in self._model.alternatives:
+            return not self._source.holds(self._model.alternatives[str(part[0])])
         last = model.model_fields.get(str(part[-1]))
         return last is not None and last.is_required()
 

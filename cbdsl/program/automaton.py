@@ -1,0 +1,280 @@
+"""Automaton of a program: its steps, the letters of their members, and the exits between them.
+
+A step is the set of states in which its members are active (Eq 4.1). While it runs, each member has
+one of the letters - 0 1, and all others have X. A policy over states is therefore a finite
+automaton over these letters, whether it was written as steps or as patterns of states.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from cbdsl.types.state import ANY, Predicate, closest_first, overlap
+
+#: Letters that a member of a running step may have.
+LETTERS = "-01"
+
+Box = tuple[str, ...]
+"""Letters of each member, as a string for each; the box is their product."""
+
+
+class To(NamedTuple):
+    """Target of an exit: a step, or the end of the program.
+
+    Attributes:
+        step: Name of the next step; empty at an end.
+        end: ``success``, ``failure`` or ``end``; empty for a step.
+        reason: Reason of a failure, as a clause; may be empty.
+    """
+
+    step: str = ""
+    end: str = ""
+    reason: str = ""
+
+    def __str__(self) -> str:
+        words = {"success": "succeed", "failure": "fail", "end": "end"}
+        return self.step or f"{words[self.end]} {self.reason}".rstrip()
+
+
+END = To(end="end")
+
+
+class Exit(NamedTuple):
+    """Exit of a step.
+
+    Attributes:
+        boxes: Alternative letters of the members for which it holds.
+        to: Target.
+        path: Path of the exit below its step, or of its pattern of states.
+    """
+
+    boxes: tuple[Box, ...]
+    to: To
+    path: tuple[str | int, ...] = ()
+
+
+class ProgramStep(NamedTuple):
+    """ProgramStep of a program.
+
+    Attributes:
+        name: Name.
+        action: Action that runs.
+        members: Members that are active.
+        values: Letters that each member can have.
+        exits: Exits in order; the first one that holds applies.
+        rest: Target if no exit holds: the step itself, or the end.
+    """
+
+    name: str
+    action: str
+    members: tuple[str, ...]
+    values: Box
+    exits: tuple[Exit, ...]
+    rest: To
+
+    def decide(self, letters: Sequence[str]) -> To:
+        """Return the target for one letter of each member."""
+        for exit_ in self.exits:
+            if any(_holds(box, letters) for box in exit_.boxes):
+                return exit_.to
+        return self.rest
+
+    def regions(self) -> Iterator[tuple[Box, int]]:
+        """Yield disjoint boxes that cover all values, each with its exit's index; -1 for none."""
+        rules = [(box, i) for i, exit_ in enumerate(self.exits) for box in exit_.boxes]
+        yield from _regions(self.values, rules)
+
+
+class Automaton(NamedTuple):
+    """Steps of a program.
+
+    Attributes:
+        steps: Steps by name.
+        start: Name of the first step.
+        members: Members whose letters join into a state, in order.
+    """
+
+    steps: Mapping[str, ProgramStep]
+    start: str
+    members: tuple[str, ...]
+
+    def tables(self) -> Tables:
+        """Return the patterns of states that choose the same targets."""
+        return _Compiler(self).tables()
+
+
+class Tables(NamedTuple):
+    """Policy over patterns of states (Eq 4.1).
+
+    Attributes:
+        policy: Action by pattern.
+        success: Patterns of states in which the program succeeds.
+        failure: Reasons by pattern of states in which it fails; empty without one.
+    """
+
+    policy: Mapping[str, str]
+    success: tuple[str, ...]
+    failure: Mapping[str, str]
+
+
+def _holds(box: Box, letters: Sequence[str]) -> bool:
+    return all(letter in some for letter, some in zip(letters, box, strict=True))
+
+
+def meet(one: Box, other: Box) -> Box | None:
+    """Return the intersection of two boxes, or ``None`` if it is empty."""
+    both = tuple("".join(x for x in a if x in b) for a, b in zip(one, other, strict=True))
+    return both if all(both) else None
+
+
+def without(box: Box, other: Box) -> Iterator[Box]:
+    """Yield disjoint boxes that cover a box outside of another one."""
+    for i, (a, b) in enumerate(zip(box, other, strict=True)):
+        outside = "".join(x for x in a if x not in b)
+        if outside:
+            yield (*box[:i], outside, *box[i + 1 :])
+        box = (*box[:i], "".join(x for x in a if x in b), *box[i + 1 :])
+        if not box[i]:
+            return
+
+
+def _regions(region: Box, rules: Sequence[tuple[Box, int]]) -> Iterator[tuple[Box, int]]:
+    touching = [rule for rule in rules if meet(rule[0], region) is not None]
+    if not touching:
+        yield region, -1
+        return
+    inside = meet(touching[0][0], region)
+    assert inside is not None
+    yield inside, touching[0][1]
+    for part in without(region, inside):
+        yield from _regions(part, touching[1:])
+
+
+# A state is decided by the patterns of success, then by those of failure in order, then by the
+# pattern of the policy with the fewest wildcards, and the first of several. A box of a later exit
+# that this order would prefer in a shared state is split, so that it leaves the state to the
+# earlier exit. An end without an outcome is a state without any pattern.
+class _Compiler:
+    def __init__(self, automaton: Automaton) -> None:
+        self._steps = automaton.steps
+        self._places = {member: i for i, member in enumerate(automaton.members)}
+        start = Predicate.INACTIVE * len(self._places)
+        self._policy = {start: self._steps[automaton.start].action}
+        self._success: dict[str, None] = {}
+        self._failure: dict[str, str] = {}
+
+    def tables(self) -> Tables:
+        for step in self._steps.values():
+            self._add(step)
+        return Tables(self._policy, tuple(self._success), self._failure)
+
+    def _add(self, step: ProgramStep) -> None:
+        rest = Exit((tuple(LETTERS for _ in step.members),), step.rest)
+        before: list[tuple[str, To]] = []
+        for exit_ in (*step.exits, rest):
+            waiting = [
+                pattern for box in exit_.boxes for pattern in self._patterns(step, box, exit_.to)
+            ]
+            while waiting:
+                pattern = waiting.pop(0)
+                earlier = next((p for p, to in before if _yields(p, to, pattern, exit_.to)), None)
+                if earlier is not None:
+                    waiting[:0] = _outside(pattern, earlier)
+                    continue
+                before.append((pattern, exit_.to))
+                self._put(pattern, exit_.to)
+
+    def _put(self, pattern: str, to: To) -> None:
+        if to.step:
+            self._policy.setdefault(pattern, self._steps[to.step].action)
+        elif to.end == "success":
+            self._success[pattern] = None
+        elif to.end == "failure":
+            self._failure.setdefault(pattern, to.reason)
+
+    def _patterns(self, step: ProgramStep, box: Box, to: To) -> Iterator[str]:
+        """Yield the patterns of a box, without the states of steps that have fewer members."""
+        # The first state has no active members, and its own pattern for the policy.
+        others = [set(other.members) for other in self._steps.values()]
+        others += [set()] if to.end else []
+        lacking = [set(step.members) - other for other in others if other < set(step.members)]
+        letters = [ANY if set(some) == set(LETTERS) else some for some in box]
+        for names in lacking:
+            # Wildcards for all of these members would also match their letter X.
+            places = [step.members.index(name) for name in names]
+            if all(letters[place] == ANY for place in places):
+                letters[min(places)] = LETTERS
+        for own in itertools.product(*letters):
+            pattern = [Predicate.INACTIVE.value] * len(self._places)
+            for member, letter in zip(step.members, own, strict=True):
+                pattern[self._places[member]] = letter
+            yield "".join(pattern)
+
+
+def _yields(earlier: str, earlier_to: To, later: str, to: To) -> bool:
+    """Return whether a later pattern would wrongly be preferred to an earlier one."""
+    if to in (earlier_to, END) or overlap(earlier, later) is None:
+        return False
+    ranks = {"success": 0, "failure": 1, "": 2, "end": 3}
+    before, after = ranks[earlier_to.end], ranks[to.end]
+    fewer = to.end == "" and later.count(ANY) < earlier.count(ANY)
+    return after < before or (after == before and fewer)
+
+
+def _outside(pattern: str, other: str) -> list[str]:
+    """Return the parts of a pattern of active members outside of another pattern."""
+    parts = []
+    for place, (own, letter) in enumerate(zip(pattern, other, strict=True)):
+        if own == ANY != letter:
+            parts += [
+                pattern[:place] + each + pattern[place + 1 :] for each in LETTERS if each != letter
+            ]
+            pattern = pattern[:place] + letter + pattern[place + 1 :]
+    return parts
+
+
+def of_tables(
+    tables: Tables,
+    members: Sequence[str],
+    active: Mapping[str, Sequence[str]],
+    values: Mapping[str, str],
+) -> Automaton | None:
+    """Return the automaton of a policy over patterns of states.
+
+    Its steps are the actions that the policy chooses, by their names.
+
+    Args:
+        tables: Patterns of states.
+        members: Members whose letters join into a state.
+        active: Members that are active while an action runs, by its name.
+        values: Letters that each member can have.
+
+    Returns:
+        Automaton; ``None`` if no action follows from the state without active members.
+    """
+    start = next((p for p in closest_first(tables.policy) if not p.strip("X" + ANY)), None)
+    if start is None:
+        return None
+    rules = [(pattern, To(end="success")) for pattern in tables.success]
+    rules += [(pattern, To(end="failure", reason=why)) for pattern, why in tables.failure.items()]
+    rules += [(pattern, To(tables.policy[pattern])) for pattern in closest_first(tables.policy)]
+    steps = {}
+    for action in dict.fromkeys(tables.policy.values()):
+        own = tuple(member for member in members if member in active[action])
+        exits = [Exit((box,), to) for pattern, to in rules if (box := _box(pattern, members, own))]
+        letters = tuple(values[member] for member in own)
+        steps[action] = ProgramStep(action, action, own, letters, tuple(exits), END)
+    return Automaton(steps, tables.policy[start], tuple(members))
+
+
+def _box(pattern: str, members: Sequence[str], active: Collection[str]) -> Box | None:
+    """Return the letters of active members in a pattern; ``None`` if it matches none of them."""
+    letters = []
+    for member, letter in zip(members, pattern, strict=True):
+        if member in active:
+            letters.append(LETTERS if letter == ANY else letter)
+        elif letter not in (ANY, Predicate.INACTIVE):
+            return None
+    return None if Predicate.INACTIVE in letters else tuple(letters)
