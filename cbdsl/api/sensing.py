@@ -14,7 +14,6 @@ from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObserver
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
-from cbdsl.sensing.channels import bin_mask
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision.camera import heading, within_view
 from cbdsl.sensing.vision.stereo import Ray, triangulate
@@ -37,7 +36,6 @@ __all__ = [
     "Signals",
     "Tick",
     "Tip",
-    "bin_mask",
     "bind",
     "camera_errors",
     "channel_names",

@@ -6,6 +6,7 @@ from pydantic import AfterValidator, Field
 
 from cbdsl.documents.document import (
     Angle,
+    AngleSpan,
     AngularSpeed,
     AnyAcceleration,
     AnySpeed,
@@ -149,6 +150,17 @@ class Camera(Section):
     """Estimated displacement from the link; none if omitted."""
 
 
+class ColorRange(Section):
+    """Colours that go by one name: ranges of hue, saturation and value."""
+
+    hue: AngleSpan
+    """First and last hue: 0 is red, 120 deg green and 240 deg blue; the range may pass 0."""
+    saturation: tuple[NonNegative, NonNegative] = (0.0, 1.0)
+    """Smallest and largest saturation, from 0 (grey) to 1."""
+    value: tuple[NonNegative, NonNegative] = (0.0, 1.0)
+    """Smallest and largest value, from 0 (black) to 1."""
+
+
 class Channels(Section):
     """Division of the images into channels (Eq 3.10)."""
 
@@ -164,8 +176,11 @@ class Channels(Section):
     """Intensity below which pixels have neither hue nor saturation."""
     least_saturation: NonNegative = 0.3
     """Saturation below which pixels have no hue."""
+    colors: dict[Name, Annotated[tuple[ColorRange, ...], Field(min_length=1)]] = {}
+    """Named colours besides ``red``, ``yellow``, ``green`` and ``blue``, or in place of them; a
+    colour is in any of its ranges."""
     aliases: dict[Name, str] = {}
-    """Further names of channels, such as ``green: hue_4``."""
+    """Further names of channels, such as ``grey: sat_1``."""
 
 
 # Positions of moving regions are estimated by an alpha-beta filter with constant velocity. It

@@ -46,8 +46,7 @@ class MarkName(NamedTuple):
         Args:
             robot: Robot document with the aliases.
         """
-        own = channel_of(self.base.source)
-        hues = [hue for hue in hues_of(self.base.source) if hue != own]
+        hues = hues_of(self.base.source)
         aliases = robot.vision.channels.aliases.items()
         return ANY, *(alias for alias, channel in aliases if channel in hues), *hues
 

@@ -8,7 +8,7 @@ from itertools import chain
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import Channels, LoadCell, RobotDocument
-from cbdsl.robot.channel_names import channel_names, hue_names
+from cbdsl.robot.channel_names import channel_names, color_of, hue_names
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource import (
@@ -226,8 +226,10 @@ def _sensors(robot: RobotDocument) -> Iterator[Resource]:
 def _vision(robot: RobotDocument) -> Iterator[Resource]:
     if not robot.cameras:
         return
-    hues = tuple(hue_names(robot.vision.channels))
-    for name, channel in _named_channels(robot.vision.channels):
+    channels = robot.vision.channels
+    for name, channel in _named_channels(channels):
+        own = color_of(channel, channels)
+        hues = tuple(hue for hue in hue_names(channels) if color_of(hue, channels) != own)
         if hues:
             mark = MarkHeading(channel, hues)
             yield Resource(f"{MARK}.{name}", HEADING, Origin.ENVIRONMENT, mark)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import reduce
 from typing import Any, NamedTuple
 
 import cv2
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Channels
 from cbdsl.numeric.arrays import Image
+from cbdsl.robot.channel_spans import Span, channel_spans
 
 #: Largest number of regions of one channel in an image; smaller ones are omitted.
 MOST_REGIONS = 6
@@ -88,7 +90,7 @@ class ChannelFilter:
     """
 
     def __init__(self, channels: Channels, wanted: Iterable[str], least_area: int) -> None:
-        self._channels = channels
+        self._spans = channel_spans(channels)
         self._wanted = tuple(wanted)
         self._least_area = least_area
         self._before: Image | None = None
@@ -103,33 +105,16 @@ class ChannelFilter:
         Args:
             image: RGB image, shape (height, width, 3), top row first.
         """
-        hue, saturation, intensity = cv2.split(cv2.cvtColor(image, cv2.COLOR_RGB2HSV_FULL))
+        hsv = cv2.cvtColor(image, cv2.COLOR_RGB2HSV_FULL)
         regions: dict[str, Regions] = {}
         for name in self._wanted:
-            mask = self._mask(name, image, hue, saturation, intensity)
+            spans = self._spans.get(name)
+            mask = self._motion(image) if spans is None else _in_any(hsv, spans)
             several = () if mask is None else connected_regions(mask, self._least_area)
             if several:
                 regions[name] = several
         self._before = image
         return regions
-
-    def _mask(
-        self, name: str, image: Image, hue: Image, saturation: Image, intensity: Image
-    ) -> Image | None:
-        if name == "motion":
-            return self._motion(image)
-        prefix, number = name.split("_")
-        index = int(number) - 1
-        if prefix == "int":
-            return bin_mask(intensity, index, self._channels.intensity)
-        lit = _at_least(intensity, 255 * self._channels.least_intensity)
-        if prefix == "sat":
-            return _both(lit, bin_mask(saturation, index, self._channels.saturation))
-        colored = _both(lit, _at_least(saturation, 255 * self._channels.least_saturation))
-        count = self._channels.hue
-        # Unsigned bytes wrap around as hues do.
-        centred: Image = hue + np.uint8(round(128 / count))
-        return _both(colored, bin_mask(centred, index, count))
 
     def _motion(self, image: Image) -> Image | None:
         if self._before is None:
@@ -137,24 +122,13 @@ class ChannelFilter:
         change = cv2.absdiff(
             cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), cv2.cvtColor(self._before, cv2.COLOR_RGB2GRAY)
         )
-        return _at_least(change, _MOTION_STEP)
+        mask: Image = cv2.inRange(change, _MOTION_STEP, 255)
+        return mask
 
 
-def _both(one: Image, other: Image) -> Image:
-    mask: Image = cv2.bitwise_and(one, other)
-    return mask
-
-
-def _at_least(plane: Image, least: float) -> Image:
-    mask: Image = cv2.inRange(plane, int(np.ceil(least)), 255)
-    return mask
-
-
-def bin_mask(plane: Image, index: int, count: int) -> Image:
-    """Return the mask of the values in bin ``index`` of ``count`` equal bins of 0..255."""
-    lower = np.ceil(256 * index / count)
-    upper = np.ceil(256 * (index + 1) / count) - 1
-    mask: Image = cv2.inRange(plane, int(lower), int(upper))
+def _in_any(hsv: Image, spans: Iterable[Span]) -> Image:
+    """Return the mask of the pixels within any of some spans."""
+    mask: Image = reduce(cv2.bitwise_or, (cv2.inRange(hsv, *map(np.array, each)) for each in spans))
     return mask
 
 

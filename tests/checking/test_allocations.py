@@ -83,6 +83,7 @@ def test_programs_are_asked_for_by_a_reward(tmp_path: Path, wanted: str, code: s
 def test_channels_are_all_those_of_the_robot(tmp_path: Path) -> None:
     found = allocated(look(tmp_path, "{what: {feature: heading channel}}"))
     assert [each.values["feature"] for each in found if each.program] == [
+        *("red", "yellow", "green", "blue"),
         *(f"{kind}_{i}" for kind in ("hue", "sat", "int") for i in range(1, 11)),
         "motion",
     ]
@@ -95,8 +96,8 @@ def test_groups_are_replaced_independently(tmp_path: Path) -> None:
     path.write_text(program.replace("resources:\n  limb: {", both), encoding="utf-8")
     found = allocated(path)
     own = [each for each in found if "program" not in each.values]
-    assert len([each for each in own if each.program]) == 31 * 2
-    assert len(own) == 31 * 9
+    assert len([each for each in own if each.program]) == 35 * 2
+    assert len(own) == 35 * 9
 
 
 def test_a_program_without_resources_has_itself_alone(tmp_path: Path) -> None:
@@ -106,5 +107,5 @@ def test_a_program_without_resources_has_itself_alone(tmp_path: Path) -> None:
 
 def test_more_than_can_be_checked_are_refused(tmp_path: Path) -> None:
     two = "{a: {feature: heading channel}, b: {camera: heading channel}}"
-    with pytest.raises(UsageError, match="961 allocations are more than the 500"):
+    with pytest.raises(UsageError, match="1225 allocations are more than the 500"):
         allocated(look(tmp_path, two))

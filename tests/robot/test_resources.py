@@ -7,6 +7,7 @@ from collections import Counter
 import pytest
 
 from cbdsl.documents.robot import Group, RobotDocument
+from cbdsl.robot.channel_names import named_colors
 from cbdsl.robot.resources import resources
 from cbdsl.types.resource import (
     FingerLoad,
@@ -33,7 +34,7 @@ def test_counts_are_those_of_the_source(robot: RobotDocument) -> None:
     sources = Counter(
         type(r.source)
         for r in set(found)
-        if r.name.split(".")[-1] not in robot.vision.channels.aliases
+        if r.name.split(".")[-1] not in named_colors(robot.vision.channels)
     )
     assert sources[Heading] == 3 * 31 and sources[StereoPosition] == 31
     assert sources[Headings] == 31
@@ -46,8 +47,12 @@ def test_names_are_those_of_the_entries(robot: RobotDocument) -> None:
 
 
 def test_aliases_mean_their_channels(robot: RobotDocument) -> None:
-    found = resources(robot)
-    for alias, channel in robot.vision.channels.aliases.items():
+    channels = robot.vision.channels.model_copy(
+        update={"aliases": {"red": "hue_1", "vivid": "sat_10"}}
+    )
+    vision = robot.vision.model_copy(update={"channels": channels})
+    found = resources(robot.model_copy(update={"vision": vision}))
+    for alias, channel in channels.aliases.items():
         assert found[f"stereo.{alias}"].source == found[f"stereo.{channel}"].source
 
 

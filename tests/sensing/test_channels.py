@@ -1,5 +1,7 @@
 """Division of images into channels of hue, saturation, intensity and motion."""
 
+from collections import Counter
+
 import cv2
 import numpy as np
 import pytest
@@ -8,7 +10,8 @@ from hypothesis import strategies as st
 
 from cbdsl.documents.robot import Channels
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.sensing.channels import GRID, MOST_REGIONS, ChannelFilter, bin_mask, connected_regions
+from cbdsl.robot.channel_spans import channels_of_color
+from cbdsl.sensing.channels import GRID, MOST_REGIONS, ChannelFilter, connected_regions
 
 GREY = 190
 
@@ -23,9 +26,9 @@ def see(image: np.ndarray, *wanted: str) -> dict:
     return dict(ChannelFilter(Channels(), wanted, 12).regions(image))
 
 
-def test_ten_bins_of_each_and_motion() -> None:
+def test_channel_names_are_four_colours_ten_bins_of_each_and_motion() -> None:
     names = list(channel_names(Channels()))
-    assert len(names) == 31
+    assert len(names) == 35
     assert {"hue_1", "hue_10", "sat_10", "int_1", "motion"} <= set(names)
 
 
@@ -50,12 +53,23 @@ def test_pure_colours_have_their_hue_and_full_saturation(
 
 
 @pytest.mark.parametrize("count", [1, 3, 10, 16])
-def test_bins_are_disjoint_complete_and_equal(count: int) -> None:
-    values = np.arange(256, dtype=np.uint8)[None]
-    masks = np.array([bin_mask(values, index, count) for index in range(count)]) > 0
-    assert (masks.sum(axis=0) == 1).all()
-    widths = masks.sum(axis=(1, 2))
-    assert widths.max() - widths.min() <= 1
+@given(pixel=st.tuples(*[st.integers(0, 255)] * 3))
+def test_bins_of_hue_hold_every_colored_pixel_once(count: int, pixel: tuple[int, int, int]) -> None:
+    channels = Channels(hue=count, saturation=count, intensity=count)
+    names = channels_of_color([part / 255 for part in pixel], channels)
+    by_kind = Counter(name.split("_")[0] for name in names if "_" in name)
+    assert by_kind["int"] == 1 and by_kind["sat"] <= 1 and by_kind["hue"] <= by_kind["sat"]
+    lit = max(pixel) >= 255 * channels.least_intensity
+    colored = max(pixel) - min(pixel) > 0.31 * max(pixel)
+    assert by_kind["sat"] == lit and (not (lit and colored) or by_kind["hue"] == 1)
+
+
+@given(pixel=st.tuples(*[st.integers(0, 255)] * 3))
+def test_channels_of_a_color_equal_those_of_its_image(pixel: tuple[int, int, int]) -> None:
+    names = [name for name in channel_names(Channels()) if name != "motion"]
+    image = np.full((4, 4, 3), pixel, np.uint8)
+    seen = ChannelFilter(Channels(), names, 1).regions(image)
+    assert set(seen) == {*channels_of_color([part / 255 for part in pixel], Channels())}
 
 
 def test_a_region_at_the_border_is_clipped_and_a_speck_is_none() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from functools import partial, reduce
+from functools import cache, partial, reduce
 from itertools import chain, groupby
 from typing import NamedTuple
 
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
 from cbdsl.backends.cameras.extents import box_extent
 from cbdsl.backends.cameras.limbs import Limbs
-from cbdsl.backends.cameras.palette import Palette
 from cbdsl.backends.cameras.region_errors import RegionErrors
 from cbdsl.backends.cameras.silhouettes import SHAPE, WHOLE, silhouettes, unhidden
 from cbdsl.backends.staging.engine import Engine
@@ -22,12 +21,13 @@ from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import POSITION, Walls
 from cbdsl.documents.form import Spot
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import Channels, RobotDocument
 from cbdsl.documents.stage import Disturbance
 from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.channel_spans import channels_of_color
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.channels import FILLING, MOST_REGIONS, Extent, Moments, Region, Regions
 
@@ -72,7 +72,7 @@ class _Scene:
 
     Args:
         engine: Engine with the objects.
-        palette: Map from colours to channels.
+        division: Division of the images into channels.
         channels: Channels that are looked for.
         cameras: Number of cameras.
 
@@ -85,7 +85,7 @@ class _Scene:
     """
 
     def __init__(
-        self, engine: Engine, palette: Palette, channels: Collection[str], cameras: int
+        self, engine: Engine, division: Channels, channels: Collection[str], cameras: int
     ) -> None:
         self.solids = engine.solids
         self._walls = Walls([item.shape for item in engine.objects.values()])
@@ -98,7 +98,7 @@ class _Scene:
         # A surface without a colour that is looked for is visible by its motion only.
         self.surfaces = [
             surface
-            for surface in _surfaces(engine, self._walls.owners, palette, channels)
+            for surface in _surfaces(engine, self._walls.owners, division, channels)
             if surface.channels or surface.owner in self._movable
         ]
         count = len(self.surfaces)
@@ -148,7 +148,6 @@ class IdealCameras(CameraSystem):
         ).reshape(len(self._links), 3)
         self._filled = (FILLING * self._lenses[:, 1] * self._lenses[:, 2]).tolist()
         self._limbs = Limbs(robot, model)
-        self._palette = Palette(robot.vision.channels)
         self._nothing = Exposure(regions={name: {} for name in robot.cameras})
 
     def begin(
@@ -183,7 +182,9 @@ class IdealCameras(CameraSystem):
         # An engine allocates another array whenever an object is added or removed, so identity
         # suffices.
         if scene is None or scene.solids is not solids:
-            scene = self._scene = _Scene(engine, self._palette, self._channels, len(self._rows))
+            scene = self._scene = _Scene(
+                engine, self._robot.vision.channels, self._channels, len(self._rows)
+            )
         placed, cameras = scene.placed(), self._misplaced(placements)
         seen = silhouettes(
             placed,
@@ -376,21 +377,22 @@ def _have_moved(solids: Floats, before: Floats, shifts: Floats) -> bool:
 
 
 def _surfaces(
-    engine: Engine, owners: Rows, palette: Palette, channels: Collection[str]
+    engine: Engine, owners: Rows, division: Channels, channels: Collection[str]
 ) -> list[VisibleSurface]:
     """Return all solids, then their spots, whose area also counts as their object's."""
 
+    @cache
     def wanted(color: Sequence[float]) -> tuple[str, ...]:
-        return tuple([name for name in palette.channels(color) if name in channels])
+        return tuple(each for each in channels_of_color(color, division) if each in channels)
 
     wholes, spots = [], []
     items = list(engine.objects.values())
     for target, owner in enumerate(owners.tolist()):
         item = items[owner]
-        wholes.append(VisibleSurface(item, owner, target, WHOLE, wanted(item.surface.color)))
+        wholes.append(VisibleSurface(item, owner, target, WHOLE, wanted(tuple(item.surface.color))))
         for spot in item.shape.spots:
             patch = _patch(item.shape, spot)
-            spots.append(VisibleSurface(item, owner, target, patch, wanted(spot.color)))
+            spots.append(VisibleSurface(item, owner, target, patch, wanted(tuple(spot.color))))
     return wholes + spots
 
 

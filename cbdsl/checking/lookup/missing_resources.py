@@ -111,7 +111,7 @@ class MissingResources:
             names = siblings or self._firsts()
             self._add(place, names=names, candidates=[signed], given=text, **details)
         elif siblings and self._is_alias(name, siblings):
-            hint = "; names of colours are declared by the robot's 'vision: channels: aliases'"
+            hint = "; other colours are declared by the robot's 'vision: channels: colors'"
             self._add(place, names=siblings, given="", hint=hint, **details)
         elif siblings:
             self._add(place, names=siblings, candidates=list(self._known), **details)

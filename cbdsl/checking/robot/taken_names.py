@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.channel_names import bin_names
 from cbdsl.robot.resources import CAMERAS, STEREO
 from cbdsl.types.resource import CYCLOPEAN
 from cbdsl.yaml_text.loaded import Loaded
@@ -23,11 +23,15 @@ def check_names(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> None
     robot, source = loaded.document, loaded.source
     for steps, meaning in _taken(robot):
         diagnostics.add("CB314", source.key(*steps), name=steps[-1], meaning=meaning)
-    channels = set(channel_names(robot.vision.channels))
-    for alias in robot.vision.channels.aliases:
-        if alias in channels:
-            place = source.key("vision", "channels", "aliases", alias)
-            diagnostics.add("CB315", place, name=alias)
+    channels = robot.vision.channels
+    bins = {*bin_names(channels)}
+    for key, names, taken in (
+        ("colors", channels.colors, bins),
+        ("aliases", channels.aliases, bins | {*channels.colors}),
+    ):
+        for name in names:
+            if name in taken:
+                diagnostics.add("CB315", source.key("vision", "channels", key, name), name=name)
 
 
 def _taken(robot: RobotDocument) -> Iterator[tuple[Steps, str]]:

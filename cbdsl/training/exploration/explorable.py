@@ -9,7 +9,7 @@ from cbdsl.documents.document_digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.learning.catalogs.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.robot.channel_names import hue_names
+from cbdsl.robot.channel_names import color_of, hue_names
 from cbdsl.types.resource import CYCLOPEAN, Origin, Resource
 from cbdsl.types.source_record import camera_of, hues_of, is_located
 
@@ -128,11 +128,15 @@ def with_marks(
 
 
 def other_hues(robot: RobotDocument, own: Collection[str]) -> list[str]:
-    """Return the channels of hue except some, by their aliases if they have any."""
+    """Return the named colours and the other channels of hue except some.
+
+    A hue goes by its alias if it has one, and is left out if a named colour contains it.
+    """
     channels = robot.vision.channels
     aliases = {channel: alias for alias, channel in channels.aliases.items()}
-    taken = {channels.aliases.get(name, name) for name in own}
-    return [aliases.get(hue, hue) for hue in hue_names(channels) if hue not in taken]
+    taken = {color_of(name, channels) for name in own}
+    hues = dict.fromkeys(color_of(name, channels) for name in hue_names(channels))
+    return [aliases.get(hue, hue) for hue in hues if hue not in taken]
 
 
 def _tracked(feedback: Resource) -> str | None:

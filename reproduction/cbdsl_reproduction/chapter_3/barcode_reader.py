@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.api.sensing import Image, bin_mask
+from cbdsl.api.sensing import Image
 from cbdsl_reproduction.chapter_3.barcode import Barcode
 
 Floats = NDArray[np.float64]
 
-# Number of intensity channels; the box is in the last one.
-_CHANNELS = 10
+# Least brightness of the box: that of the last of ten intensity channels.
+_WHITE = 231
 # Pixels darker than this share of the surrounding white belong to the print, including thin bars
 # that the lens has made grey.
 _PRINTED = 0.8
@@ -50,7 +50,7 @@ def find_pattern(image: Image) -> Floats | None:
     its outline are the print. Pixel centres are at whole numbers.
     """
     brightness = cv2.GaussianBlur(image.max(axis=2), (3, 3), 0)
-    white = bin_mask(brightness, _CHANNELS - 1, _CHANNELS)
+    white = cv2.inRange(brightness, _WHITE, 255)
     # The filled outline of the box includes its print, which is not white itself. Dark
     # pixels outside of the box, for example in the background, are thereby ignored.
     outlines, _ = cv2.findContours(white, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

@@ -18,7 +18,7 @@ from cbdsl.api.shipped import shipped_folder, shipped_robot
 from cbdsl.api.trials import embody_simulated
 
 _TOP = -0.42  # of the table, m
-COLORS = {"hue_1": [1, 0, 0], "hue_7": [0, 0.4, 1]}
+COLORS = {"red": [1, 0, 0], "blue": [0, 0.4, 1]}
 TABLE = {"form": {"shape": "box", "size": [0.6, 1.2, 0.04]}, "position": [0.6, 0, -0.44]}
 RIGHT = 0.01  # largest error of a right position, m
 RUN = 0.05  # least displacement of an object that has run away, m
@@ -215,7 +215,7 @@ def drawn(rng: np.random.Generator, wide: bool = False) -> list[TableBall]:
         radius = rng.uniform(0.03, 0.07)
         centre = np.array([rng.uniform(0.4, 0.8), rng.uniform(-aside, aside), _TOP + radius])
         if all(math.dist(centre, b.centre) > radius + b.radius + 0.02 for b in balls):
-            balls.append(TableBall(centre, radius, "hue_7" if len(balls) == 2 else "hue_1"))
+            balls.append(TableBall(centre, radius, "blue" if len(balls) == 2 else "red"))
     return balls
 
 
@@ -233,7 +233,7 @@ def drawn_for_carrying(rig: Rig, channel: str, rng: np.random.Generator) -> dict
     """Return two balls within reach that both cameras see whole, 10 cm or more apart."""
     while True:
         balls = []
-        for each in ("hue_1", channel):
+        for each in ("red", channel):
             radius = rng.uniform(0.04, 0.06)
             centre = rng.uniform(0.45, 0.65), rng.uniform(-0.35, -0.05), _TOP + radius
             balls.append(TableBall(np.array(centre), radius, each))

@@ -154,7 +154,7 @@ class _GoalWatch:
         if shifts[goal] > 0.01 or shifts[moved] < 0.1:
             return
         self.carried = self.carried or places[moved][2] > places[goal][2] + 0.1
-        memories = tick.signals.vision.instances["hue_1" if goal == "taken" else self._channel]
+        memories = tick.signals.vision.instances["red" if goal == "taken" else self._channel]
         known = [m.position for m in memories.memories if m.position is not None]
         errors = [math.dist(position, places[goal]) for position in known]
         held = [math.dist(position, places[moved]) for position in known]
@@ -174,7 +174,7 @@ _SCENES: Mapping[str, tuple[Scene, float]] = {
     "removed": (removed, 1.0),
 }
 # Channel of the goal by name of the scene, and the goal of the program.
-_CARRIED = {"carried, same hue": ("hue_1", "red.2"), "carried, other hue": ("hue_7", "blue")}
+_CARRIED = {"carried, same hue": ("red", "red.2"), "carried, other hue": ("blue", "blue")}
 
 
 def _measure(

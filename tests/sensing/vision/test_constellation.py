@@ -52,8 +52,8 @@ def test_an_axis_is_the_same_after_half_a_turn() -> None:
 def test_names_of_two_channels_are_signals_of_both(dexter: RobotDocument) -> None:
     known = resources(dexter)
     seen, apart = (pair_resource(f"{of}.red.to.blue", known) for of in ("left", "stereo"))
-    assert seen is not None and seen.source == ConstellationSignal("left", "hue_1", "hue_7")
-    assert apart is not None and apart.source == StereoOffset("hue_1", "hue_7")
+    assert seen is not None and seen.source == ConstellationSignal("left", "red", "blue")
+    assert apart is not None and apart.source == StereoOffset("red", "blue")
     assert (seen.type.size, apart.type.size, apart.type.unit) == (3, 3, "m")
 
 
@@ -65,4 +65,7 @@ def test_names_without_two_channels_are_no_pair(name: str, dexter: RobotDocument
 
 
 def test_a_channel_is_not_compared_with_itself_by_another_name(dexter: RobotDocument) -> None:
-    assert pair_resource("left.red.to.hue_1", resources(dexter)) is None
+    channels = dexter.vision.channels.model_copy(update={"aliases": {"crimson": "red"}})
+    vision = dexter.vision.model_copy(update={"channels": channels})
+    robot = dexter.model_copy(update={"vision": vision})
+    assert pair_resource("left.red.to.crimson", resources(robot)) is None

@@ -27,7 +27,7 @@ from cbdsl.sensing.vision.field_of_view import FieldOfView
 from cbdsl.sensing.vision.instances import Instances
 from tests.sensing.vision.test_sighting import sighting
 
-RED = "hue_1"
+RED = "red"
 LEFT, RIGHT = np.array([0.6, 0.07, -0.36]), np.array([0.62, -0.08, -0.37])
 AHEAD, AWAY = {"pan": 0.0, "tilt": 1.15}, {"pan": 1.2, "tilt": 0.3}
 
@@ -230,7 +230,7 @@ def test_instances_with_merged_regions_keep_their_places(scene: Scene) -> None:
     truth = scene.backend.truth
     truth.put_back("ball_1", Pose(beside, np.eye(3)))
     scene.look()
-    assert all(len(seen["hue_1"]) == 1 for seen in scene.signals.vision.seen.values())
+    assert all(len(seen["red"]) == 1 for seen in scene.signals.vision.seen.values())
     scene.look(5.0)
     assert scene.places() == {0: near(large), 1: near(aside)}
     truth.remove("ball_1")

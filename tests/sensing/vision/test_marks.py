@@ -48,7 +48,7 @@ def look(signals: Signals, time: float, **seen: Region) -> np.ndarray | None:
 
 def test_the_jacobian_is_its_derivative_by_the_head(signals: Signals) -> None:
     """Marked points stand still while the cameras turn."""
-    assert look(signals, 0.0, sat_10=BALL, hue_7=region(170, 125, 3)) is not None
+    assert look(signals, 0.0, sat_10=BALL, blue=region(170, 125, 3)) is not None
     source = resources(signals.robot)[f"mark.{THING}"]
     here = signals.read(source)
     assert here is not None
@@ -98,16 +98,16 @@ def test_long_object_has_marks_at_its_ends_and_none_beside() -> None:
 def test_largest_mark_is_selected_and_kept_while_seen(signals: Signals) -> None:
     small, large = region(150, 120, 3), region(168, 120, 6)
     assert look(signals, 0.0, sat_10=BALL, hue_2=BALL) is None
-    first = look(signals, 0.1, sat_10=BALL, hue_7=small, hue_4=region(166, 120, 5))
+    first = look(signals, 0.1, sat_10=BALL, blue=small, green=region(166, 120, 5))
     assert first is not None and first[0] < 0  # to the right
-    kept = look(signals, 0.2, sat_10=BALL, hue_7=region(150, 120, 9), hue_4=large)
+    kept = look(signals, 0.2, sat_10=BALL, blue=region(150, 120, 9), green=large)
     assert kept is not None and kept[0] < 0
-    other = look(signals, 0.3, sat_10=BALL, hue_7=small)
+    other = look(signals, 0.3, sat_10=BALL, blue=small)
     assert other is not None and other[0] > 0
 
 
 def test_mark_outlives_its_region_like_a_heading(signals: Signals) -> None:
-    assert look(signals, 0.0, sat_10=BALL, hue_7=region(150, 120, 3)) is not None
+    assert look(signals, 0.0, sat_10=BALL, blue=region(150, 120, 3)) is not None
     assert look(signals, 0.2, sat_10=BALL) is not None
     assert look(signals, 0.3, sat_10=BALL) is None
 
@@ -128,10 +128,10 @@ def test_a_mark_of_any_hue_is_brought_into_view(tmp_path: Path, colour: str) -> 
 def test_the_hue_of_a_mark_may_be_named(dexter: RobotDocument, kinematics: Kinematics) -> None:
     blue = mark(dexter, f"mark.{THING}.blue")
     signals = Signals(dexter, kinematics, [blue])
-    signals.update(observation(signals, 0.0, sat_10=BALL, hue_4=region(150, 120, 6)))
+    signals.update(observation(signals, 0.0, sat_10=BALL, green=region(150, 120, 6)))
     assert signals.read(blue) is None
     signals.update(
-        observation(signals, 0.1, sat_10=BALL, hue_4=region(150, 120, 6), hue_7=region(168, 120, 3))
+        observation(signals, 0.1, sat_10=BALL, green=region(150, 120, 6), blue=region(168, 120, 3))
     )
     reading = signals.read(blue)
     assert reading is not None and reading.value[0] < 0
@@ -143,7 +143,13 @@ def test_any_mark_has_one_name(dexter: RobotDocument) -> None:
 
 def test_a_thing_has_no_mark_of_its_own_hue(dexter: RobotDocument) -> None:
     named = resources(dexter)
-    for name in ("mark.red.hue_1", "mark.hue_1.red", "mark.red.sat_10", "mark.red.pink"):
+    for name in (
+        "mark.red.red",
+        "mark.red.hue_1",
+        "mark.hue_1.red",
+        "mark.red.sat_10",
+        "mark.red.pink",
+    ):
         parsed = parse_mark(name, named)
         assert parsed is not None and parsed.resource(name, dexter) is None
     assert parse_mark("mark.red", named) is None

@@ -95,12 +95,12 @@ def position(signals: Signals, channel: str) -> NDArray[np.float64] | None:
 
 def region(signals: Signals, camera: str) -> Any:
     """Return the red region in a camera."""
-    return signals.vision.region(camera, "hue_1")
+    return signals.vision.region(camera, "red")
 
 
 def headings(signals: Signals) -> list[list[float]]:
     """Return the headings to red in both cameras."""
-    seen = [signals.vision.heading(camera, "hue_1") for camera in ("left", "right")]
+    seen = [signals.vision.heading(camera, "red") for camera in ("left", "right")]
     return [each.angles.tolist() for each in seen if each is not None]
 
 
@@ -112,9 +112,9 @@ def test_ball_is_triangulated_at_its_place(
     centre = BALL + shift
     backend.world.ball = Ball(centre, radius)
     look(backend, signals)
-    assert position(signals, "hue_1") == pytest.approx(centre, abs=0.01)
-    assert signals.vision.memories["hue_1"].radius == pytest.approx(radius, rel=0.05)
-    assert position(signals, "hue_4") is None
+    assert position(signals, "red") == pytest.approx(centre, abs=0.01)
+    assert signals.vision.memories["red"].radius == pytest.approx(radius, rel=0.05)
+    assert position(signals, "green") is None
 
 
 def test_each_channel_has_its_own_memory(backend: SyntheticBackend, signals: Signals) -> None:
@@ -122,8 +122,8 @@ def test_each_channel_has_its_own_memory(backend: SyntheticBackend, signals: Sig
     for color, centre in ((RED, BALL), (GREEN, other)):
         backend.world.ball = Ball(centre, 0.05, color)
         look(backend, signals)
-    assert position(signals, "hue_1") == pytest.approx(BALL, abs=0.01)
-    assert position(signals, "hue_4") == pytest.approx(other, abs=0.01)
+    assert position(signals, "red") == pytest.approx(BALL, abs=0.01)
+    assert position(signals, "green") == pytest.approx(other, abs=0.01)
 
 
 def test_object_that_vanishes_in_view_is_forgotten(
@@ -133,9 +133,9 @@ def test_object_that_vanishes_in_view_is_forgotten(
     look(backend, signals)
     backend.world.ball = None
     look(backend, signals, dexter.vision.regions.hold - 0.1)
-    assert position(signals, "hue_1") == pytest.approx(BALL, abs=0.01)
+    assert position(signals, "red") == pytest.approx(BALL, abs=0.01)
     look(backend, signals, 0.3)
-    assert position(signals, "hue_1") is None
+    assert position(signals, "red") is None
 
 
 def test_object_behind_a_hand_is_remembered(
@@ -149,10 +149,10 @@ def test_object_behind_a_hand_is_remembered(
     look_towards(behind, backend, signals)
     backend.world.ball = Ball(behind, 0.04)
     look(backend, signals)
-    assert position(signals, "hue_1") == pytest.approx(behind, abs=0.01)
+    assert position(signals, "red") == pytest.approx(behind, abs=0.01)
     backend.world.ball = None
     look(backend, signals, 10 * dexter.vision.regions.hold)
-    assert position(signals, "hue_1") == pytest.approx(behind, abs=0.01)
+    assert position(signals, "red") == pytest.approx(behind, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -169,11 +169,11 @@ def test_object_in_a_closed_hand_is_forgotten_without_contact(
     radius = np.linalg.norm(tips - middle, axis=1).max() / share
     backend.world.ball = Ball(middle, radius)
     look(backend, signals)
-    assert position(signals, "hue_1") == pytest.approx(middle, abs=0.01)
+    assert position(signals, "red") == pytest.approx(middle, abs=0.01)
     backend.world.ball = None
     backend.world.broken["right_hand", "finger_1"] = np.array([0.0, 0, force, 0, 0, 0])
     look(backend, signals)
-    assert (position(signals, "hue_1") is not None) == is_there
+    assert (position(signals, "red") is not None) == is_there
 
 
 def test_a_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
@@ -185,15 +185,15 @@ def test_a_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
     edge = camera.position + camera.rotation @ np.array([1.0, half_width, 0.0])
     backend.world.ball = Ball(edge, 0.08)
     look(backend, signals)
-    assert signals.vision.heading("left", "hue_1") is not None
+    assert signals.vision.heading("left", "red") is not None
     assert region(signals, "left").clipped
-    assert position(signals, "hue_1") is None
+    assert position(signals, "red") is None
 
 
 def test_heading_outlives_its_region_without_a_new_stamp(
     backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
 ) -> None:
-    heading = resources(dexter)["left.hue_1"]
+    heading = resources(dexter)["left.red"]
     backend.world.ball = Ball(BALL)
     look(backend, signals)
     seen = signals.read(heading)
@@ -219,7 +219,7 @@ def test_regions_of_ideal_cameras_are_filtered_like_images(
     assert len(regions) == len(angles) == 2 and None not in regions
     channels, least = dexter.vision.channels, dexter.vision.regions.least_area
     ideal = {
-        camera: ChannelFilter(channels, ["hue_1", "sat_10"], least).regions(image)
+        camera: ChannelFilter(channels, ["red", "sat_10"], least).regions(image)
         for camera, image in observation.images.items()
     }
     signals.reset()
@@ -245,15 +245,15 @@ def test_each_heading_lingers_after_its_own_region(
     assert dexter.vision.regions.linger == 0.25
     kept = []
     for time, seen in (
-        (0.0, {"hue_1": (red,), "hue_4": (green,)}),
-        (0.2, {"hue_4": (green,)}),
+        (0.0, {"red": (red,), "green": (green,)}),
+        (0.2, {"green": (green,)}),
         (0.24, {}),
         (0.3, {}),
         (0.44, {}),
         (0.5, {}),
     ):
         signals.update(replace(observation, time=time, images={}, regions={"left": seen}))
-        channels = ("hue_1", "hue_4")
+        channels = ("red", "green")
         kept.append([signals.vision.heading("left", each) is not None for each in channels])
     both, one, none = [True, True], [False, True], [False, False]
     assert kept == [both, both, both, one, one, none]
