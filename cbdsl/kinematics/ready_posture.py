@@ -11,7 +11,8 @@ from cbdsl.kinematics.coordinate_ascent import ascend
 from cbdsl.kinematics.joint_tree import JointTree, PlacedJoint
 from cbdsl.kinematics.pose import axis_of
 from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.urdf import Numbers, UrdfJoint, UrdfModel, Vector
+from cbdsl.robot.urdf import Numbers, UrdfError, UrdfJoint, UrdfModel, Vector
+from cbdsl.robot.weight import overloads
 
 # Candidate angles: step, and largest absolute value. The outer part of a joint's range is excluded.
 _STEP = math.radians(15)
@@ -29,6 +30,8 @@ _DAMPING = 1e-4
 # chain below which parts are neighbours, both in parts of its length.
 _CLEARANCE = 0.15
 _NEIGHBOURHOOD = 0.3
+# Share of a joint's effort that may bear the weight of links; the rest moves them.
+_BEARING = 0.9
 # Costs of a violation and of a turn away from zero, in logarithms of manipulability.
 _FORBIDDEN = 100.0
 _AWAY = 0.02
@@ -39,7 +42,8 @@ class ReadyPosture:
 
     The score is the manipulability of the tip, sqrt(det(J J^T)) (Yoshikawa 1985). It includes the
     position and, with six or more joints, the orientation. The chain avoids itself. It also stays
-    above the ground if it points upwards at zero, as arms on a base do and legs do not.
+    above the ground if it points upwards at zero, as arms on a base do and legs do not. If the
+    efforts of the model cannot hold the best posture, the best one is taken that they can hold.
 
     Args:
         model: Model of the robot; its other joints are at their initial positions.
@@ -58,7 +62,8 @@ class ReadyPosture:
         tip: str,
         offset: Numbers = (0.0, 0.0, 0.0),
     ) -> None:
-        self._joints, self._offset = tuple(joints), np.array(offset)
+        self._model, self._joints, self._offset = model, tuple(joints), np.array(offset)
+        self._efforts = {joint.name: _BEARING * joint.effort for joint in self._joints}
         self._tree = JointTree(reversed(model.way(tip)))
         # Positions of all joints, of which those of the chain are replaced.
         self._positions = {j.name: at_first(j) for j in self._tree.joints if j.movable}
@@ -82,7 +87,26 @@ class ReadyPosture:
             return self.at_first
         # From small to large turns, so that among equal scores the smaller turn stays.
         choices = [_choices(joint) for joint in self._joints]
-        return ascend(self.at_first, choices, self._score, _SWEEPS)[0]
+        best = ascend(self.at_first, choices, self._score, _SWEEPS)[0]
+        if self.can_hold(best):
+            return best
+        return ascend(self.at_first, choices, self._held_score, _SWEEPS)[0]
+
+    def can_hold(self, positions: Sequence[float]) -> bool:
+        """Return whether the joints' efforts bear the weight of the chain at the positions."""
+        return not self._overload(positions)
+
+    def _overload(self, positions: Sequence[float]) -> float:
+        """Return the sum of the missing efforts, in parts of the joints' efforts."""
+        given = {joint.name: at for joint, at in zip(self._joints, positions, strict=True)}
+        try:
+            over = overloads(self._model, self._positions | given, self._efforts)
+        except UrdfError:
+            return 0.0  # the document gets a diagnostic for it
+        return math.fsum(needed / most - 1.0 for needed, most in over.values())
+
+    def _held_score(self, positions: Sequence[float]) -> float:
+        return self._score(positions) - _FORBIDDEN * self._overload(positions)
 
     def is_clear(self, positions: Sequence[float]) -> bool:
         """Return whether the chain avoids itself and the ground at the given positions."""

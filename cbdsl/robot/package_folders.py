@@ -49,7 +49,8 @@ class PackageFolders:
             return folder / name
         if scheme != "package":
             return Path(path)
-        package, _, inner = path.partition("/")
+        # Some models have a third slash, which readers skip.
+        package, _, inner = path.lstrip("/").partition("/")
         return self.folder(package) / inner
 
     def _candidates(self, name: str) -> Iterator[Path]:

@@ -48,7 +48,10 @@ _LIMITLESS_SLIDE = UnsupportedJoint(
 
 def unsupported(joint: UrdfJoint) -> UnsupportedJoint | None:
     """Return the reason why an effector cannot move a joint, or ``None``."""
-    if joint.kind == "fixed":
+    if joint.fixed and joint.mimic is not None:
+        trait = f"fixed, although made to mimic '{joint.mimic.joint}'"
+        return UnsupportedJoint(trait, "mend its type in the model")
+    if joint.fixed:
         return _FIXED
     if not joint.movable:
         trait = (

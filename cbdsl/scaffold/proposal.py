@@ -3,7 +3,7 @@
 # Model: a robot document follows from a URDF by these rules.
 #     effectors    groups of an SRDF, or else chains of movable joints with a tip
 #     start        posture of an SRDF, or else the ready posture: large manipulability, far from
-#                  limits (``kinematics.ready_posture``)
+#                  limits, within the efforts (``kinematics.ready_posture``)
 #     groups       groups of an SRDF, or else pairs of effectors whose names differ in left and
 #                  right, or else similar limbs
 #     couplings    mimic joints whose leader is in an effector
@@ -147,8 +147,8 @@ def _effector(name: str, effector: SemanticGroup, offset: Numbers, postures: Pos
 def _proposed(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> Postures:
     """Return a start posture in which the tip can move in all directions, and another, if any.
 
-    The other posture is the model's own if the limb is clear of itself and the ground there. Else
-    it is the start posture, turned aside at the first joint.
+    The other posture is the model's own if the limb is clear of itself and the ground there, and
+    its efforts hold it. Else it is the start posture, turned aside at the first joint.
     """
     plain = tuple(at_first(joint) for joint in effector.joints)
     if effector.tip is None:
@@ -158,12 +158,13 @@ def _proposed(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> Pos
     # For example with fewer joints than a tip needs to move in three directions.
     if ready == plain:
         return {"ready": ready}
-    if row.is_clear(plain):
+    if row.is_clear(plain) and row.can_hold(plain):
         return {"ready": ready, "middle" if any(plain) else "zero": plain}
     # A turn at the first joint moves the limb as a whole, so that it stays clear of itself.
     aside = (ready[0] + _ASIDE, *ready[1:])
     first = effector.joints[0]
     fits = not first.slides and (first.endless or aside[0] < first.upper)
+    fits = fits and row.can_hold(aside)
     return {"ready": ready, "aside": aside} if fits else {"ready": ready}
 
 

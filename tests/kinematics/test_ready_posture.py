@@ -13,6 +13,7 @@ from cbdsl.kinematics.ready_posture import ReadyPosture, at_first
 from cbdsl.robot.chains import Chain, chains
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.robot.weight import weights
 from tests.robot.test_chains import MODELS
 
 ARMS = ("kuka_iiwa/model.urdf", "franka_panda/panda.urdf", "xarm6_robot.urdf", "sixaxis.urdf")
@@ -86,3 +87,17 @@ def test_positions_keep_from_limits() -> None:
                 margin = 0.05 * (joint.upper - joint.lower)
                 inside = joint.lower + margin <= position <= joint.upper - margin
                 assert inside or joint.endless, (path, joint.name, position)
+
+
+@pytest.mark.parametrize("effort", [5.0, 20.0, 60.0])
+def test_ready_posture_of_weak_joints_is_one_that_their_efforts_hold(effort: float) -> None:
+    model = _model("kuka_iiwa/model.urdf")
+    (chain,) = chains(model)
+    weak = [joint._replace(effort=effort) for joint in chain.joints]
+    row = ReadyPosture(model, weak, chain.tip)
+    positions = row.find()
+    assert row.can_hold(positions) and row.is_clear(positions)
+    needs = weights(model, dict(zip((joint.name for joint in weak), positions, strict=True)))
+    assert max(map(abs, needs.values())) <= effort
+    unbounded = ReadyPosture(model, chain.joints, chain.tip).find()
+    assert (positions == unbounded) == (effort == 60.0)

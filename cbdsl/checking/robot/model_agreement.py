@@ -1,4 +1,4 @@
-"""Checks of a robot's model: passive joints, joints at rest, and impossible bodies."""
+"""Checks of a robot's model: passive joints, rests, impossible bodies, and postures to hold."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.robot import Coupling, RobotDocument
 from cbdsl.robot.plausibility import flat_shapes, odd_inertias, odd_numbers
 from cbdsl.robot.urdf import Mimic, UrdfError, UrdfJoint, UrdfModel
+from cbdsl.robot.weight import overloads
 from cbdsl.yaml_text.loaded import Loaded
 
 
@@ -20,6 +21,9 @@ def check_mimics(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: D
     for joint in model.joints.values():
         mimic, coupling = joint.mimic, robot.couplings.get(joint.name)
         if mimic is None or joint.name in actuated or _agree(mimic, coupling):
+            continue
+        # Some models freeze a gripper by this type alone; a fixed joint cannot follow.
+        if coupling is None and joint.fixed:
             continue
         # A joint that follows an undriven one rests with it, and needs no coupling.
         if coupling is None and mimic.joint not in actuated:
@@ -89,3 +93,34 @@ def check_bodies(loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: D
 def _lines(links: Sequence[tuple[str, str]]) -> Iterator[str]:
     for name, reason in links:
         yield f"'{name}' {reason}"
+
+
+def check_weights(
+    loaded: Loaded[RobotDocument], model: UrdfModel, diagnostics: Diagnostics
+) -> None:
+    """Warn of postures that the efforts of the joints cannot hold, with the others at the start."""
+    robot = loaded.document
+    at_start = {
+        joint: position
+        for name, posture in robot.start_postures.items()
+        for joint, position in zip(robot.effectors[name].joints, posture, strict=True)
+    }
+    for name, effector in robot.effectors.items():
+        efforts = {
+            joint: min(model.joints[joint].effort, robot.simulation.efforts.get(joint, math.inf))
+            for joint in effector.joints
+        }
+        for posture, positions in effector.postures.items():
+            own = dict(zip(effector.joints, positions, strict=True))
+            over = overloads(model, at_start | own, efforts)
+            if over:
+                needs = [
+                    f"'{joint}' needs {needed:.3g} of {most:.3g} {_effort_unit(model, joint)}"
+                    for joint, (needed, most) in over.items()
+                ]
+                place = loaded.source.place("effectors", name, "postures", posture)
+                diagnostics.add("CB749", place, name=posture, effector=name, needs=some(needs))
+
+
+def _effort_unit(model: UrdfModel, joint: str) -> str:
+    return "N" if model.joints[joint].slides else "N m"

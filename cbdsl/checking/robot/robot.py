@@ -12,7 +12,12 @@ from cbdsl.checking.robot.drivers import check_drivers
 from cbdsl.checking.robot.implausible_settings import check_speeds, note_assumptions
 from cbdsl.checking.robot.limits import is_of_another_kind, limit_details
 from cbdsl.checking.robot.meshes import check_meshes
-from cbdsl.checking.robot.model_agreement import check_bodies, check_mimics, note_rests
+from cbdsl.checking.robot.model_agreement import (
+    check_bodies,
+    check_mimics,
+    check_weights,
+    note_rests,
+)
 from cbdsl.checking.robot.robot_constants import check_constants, check_margins
 from cbdsl.checking.robot.settings import check_settings
 from cbdsl.checking.robot.taken_names import check_names
@@ -65,6 +70,7 @@ def examine_robot(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> Ch
         check_bodies(loaded, model, diagnostics)
         if not diagnostics.failed:
             check_mimics(loaded, model, diagnostics)
+            check_weights(loaded, model, diagnostics)
             note_assumptions(loaded, model, diagnostics)
             note_rests(loaded, model, diagnostics)
     return body
