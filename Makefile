@@ -24,7 +24,7 @@ NAMES ?=
 SECONDS ?= 60
 TARGET ?=
 
-.PHONY: check format lint types layers spelling documents pages tests properties mutants relearn fuzz first-day site constraints dist sbom fix
+.PHONY: check format lint types layers spelling documents pages tests properties mutants relearn fuzz results first-day site constraints dist sbom fix
 
 check: format lint types layers spelling documents pages tests
 
@@ -73,6 +73,10 @@ relearn:
 fuzz:
 	$(BIN)pip install --quiet --disable-pip-version-check -e ".[fuzz]"
 	$(BIN)python -m tests.fuzz --seconds $(SECONDS) $(TARGET)
+
+# The rows of docs/results.md that are missing or stale: hours. It can be interrupted, and goes on.
+results:
+	$(PYTHON) docs/make_results.py --measure
 
 # A reader's first day, three times: a clone is set up, and what pages show is typed in a shell.
 first-day:

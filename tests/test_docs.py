@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import importlib.util
 import itertools
-import json
 import re
 import runpy
 import shlex
@@ -41,7 +40,6 @@ import typer
 
 from cbdsl.checking.document import check_document
 from cbdsl.cli.main import build_app
-from cbdsl.numeric.proportion import exact_interval
 from cbdsl.types import potential as potentials
 from docs.site_hooks import on_page_markdown
 from tests.cli.test_main import cb
@@ -390,38 +388,6 @@ def test_written_pages_hold_at_most_45000_words() -> None:
     pages = {*PAGES, ROOT / "SECURITY.md"} - reports
     assert sum(words(page.read_text("utf-8")) for page in pages) <= 45000
     assert words((ROOT / "README.md").read_text("utf-8")) <= 450
-
-
-def test_the_results_are_up_to_date() -> None:
-    """``python docs/make_results.py`` writes them again."""
-    page = runpy.run_path(str(DOCS / "make_results.py"))["page"]()
-    assert page == (DOCS / "results.md").read_text("utf-8")
-    assert words(page) <= 2000
-
-
-def test_result_files_hold_exact_intervals() -> None:
-    files = [json.loads(file.read_text("utf-8")) for file in (ROOT / "results").glob("*.json")]
-    rows = [row for file in files for row in file["rows"] if "n" in row]
-    assert len(rows) > 50
-    for row in rows:
-        assert row["interval"] == pytest.approx(
-            exact_interval(row["successes"], row["n"]), abs=1e-6
-        ), row
-
-
-def test_results_of_a_judge_replace_its_older_rows(tmp_path: Path) -> None:
-    row = {"successes": 9, "n": 10, "interval": [0.55, 0.99], "aim": "at least 90 %"}
-    old = {"condition": "old", "judge": "toy", "command": "old.py", "commit": None, **row}
-    table = {"capability": "Toys", "order": 1, "notes": [], "rows": [old] * 2, "remarks": []}
-    (tmp_path / "toys.json").write_text(json.dumps(table), "utf-8")
-    page = runpy.run_path(str(DOCS / "make_results.py"))["page"]
-    assert "| old | 9 of 10 | [55, 99] % | 90 % | `old.py` |" in page(tmp_path)
-    judged = [{"condition": "new", "outcome": "good", **row}]
-    judged.append({"condition": "new", "outcome": "other", **row, "aim": ""})
-    result = {"judge": "toy", "command": "cb judge toy", "commit": "abc", "seed": 1, "rows": judged}
-    (tmp_path / "toy.json").write_text(json.dumps(result), "utf-8")
-    new = "| new: good | 9 of 10 | [55, 99] % | 90 % | `cb judge toy` (abc) |"
-    assert page(tmp_path).count("9 of 10") == page(tmp_path).count(new) == 1
 
 
 def test_llms_index_names_every_page_of_the_navigation() -> None:

@@ -8,13 +8,13 @@ from cbdsl.api.documents import digest_of_text
 from cbdsl.api.shipped import shipped_program
 
 
-def trial_digest(program: str, values: Mapping[str, str], stage: str) -> str:
+def trial_digest(program: str, values: Mapping[str, str], stage: str | None) -> str:
     """Return the digest of a shipped program with its dependencies, its robot and a stage.
 
     Args:
         program: Name of the program.
         values: Values of its parameters.
-        stage: Name of a stage, its own or another.
+        stage: Name of a stage; its own if ``None``.
     """
     request = shipped_program(program, stage=stage, values=values)
     parts = (

@@ -7,9 +7,11 @@ from typing import Any
 import pytest
 
 import cbdsl
+from cbdsl.api.documents import ProgramDocument
+from cbdsl.api.shipped import shipped_document
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library
-from cbdsl_reproduction.judges.claim_judges import CLAIMS, ProgramClaim
+from cbdsl_reproduction.judges.claim_judges import CLAIM_OF, CLAIMS, Placed, ProgramClaim
 from cbdsl_reproduction.judges.claims import contexts_of
 from cbdsl_reproduction.judges.insertion import widened
 from cbdsl_reproduction.judges.judge import ANY, NONE, Aim, EpisodeVerdict, Judge, JudgedCondition
@@ -97,6 +99,29 @@ def test_claim_names_documents_that_fit(claim: ProgramClaim) -> None:
     for values in by_values:
         request = cbdsl.load(claim.program, stage=claim.stage, values=dict(values))
         assert set(contexts) <= set(request.stage.contexts)
+
+
+@pytest.mark.parametrize(
+    ("claim", "programs", "controller"),
+    [
+        ("deliver", ["deliver"], "there"),
+        ("bring", ["bring"], "there"),
+        ("bring_from_side", ["bring_from_side"], "there"),
+        ("bring_pinched", ["bring_pinched"], "there"),
+        ("bring_with_both", ["bring_with_both"], "there"),
+        ("fetch", ["bring", "bring_from_side", "bring_pinched", "bring_with_both"], "there"),
+        ("pick_and_place", ["pick_and_place"], "near"),
+    ],
+)
+def test_judge_of_a_placed_object_accepts_no_more_than_the_program(
+    claim: str, programs: list[str], controller: str
+) -> None:
+    documents = [shipped_document(ProgramDocument, name) for name in programs]
+    sections = [document.controllers[controller] for document in documents]
+    tolerances = [float(section.quiescence.tolerance or 0) for section in sections]  # type: ignore[union-attr]
+    judge = CLAIM_OF[claim].judge
+    assert isinstance(judge, Placed)
+    assert judge.within <= max(tolerances)
 
 
 def test_result_without_counted_episodes_misses_its_aim() -> None:

@@ -31,7 +31,7 @@ def episode(ending: str, *, rewarded: bool = False) -> EpisodeResult:
 def test_verdict_compares_the_prediction_with_all_allocations(
     result: EpisodeResult, alone: dict[str, bool] | None, right: bool | None
 ) -> None:
-    verdict = verdict_on(result, 0.0, alone)
+    verdict = verdict_on(result, 0.0, alone, touched=result.rewarded)
     assert verdict.outcomes["right"] is right
     assert verdict.outcomes["not found"] is (right is None)
     if right is not None:
@@ -40,9 +40,17 @@ def test_verdict_compares_the_prediction_with_all_allocations(
 
 @pytest.mark.parametrize(("moved", "expected"), [(0.0, False), (0.1, True)])
 def test_verdict_counts_motion_before_a_refusal(moved: float, expected: bool) -> None:
-    verdict = verdict_on(episode(REFUSED), moved, {"right_arm": False})
+    verdict = verdict_on(episode(REFUSED), moved, {"right_arm": False}, touched=False)
     assert verdict.outcomes["moved before a refusal"] is expected
     assert (
-        verdict_on(episode("", rewarded=True), 1.0, None).outcomes["moved before a refusal"]
+        verdict_on(episode("", rewarded=True), 1.0, None, touched=True).outcomes[
+            "moved before a refusal"
+        ]
         is False
     )
+
+
+def test_verdict_on_a_reward_without_touch_is_wrong() -> None:
+    outcomes = verdict_on(episode("", rewarded=True), 0.0, None, touched=False).outcomes
+    assert outcomes["right"] is False
+    assert outcomes["rewarded without touch"] is True

@@ -63,4 +63,5 @@ JUDGE = Judge(
     BodyChoice("mujoco", "ideal"),
     episodes=40,
     scores=(Score("Brier score", _OWN, _BASE),),
+    knowledge=tuple(f"catalogs/{name}{pad}.yaml" for name in _CATALOGS for pad in ("", "_and_pad")),
 )

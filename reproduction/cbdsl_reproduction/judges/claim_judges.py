@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# An object is lifted, near its goal, at rest and raised from here on, m and m/s.
-LIFTED, NEAR, STILL, RAISED = 0.02, 0.06, 0.01, 0.05
+# An object is lifted, at rest and raised from here on, m and m/s.
+LIFTED, STILL, RAISED = 0.02, 0.01, 0.05
 # Ticks of 1/60 s over which a speed is averaged, and before a claim in which a contact counts.
 WHILE, BEFORE = 12, 6
 # Names of objects in contexts of stacks, in the desired order from below.
@@ -170,27 +170,32 @@ class ClaimWatch:
 Judge = Callable[[ClaimWatch], str]
 
 
-def placed(watch: ClaimWatch) -> str:
-    """Judge that the object hangs on nothing, near the pad, after it was lifted."""
-    (name,) = watch.things
-    # An object that was pushed onto the pad was not
-    # carried, so that its largest height counts as well.
-    off = watch.distance(name, "pad")
-    if watch.lift(name) < LIFTED:
-        return f"lifted by {1e3 * watch.lift(name):.0f} mm"
-    if off > NEAR:
-        return f"{1e3 * off:.0f} mm off the pad"
-    return "" if watch.is_borne(name) else "in the air"
+class Placed(NamedTuple):
+    """Judge that the object rests on another one, near the pad, after it was lifted.
 
+    Attributes:
+        within: Largest distance from the pad's centre, m: that which the program itself accepts.
+        is_released: True if the program also claims that the hand is off, and the object at rest.
+    """
 
-def delivered(watch: ClaimWatch) -> str:
-    """Judge that the object was placed, released, and rests."""
-    (name,) = watch.things
-    if watch.is_held(name):
-        return "still in the hand"
-    if watch.speed(name) > STILL:
-        return f"moving at {1e3 * watch.speed(name):.0f} mm/s"
-    return placed(watch)
+    within: float
+    is_released: bool = True
+
+    def __call__(self, watch: ClaimWatch) -> str:
+        """Return why the claim is false; empty if it is true."""
+        (name,) = watch.things
+        if self.is_released and watch.is_held(name):
+            return "still in the hand"
+        if self.is_released and watch.speed(name) > STILL:
+            return f"moving at {1e3 * watch.speed(name):.0f} mm/s"
+        # An object that was pushed onto the pad was not
+        # carried, so that its largest height counts as well.
+        if watch.lift(name) < LIFTED:
+            return f"lifted by {1e3 * watch.lift(name):.0f} mm"
+        off = watch.distance(name, "pad")
+        if off > self.within:
+            return f"{1e3 * off:.0f} mm off the pad"
+        return "" if watch.is_borne(name) else "in the air"
 
 
 def put_down(watch: ClaimWatch) -> str:
@@ -372,14 +377,14 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("bimanualgrab", "box_between_hands", between_hands),
     ProgramClaim("bimanualinspect", "box_between_hands", between_hands),
     ProgramClaim("bimanualtouch", "everyday_objects", between_hands, values=_red),
-    ProgramClaim("bring", "everyday_objects", placed),
-    ProgramClaim("bring_from_side", "tall_objects", delivered),
-    ProgramClaim("bring_pinched", "everyday_objects", delivered, _SMALL),
-    ProgramClaim("bring_with_both", "everyday_objects", delivered, _LARGE),
+    ProgramClaim("bring", "everyday_objects", Placed(0.05, is_released=False)),
+    ProgramClaim("bring_from_side", "tall_objects", Placed(0.04)),
+    ProgramClaim("bring_pinched", "everyday_objects", Placed(0.04), _SMALL),
+    ProgramClaim("bring_with_both", "everyday_objects", Placed(0.05), _LARGE),
     ProgramClaim("build_on", "stack_and_more", stands, values=_on_stack),
-    ProgramClaim("deliver", "everyday_objects", delivered),
+    ProgramClaim("deliver", "everyday_objects", Placed(0.04)),
     ProgramClaim("ensure_stacked", "stacked_or_not", left_alone_or_stacked),
-    ProgramClaim("fetch", "everyday_objects", placed),
+    ProgramClaim("fetch", "everyday_objects", Placed(0.05, is_released=False)),
     ProgramClaim("find_by_touch", "lights_out", touched, _DARK),
     ProgramClaim("find_the_other", "two_red_balls", other_touched),
     ProgramClaim("grasp", "everyday_objects", grasped),
@@ -390,7 +395,7 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("panda_grasp", "cube_before_panda", gripped),
     ProgramClaim("panda_pick", "cube_before_panda", put_down),
     ProgramClaim("pick_and_lift", "everyday_objects", raised),
-    ProgramClaim("pick_and_place", "everyday_objects", placed),
+    ProgramClaim("pick_and_place", "everyday_objects", Placed(0.03, is_released=False)),
     ProgramClaim("pinch", "everyday_objects", raised, _SMALL),
     ProgramClaim("press_and_slide", "absent", on_table),
     ProgramClaim("reach", "everyday_objects", reached, values=_red),
@@ -414,6 +419,9 @@ CLAIMS: Sequence[ProgramClaim] = (
     ProgramClaim("visualinspect", "spotted_right", looked_at),
     ProgramClaim("watch_for_motion", "shaken", looked_at),
 )
+
+#: Claims by the names of their programs.
+CLAIM_OF: Mapping[str, ProgramClaim] = {claim.program: claim for claim in CLAIMS}
 
 #: Reason for each shipped program whose end claims nothing about the world.
 NOTHING_TO_CLAIM: Mapping[str, str] = {

@@ -126,11 +126,12 @@ def _conditions(judge: Judge, only: list[str] | None) -> tuple[JudgedCondition, 
 def _result(campaign: Campaign, workers: int, out: Path | None, *, resume: bool) -> dict[str, Any]:
     """Return the result of a campaign, some of whose conditions a file may have already."""
     from cbdsl_reproduction.judges.kept_result import measured_alike, read_result
-    from cbdsl_reproduction.judges.result import result_of, run_of
+    from cbdsl_reproduction.judges.result import digests_in, result_of, run_of
 
     file = None if out is None else out / f"{campaign.judge.name}.json"
     known = read_result(file) if file is not None and resume else None
-    kept = measured_alike(known, run_of(campaign)) if known else ()
+    digests = {each.name: digests_in(campaign, each) for each in campaign.conditions}
+    kept = measured_alike(known, run_of(campaign), digests) if known else ()
     rest = tuple(each for each in campaign.conditions if each.name not in kept)
     if rest:
         campaign_left = replace(campaign, conditions=rest)

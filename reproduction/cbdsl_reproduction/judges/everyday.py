@@ -2,10 +2,8 @@
 
 The stage ``other_objects`` has objects of sizes for which no bound was chosen, except for the
 chisel. ``tall_objects`` has objects that are taken from the side, chosen with that grasp. Which
-objects count as placed and which as refused was set after runs on development seeds.
-Large objects for both hands are placed, or refused before motion if they are out of reach.
-Some heavy objects are weighed by a first lift: they are placed, or put back where they stood, or
-refused before motion.
+objects are to be placed and which refused was set after runs on development seeds.
+Outcomes are counted apart: a refusal is no placement, and an object that is put back is neither.
 """
 
 from __future__ import annotations
@@ -14,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cbdsl_reproduction.judges.claim_judges import STILL, ClaimWatch, delivered
+from cbdsl_reproduction.judges.claim_judges import CLAIM_OF, STILL, ClaimWatch
 from cbdsl_reproduction.judges.judge import (
     ANY,
     NONE,
@@ -36,13 +34,16 @@ _STILL = 0.05
 # Largest distance of an object that is put back from its first place, m, and least cosine of the
 # angle between the vertical axes in its frame, at the first tick and at the end: 8 degrees.
 _NEAR, _UPRIGHT = 0.1, 0.99
-#: Objects that are placed, that are refused, that are either, and that are weighed, by stage.
+#: Objects that are to be placed, to be refused, and whose weight a first lift shows, by stage.
 _PLACED = {
     "everyday_objects": (
         "die", "golf_ball", "block", "matchbox", "carton", "soup_can", "tuna_can", "bottle",
-        "jar", "mug", "tennis_ball", "softball", "screwdriver",
+        "jar", "mug", "tennis_ball", "softball", "screwdriver", "parcel",
     ),
-    "other_objects": ("tin", "cube", "soap", "shampoo", "handball", "candle", "chisel", "marble"),
+    "other_objects": (
+        "tin", "cube", "soap", "shampoo", "handball", "candle", "chisel", "marble", "hatbox",
+        "chest", "drum",
+    ),
     "tall_objects": ("wine_bottle", "spray_can", "vase", "milk", "pasta", "tube"),
 }  # fmt: skip
 _REFUSED = {
@@ -52,7 +53,6 @@ _REFUSED = {
     ),
     "other_objects": ("plate", "crate", "detergent", "rod"),
 }  # fmt: skip
-_EITHER = {"everyday_objects": ("parcel",), "other_objects": ("hatbox", "chest", "drum")}
 _WEIGHED = {"everyday_objects": ("paint_can", "canister")}
 
 
@@ -80,16 +80,13 @@ class _Delivery(Watch):
     def conclude(self, result: EpisodeResult) -> EpisodeVerdict:
         """Return whether the object was placed, or refused before motion."""
         is_success, is_failure = (result.outcome == name for name in ("success", "failure"))
-        fault = delivered(self._claim) if is_success else ""
+        fault = CLAIM_OF["deliver"].judge(self._claim) if is_success else ""
         outcomes = {
             "placed": is_success and not fault,
             "refused before motion": is_failure and self._turn < _STILL,
             "put back": is_failure and self._turn >= _STILL and self._is_back(),
             "false success": bool(fault),
         }
-        outcomes["placed or refused"] = outcomes["placed"] or outcomes["refused before motion"]
-        handled = outcomes["placed or refused"] or outcomes["put back"]
-        outcomes["placed, refused or put back"] = handled
         return EpisodeVerdict(result.seed, outcomes, result.sim_seconds, fault or result.ending)
 
     def _is_back(self) -> bool:
@@ -107,33 +104,17 @@ class _Delivery(Watch):
 
 
 def _conditions() -> tuple[JudgedCondition, ...]:
-    """Return each object of both stages."""
-    most, conditions = Aim(0.9), []
-    either = {
-        "placed": ANY,
-        "refused before motion": ANY,
-        "placed or refused": most,
-        "false success": NONE,
-    }
-    weighed = {
-        "placed": ANY,
-        "refused before motion": ANY,
-        "put back": ANY,
-        "placed, refused or put back": most,
-        "false success": NONE,
-    }
-    for objects, aims in (
-        (_PLACED, {"placed": most, "refused before motion": ANY, "false success": NONE}),
-        (_REFUSED, {"placed": ANY, "refused before motion": most, "false success": NONE}),
-        (_EITHER, either),
-        (_WEIGHED, weighed),
-    ):
-        conditions += [
-            JudgedCondition(name, "deliver", aims, stage, name)
-            for stage, names in objects.items()
-            for name in names
-        ]
-    return tuple(conditions)
+    """Return each object of the stages."""
+    placed = {"placed": Aim(0.9), "refused before motion": ANY, "false success": NONE}
+    refused = {"placed": ANY, "refused before motion": Aim(0.9), "false success": NONE}
+    weighed = {"put back": ANY, **placed}
+    groups = ((_PLACED, placed), (_REFUSED, refused), (_WEIGHED, weighed))
+    return tuple(
+        JudgedCondition(name, "deliver", aims, stage, name)
+        for objects, aims in groups
+        for stage, names in objects.items()
+        for name in names
+    )
 
 
 JUDGE = Judge(

@@ -116,6 +116,8 @@ class Judge:
         body: Default backend and cameras.
         episodes: Default number of episodes of each condition.
         scores: Means that each condition compares.
+        knowledge: Learned documents that the judged behaviour depends on, beside those that its
+            programs name: files below ``knowledge``.
     """
 
     name: str
@@ -125,6 +127,7 @@ class Judge:
     body: BodyChoice = BULLET
     episodes: int = 20
     scores: tuple[Score, ...] = ()
+    knowledge: tuple[str, ...] = ()
 
     @property
     def programs(self) -> tuple[str, ...]:

@@ -53,16 +53,20 @@ def merged(result: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any
     }
 
 
-def measured_alike(known: Mapping[str, Any], run: Mapping[str, Any]) -> Collection[str]:
+def measured_alike(
+    known: Mapping[str, Any], run: Mapping[str, Any], digests: Mapping[str, Mapping[str, str]]
+) -> Collection[str]:
     """Return the conditions of a kept result that were measured in the setting of a run.
 
     Args:
         known: Kept result of the same judge.
-        run: Values of the keys ``RUN`` of the new run; its command does not count.
+        run: Values of the keys ``RUN`` of the new run; its command and its commit do not count.
+        digests: Digests of all that a row depends on, by condition of the new run.
     """
-    setting = {key: run[key] for key in RUN if key != "command"}
+    setting = {key: run[key] for key in RUN if key not in ("command", "commit")}
     return {
         row["condition"]
         for row in known["rows"]
         if setting.items() <= dict(row.get("run", known)).items()
+        and row.get("digests") == digests.get(row["condition"])
     }

@@ -29,4 +29,5 @@ JUDGE = Judge(
     (JudgedCondition("four_things", "stack_three", {"stands": Aim(0.5)}),),
     _measure,
     BodyChoice("mujoco", "ideal"),
+    knowledge=("meta_catalogs/four_things.yaml",),
 )

@@ -1,13 +1,14 @@
 """Whether a schema knows the limits of reach, on all sides and before any arm moves.
 
 The shipped schema of REACHTOUCH runs. If it begins, it tries all allocations, and it was right if
-one is rewarded. If it refuses at rest, each allocation runs alone, and it was right if none is
-rewarded.
-An object that no camera finds does not count.
+one touches the object. If it refuses at rest, each allocation runs alone, and it was right if none
+does. A touch is a reward with all fingertips of one hand, or with both hands, on the object in
+truth. An object that no camera finds does not count.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
@@ -32,25 +33,28 @@ _SCHEMA = "reachtouch"
 _REFUSED, _UNSEEN = "reward is unlikely", "searchtrack has failed"
 # Largest motion of a palm in a refused episode, m: a background posture may settle.
 _STILL = 0.02
+_FINGERS = 3
 
 
 def verdict_on(
-    result: EpisodeResult, moved: float, alone: Mapping[str, bool] | None
+    result: EpisodeResult, moved: float, alone: Mapping[str, bool] | None, *, touched: bool
 ) -> EpisodeVerdict:
     """Return the verdict on an episode of the schema.
 
     Args:
         result: Outcome of the schema's own episode.
         moved: Largest motion of a palm in it, m.
-        alone: Reward of each allocation alone after a refusal, ``None`` without one.
+        alone: Touch of each allocation alone after a refusal, ``None`` without one.
+        touched: True if the episode was rewarded and the object was touched.
     """
     refused = alone is not None
-    reachable = any(alone.values()) if alone is not None else result.rewarded
+    reachable = any(alone.values()) if alone is not None else touched
     seen = refused or result.rewarded or _UNSEEN not in result.ending
     # A refusal after a motion of the arms came too late.
     begun = not refused or moved > _STILL
     outcomes = {
-        "right": (result.rewarded if begun else not reachable) if seen else None,
+        "right": (touched if begun else not reachable) if seen else None,
+        "rewarded without touch": result.rewarded and not touched if seen else None,
         "refused": refused if seen else None,
         "moved before a refusal": refused and moved > _STILL if seen else None,
         "not found": not seen,
@@ -104,17 +108,35 @@ def _measure(
         for seed in seeds:
             palms = _Palms(judged)
             result = judged.robot.run(seed, context=condition.context, on_tick=palms.note)
-            rewards = None
+            is_touched = result.rewarded and _is_touched(judged)
+            touches = None
             if _REFUSED in result.ending:
-                rewards = {
+                touches = {
                     name: each.robot.run(seed, context=condition.context).rewarded
+                    and _is_touched(each)
                     for name, each in alone.items()
                 }
-            yield verdict_on(result, palms.moved, rewards)
+            yield verdict_on(result, palms.moved, touches, touched=is_touched)
+
+
+def _is_touched(simulated: SimulatedRobot) -> bool:
+    """Return whether a whole hand, or both hands, touch an object that is no fixture."""
+    truth, fixtures = simulated.truth, simulated.robot.request.stage.fixtures
+    for name in truth.objects:
+        hands = Counter(hand for hand, _ in truth.touching(name)) if name not in fixtures else {}
+        if len(hands) > 1 or _FINGERS in hands.values():
+            return True
+    return False
 
 
 def _side(name: str) -> JudgedCondition:
-    aims = {"right": Aim(0.9), "refused": ANY, "moved before a refusal": NONE, "not found": ANY}
+    aims = {
+        "right": Aim(0.9),
+        "rewarded without touch": ANY,
+        "refused": ANY,
+        "moved before a refusal": NONE,
+        "not found": ANY,
+    }
     return JudgedCondition(name, "reachtouch", aims, "reach_on_all_sides", context=name)
 
 
@@ -125,4 +147,5 @@ JUDGE = Judge(
     _measure,
     BodyChoice("kinematic", "ideal"),
     episodes=60,
+    knowledge=("schemas/reachtouch.yaml", "policies/reachtouch.yaml"),
 )

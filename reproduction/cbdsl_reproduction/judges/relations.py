@@ -68,4 +68,5 @@ JUDGE = Judge(
     _measure,
     BodyChoice("mujoco", "ideal"),
     episodes=63,
+    knowledge=("relations/contacts.yaml",),
 )

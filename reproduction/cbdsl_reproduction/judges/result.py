@@ -14,6 +14,7 @@ from cbdsl.api.trials import versions
 from cbdsl_reproduction.interval import exact_interval
 from cbdsl_reproduction.judges.judge import EpisodeVerdict, JudgedCondition, Score
 from cbdsl_reproduction.judges.judging import Campaign, Verdicts
+from cbdsl_reproduction.judges.row_digests import row_digests
 
 # Largest number of episodes that a row lists as amiss.
 _MOST = 20
@@ -24,7 +25,7 @@ _EQUAL = 1e-9
 def result_of(campaign: Campaign, verdicts: Verdicts) -> dict[str, Any]:
     """Return the result of a campaign as data for JSON."""
     rows = [
-        row
+        {**row, "digests": digests_in(campaign, condition)}
         for condition in campaign.conditions
         for row in (
             *_rows(condition, verdicts),
@@ -55,6 +56,11 @@ def run_of(campaign: Campaign) -> dict[str, Any]:
         "seed": campaign.seed,
         "episodes": campaign.episodes,
     }
+
+
+def digests_in(campaign: Campaign, condition: JudgedCondition) -> dict[str, str]:
+    """Return the digests of all that the rows of a condition depend on."""
+    return dict(row_digests(campaign.judge, condition, campaign.body.backend))
 
 
 def command_of(campaign: Campaign) -> str:
