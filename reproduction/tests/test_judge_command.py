@@ -186,13 +186,17 @@ def test_judge_resumes_no_conditions_of_another_run(
     assert measured == ["easy", "hard one"] * 2
 
 
-def test_judge_resumes_no_conditions_of_another_commit(
+def test_judge_resumes_no_conditions_of_changed_code(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     arguments = ["toy", "--seed", "4", "--out", str(tmp_path)]
     measured = _interrupted(monkeypatch, "")
     cb(monkeypatch, *arguments)
+    # A commit that changes nothing of what is judged changes no result.
     monkeypatch.setattr(judge_results, "commit", lambda: "another")
+    cb(monkeypatch, *arguments, "--resume")
+    assert measured == ["easy", "hard one"]
+    monkeypatch.setattr(judge_results, "row_digests", lambda *of: {"law": "another"})
     cb(monkeypatch, *arguments, "--resume")
     assert measured == ["easy", "hard one"] * 2
 

@@ -42,7 +42,9 @@ def row_digests(judge: Judge, condition: JudgedCondition, engine: str) -> Mappin
         "perception": _code(_PERCEPTION),
         "world": _code((*_WORLD, f"backends/{engine}")),
         "judge": _judge(judge.name),
-        "documents": _documents(judge, condition),
+        "documents": _documents(
+            condition.program, tuple(condition.values.items()), condition.stage, judge.knowledge
+        ),
     }
 
 
@@ -93,10 +95,12 @@ def _files(files: Iterable[Path]) -> str:
     return digest_of_text("\n".join(texts))[:_LENGTH]
 
 
-def _documents(judge: Judge, condition: JudgedCondition) -> str:
-    """Return the digest of the program with its dependencies, and of the judge's knowledge."""
-    programs = [condition.program] if condition.program else []
-    parts = [trial_digest(name, condition.values, condition.stage) for name in programs]
-    knowledge = shipped_folder() / "knowledge"
-    parts += [(knowledge / name).read_text("utf-8") for name in judge.knowledge]
+@cache
+def _documents(
+    program: str, values: tuple[tuple[str, str], ...], stage: str | None, knowledge: tuple[str, ...]
+) -> str:
+    """Return the digest of a program with its dependencies, and of more knowledge."""
+    parts = [trial_digest(program, dict(values), stage)] if program else []
+    folder = shipped_folder() / "knowledge"
+    parts += [(folder / name).read_text("utf-8") for name in knowledge]
     return digest_of_text("\n".join(parts))[:_LENGTH]
