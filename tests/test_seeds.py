@@ -11,16 +11,12 @@ import pytest
 from tests.conftest import ROOT
 
 JUDGING = range(7_000_000, 8_000_000)
-<<<<<<< HEAD
+#: Seeds that campaigns of docs/results.md derive from what they judge.
+DERIVED = range(70_000_000, 80_000_000)
 FOLDERS = (
     "benchmarks", "cbdsl", "distributions", "knowledge", "programs", "reproduction", "robots",
     "tests",
 )  # fmt: skip
-=======
-#: Seeds that campaigns of docs/results.md derive from what they judge.
-DERIVED = range(70_000_000, 80_000_000)
-FOLDERS = ("benchmarks", "cbdsl", "knowledge", "programs", "reproduction", "robots", "tests")
->>>>>>> c61aa72e (results: keep rows of the present code and documents alone)
 NUMBER = re.compile(r"(?<![\w.])\d[\d_]{6,}(?![\w.])")
 
 
