@@ -5,8 +5,8 @@ wrote. With ``--measure`` it first runs the judges of all missing and stale cond
 interrupted run goes on. ``results/page.toml`` lists the campaigns and rows.
 
 A condition is stale if the code, its judge, its program or its knowledge has changed since. Rows of
-stale conditions are left out of the page. Seeds derive from what is judged, so that a change of it
-takes seeds that no choice can have used.
+stale conditions are left out of the page. Seeds derive from the same digests, so that a
+change takes seeds that no choice can have used.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Each row was measured with the control law, programs and knowledge of this versi
 `make results` measures rows again after a change of them, and leaves out the others.
 Intervals are exact (Clopper-Pearson, 95 %).
 The interval of a Brier score is of its difference to the base rate.
-[Judging seeds](seeds.md) derive from what is judged, so that no choice has used them.
+[Judging seeds](seeds.md) derive from digests of the judged code, so that no choice has used them.
 "Ideal" and "rendered" name the cameras of the [engines](how_to/choose_an_engine.md).
 [Judges](how_to/judge_behaviour.md) know the truth of the simulated world; programs do not.
 [Reproduction](reproduction/index.md) holds the results that the dissertation reports.

@@ -11,7 +11,7 @@ import pytest
 from tests.conftest import ROOT
 
 JUDGING = range(7_000_000, 8_000_000)
-#: Seeds that campaigns of docs/results.md derive from what they judge.
+#: Seeds of docs/results.md, derived from digests of the judged code.
 DERIVED = range(70_000_000, 80_000_000)
 FOLDERS = (
     "benchmarks", "cbdsl", "distributions", "knowledge", "programs", "reproduction", "robots",

@@ -192,7 +192,7 @@ def test_judge_resumes_no_conditions_of_changed_code(
     arguments = ["toy", "--seed", "4", "--out", str(tmp_path)]
     measured = _interrupted(monkeypatch, "")
     cb(monkeypatch, *arguments)
-    # A commit that changes nothing of what is judged changes no result.
+    # A commit without a change of the judged code keeps the result.
     monkeypatch.setattr(judge_results, "commit", lambda: "another")
     cb(monkeypatch, *arguments, "--resume")
     assert measured == ["easy", "hard one"]

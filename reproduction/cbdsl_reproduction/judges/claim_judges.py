@@ -174,7 +174,7 @@ class Placed(NamedTuple):
     """Judge that the object rests on another one, near the pad, after it was lifted.
 
     Attributes:
-        within: Largest distance from the pad's centre, m: that which the program itself accepts.
+        within: Largest distance from the pad's centre, m, which is the program's own tolerance.
         is_released: True if the program also claims that the hand is off, and the object at rest.
     """
 

@@ -116,8 +116,8 @@ class Judge:
         body: Default backend and cameras.
         episodes: Default number of episodes of each condition.
         scores: Means that each condition compares.
-        knowledge: Learned documents that the judged behaviour depends on, beside those that its
-            programs name: files below ``knowledge``.
+        knowledge: Files below ``knowledge`` that the judged behaviour depends on, in addition to the
+            documents that its programs name.
     """
 
     name: str

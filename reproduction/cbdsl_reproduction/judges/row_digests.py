@@ -19,7 +19,7 @@ from cbdsl.api.shipped import shipped_folder
 from cbdsl_reproduction.judges.judge import Judge, JudgedCondition
 from cbdsl_reproduction.trial_digest import trial_digest
 
-# Packages that decide the motion of the robot, and what it senses.
+# Packages of the control law, and of sensing.
 _LAW = ("control", "kinematics")
 _PERCEPTION = ("sensing", "runtime")
 _WORLD = ("backends/cameras", "backends/staging")
@@ -84,7 +84,7 @@ def _code(packages: tuple[str, ...]) -> str:
 
 @cache
 def _judge(name: str) -> str:
-    """Return the digest of the module of a judge, with its aims, and of those that it uses."""
+    """Return the digest of the module of a judge, with its aims, and of shared modules."""
     folder = Path(__file__).parent
     files = (folder / f"{module}.py" for module in (name, *_SHARED))
     return _files(file for file in files if file.is_file())
