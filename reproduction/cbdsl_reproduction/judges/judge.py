@@ -116,8 +116,8 @@ class Judge:
         body: Default backend and cameras.
         episodes: Default number of episodes of each condition.
         scores: Means that each condition compares.
-        knowledge: Files below ``knowledge`` that the judged behaviour depends on, in addition to the
-            documents that its programs name.
+        knowledge: Files below ``knowledge`` that the judged behaviour depends on, besides
+            documents of its programs.
     """
 
     name: str
