@@ -13,9 +13,9 @@ from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
 from cbdsl.diagnostics.outcome import UNKNOWN
-from cbdsl.documents.contents import is_file
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
+from cbdsl.storage.contents import is_file
 from cbdsl.yaml_text.loaded import Loaded
 
 if TYPE_CHECKING:

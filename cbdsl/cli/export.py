@@ -20,6 +20,7 @@ from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.program.behavior_tree import behavior_tree
 from cbdsl.reporting.export_format import EXPORTS, Export
+from cbdsl.storage.atomic_file import require_unlinked
 
 
 def _formats() -> Iterator[tuple[str, Callable[[], Callable[..., None]]]]:
@@ -85,18 +86,26 @@ def _export(form: Export, place: Path, out: Path | None, options: dict[str, Any]
 
     files = find_recordings(place)
     if form.folder:
-        _write(form, map(read_recording, files), out or files[0].parent / form.folder, options)
+        _write(form, map(read_recording, files), out or files[0].parent / form.folder, options, out)
         return
     if out is not None and len(files) > 1:
         raise UsageError(f"--out {out}: {place} holds {len(files)} recordings; name one of them")
     for file in files:
         # Read before the target is named; errors of reading name the recording.
         recorded = read_recording(file)
-        _write(form, [recorded], out or file.with_suffix(form.suffix), options)
+        _write(form, [recorded], out or file.with_suffix(form.suffix), options, out)
 
 
-def _write(form: Export, recordings: Iterable[Any], target: Path, options: dict[str, Any]) -> None:
+def _write(
+    form: Export,
+    recordings: Iterable[Any],
+    target: Path,
+    options: dict[str, Any],
+    named: Path | None,
+) -> None:
     try:
+        if named is None:
+            require_unlinked(target)
         contents = form.write(recordings, target, **options)
     except OSError as error:
         raise UsageError(f"{target}: {reason(error)}") from error

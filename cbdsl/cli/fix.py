@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from cbdsl.checking.safety_net import check_safely
@@ -43,7 +43,7 @@ def fix_paths(paths: Iterable[str], values: Mapping[str, str]) -> None:
         print_problem(f"fixed {path}")
 
 
-def _fix_once(words: Iterable[str], values: Mapping[str, str]) -> list[Path]:
+def _fix_once(words: Sequence[str], values: Mapping[str, str]) -> list[Path]:
     """Correct each file once, and return the changed files."""
     # A new library in each round reads the texts that the round before has written.
     library, changed = Library(), []
@@ -56,7 +56,9 @@ def _fix_once(words: Iterable[str], values: Mapping[str, str]) -> list[Path]:
         except DiagnosticsError:
             continue
         after = fixed(before, own)
-        if after != before:
-            write_text(after, file)
+        # A link in a folder leads to a file that the user has not named.
+        is_named = file in map(Path, words)
+        if after != before and (is_named or not file.is_symlink()):
+            write_text(after, file, follow=is_named)
             changed.append(file)
     return changed

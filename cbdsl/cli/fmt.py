@@ -54,6 +54,8 @@ def fmt(
     changed, failed = 0, False
     for file in choose_files(paths, Path(STANDARD_INPUT), Library()).files:
         try:
+            if file.is_symlink() and file not in map(Path, paths):
+                continue  # it leads to a file that the user has not named
             is_named = not _is_below(file, paths)
             changed += _format(file, as_steps, check=check, diff=diff, is_named=is_named)
         except DiagnosticsError as error:
@@ -88,7 +90,7 @@ def _format(file: Path, as_steps: bool, *, check: bool, diff: bool, is_named: bo
     if diff:
         _print_difference(file, before, after)
     elif not check:
-        write_text(after, file)
+        write_text(after, file, follow=True)
     print(f"{'would format' if check or diff else 'formatted'} {file}")
     return True
 

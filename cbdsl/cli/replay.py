@@ -34,16 +34,17 @@ def replay(what: Recording, out: Out = None, open_: Open = True) -> None:
         )
     targets = {file: out or file.with_suffix(".html") for file in recordings}
     # All targets are checked before the first page is made.
+    follow = out is not None
     for target in targets.values():
-        require_room(target)
-    pages = [_write(file, target) for file, target in targets.items()]
+        require_room(target, follow=follow)
+    pages = [_write(file, target, follow) for file, target in targets.items()]
     if open_ and len(pages) == 1:
         open_page(pages[0])
 
 
-def _write(recording: Path, target: Path) -> Path:
+def _write(recording: Path, target: Path, follow: bool) -> Path:
     from cbdsl.reporting.page import page
     from cbdsl.reporting.recorded import read_recording
 
-    write_page(page(read_recording(recording)), target)
+    write_page(page(read_recording(recording)), target, follow=follow)
     return target

@@ -48,11 +48,11 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
     target = out or (what / "report.html" if what.is_dir() else what.with_suffix(".html"))
     if any(target.resolve() == file.resolve() for file in files):
         raise UsageError(f"--out {target}: this is a document, which a page would overwrite")
-    require_room(target)
+    require_room(target, follow=out is not None)
     if is_of(MetaCatalogDocument, files[0]):
         text = meta_catalog_page(read_meta_catalog(str(files[0])))
     else:
         text = learned_page([read_learned(file) for file in files], above)
-    write_page(text, target)
+    write_page(text, target, follow=out is not None)
     if open_:
         open_page(target)

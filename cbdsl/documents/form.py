@@ -13,7 +13,6 @@ from pydantic import (
     model_validator,
 )
 
-from cbdsl.documents.contents import contents, is_file
 from cbdsl.documents.document import (
     Angle,
     Color,
@@ -22,6 +21,7 @@ from cbdsl.documents.document import (
     Size,
     SizeSpan,
 )
+from cbdsl.storage.contents import contents, is_file
 from cbdsl.storage.digest import digest_of_bytes
 
 Side = Literal["-x", "+x", "-y", "+y"]

@@ -20,8 +20,9 @@ from cbdsl.learning.experience import EPISODES, Experience
 from cbdsl.reporting.drawing.policy_transitions import require_legible
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.storage.contents import contents
 from cbdsl.storage.digest import digest_of_bytes
-from cbdsl.storage.journal import rows_of
+from cbdsl.storage.journal import MOST_BYTES, rows_of
 from cbdsl.yaml_text.library import Library, is_of
 
 _JOURNAL = ".episodes.jsonl"
@@ -209,7 +210,7 @@ def _from_journal(file: Path, number: int) -> tuple[Experience, ...]:
     if not path.exists():
         return ()
     try:
-        lines = path.read_bytes().splitlines(keepends=True)
+        lines = contents(path, MOST_BYTES).splitlines(keepends=True)
     except OSError as error:
         raise UsageError(f"{path}: {reason(error)}") from error
     # The first line is the header of the journal. Episodes beyond those of the policy are left out.

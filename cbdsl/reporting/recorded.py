@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
-from cbdsl.documents.contents import contents
 from cbdsl.reporting.recorded_form import array_faults, summary_faults
 from cbdsl.runtime.recording import VERSION
+from cbdsl.storage.contents import contents
 
 _NEEDED = (
     "time", "positions", "references", "potentials", "loads", "level_priority", "level_share",

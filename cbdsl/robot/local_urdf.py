@@ -6,10 +6,10 @@ import os
 from pathlib import Path
 from xml.etree import ElementTree
 
-from cbdsl.documents.contents import is_file
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.robot_xml import xml_root
 from cbdsl.robot.urdf import UrdfError
+from cbdsl.storage.contents import is_file
 
 
 def localized(

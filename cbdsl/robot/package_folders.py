@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from cbdsl.diagnostics.nearest import suggestion
-from cbdsl.documents.contents import is_folder
 from cbdsl.robot.urdf import UrdfError
+from cbdsl.storage.contents import is_folder
 
 
 class PackageFolders:

@@ -8,8 +8,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.parsers import expat
 
-from cbdsl.documents.contents import contents
 from cbdsl.robot.urdf import UrdfError
+from cbdsl.storage.contents import contents
 
 # The largest public models, of humanoids, have 1.6 MB; meshes have files of their own.
 MOST_BYTES = 4_000_000

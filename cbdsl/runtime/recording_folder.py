@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.storage.atomic_file import require_unlinked
 from cbdsl.storage.file_lock import LockedError, lock
 
 
@@ -34,7 +35,7 @@ class RecordingFolder:
 
         Raises:
             UsageError: If it holds a recording of one of them.
-            OSError: If it cannot be created or written.
+            OSError: If it cannot be created or written, or a link is in the place of a recording.
         """
         self.path.mkdir(parents=True, exist_ok=True)
         # Only an attempt shows whether the folder can be written to; its mode does not show a
@@ -43,6 +44,8 @@ class RecordingFolder:
             pass
         for seed in seeds:
             self._require_absent(seed)
+            for file in self.files(seed):
+                require_unlinked(file)
 
     @contextmanager
     def claim(self, seed: int) -> Iterator[None]:
@@ -63,7 +66,9 @@ class RecordingFolder:
     def _locked(self, name: Path, seed: int) -> BinaryIO:
         """Return the open and locked file of a name."""
         while True:
-            file = name.open("wb")
+            # Neither a link nor a pipe that another author left there is followed or waited for.
+            flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
+            file = os.fdopen(os.open(name, flags, 0o666), "wb")
             try:
                 lock(file)
                 # Another process may have removed the file after it was opened here. Then its lock

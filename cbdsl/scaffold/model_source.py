@@ -108,9 +108,9 @@ class ModelReader:
         The file's name or the user determines whether it is xacro; the contents do not.
         Files that the readers will refuse are ``robot``, too.
         """
-        from cbdsl.documents.contents import contents
         from cbdsl.robot.robot_xml import MOST_BYTES, xml_root
         from cbdsl.robot.urdf import UrdfError
+        from cbdsl.storage.contents import contents
 
         if (file.suffix == ".xacro" or self._is_xacro) and file.is_file():
             return "xacro"

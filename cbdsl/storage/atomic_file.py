@@ -14,42 +14,49 @@ from pathlib import Path
 from typing import BinaryIO
 
 
-def make_room(path: Path) -> None:
+# A name that the user gave is followed through links. A name that was derived from it, or found in
+# a folder, may be a link that another author left there, and leads anywhere: it is refused.
+def make_room(path: Path, *, follow: bool = False) -> None:
     """Create the folder of a file, and check that the file can be written later.
+
+    Args:
+        path: Path of the file.
+        follow: True if a symbolic link is followed, because the user gave the path.
 
     Raises:
         OSError: The folder cannot be created or written to.
     """
+    _require_replaceable(path, follow)
     folder = _target(path).parent
     folder.mkdir(parents=True, exist_ok=True)
-    _require_replaceable(path)
     with tempfile.TemporaryFile(dir=folder):
         pass
 
 
-def write_text(text: str, path: Path) -> None:
+def write_text(text: str, path: Path, *, follow: bool = False) -> None:
     """Write a file atomically; see ``replace_file``."""
-    write_bytes(text.encode("utf-8"), path)
+    write_bytes(text.encode("utf-8"), path, follow=follow)
 
 
-def write_bytes(contents: bytes, path: Path) -> None:
+def write_bytes(contents: bytes, path: Path, *, follow: bool = False) -> None:
     """Write a file atomically; see ``replace_file``."""
-    replace_file(path, lambda file: file.write(contents))
+    replace_file(path, lambda file: file.write(contents), follow=follow)
 
 
-def replace_file(path: Path, fill: Callable[[BinaryIO], object]) -> None:
+def replace_file(path: Path, fill: Callable[[BinaryIO], object], *, follow: bool = False) -> None:
     """Write a file atomically, so that no reader sees a partial file.
 
-    An existing file keeps its permissions, and a symbolic link to it stays a link.
+    An existing file keeps its permissions, and a followed symbolic link stays a link.
 
     Args:
         path: Path of the file.
         fill: Function that writes the contents.
+        follow: True if a symbolic link is followed, because the user gave the path.
 
     Raises:
         OSError: The file cannot be written; the error names it.
     """
-    _require_replaceable(path)
+    _require_replaceable(path, follow)
     target = _target(path)
     try:
         _replace(target, fill)
@@ -94,12 +101,27 @@ def _sync_folder(folder: Path) -> None:
             os.close(handle)
 
 
-def _require_replaceable(path: Path) -> None:
+def require_unlinked(path: Path) -> None:
+    """Refuse a symbolic link in the place of a file or folder that the user has not named.
+
+    Raises:
+        OSError: The path is a symbolic link.
+    """
+    if path.is_symlink():
+        problem = (
+            f"it is a link to {os.readlink(path)}, and links are followed for given names only"
+        )
+        raise OSError(errno.ELOOP, f"{problem}; remove the link", str(path))
+
+
+def _require_replaceable(path: Path, follow: bool) -> None:
     """Refuse a folder, and a device such as /dev/null, which a rename would replace.
 
     Raises:
-        OSError: The path exists and is not a file.
+        OSError: The path exists and is not a file, or is a link that is not followed.
     """
+    if not follow:
+        require_unlinked(path)
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if path.exists() and not path.is_file():

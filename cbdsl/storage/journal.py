@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import os
+import stat
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from io import FileIO
 from pathlib import Path
 from shlex import quote
 from types import TracebackType
 from typing import Any, BinaryIO, Generic, Self, TypeVar
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.storage.contents import KINDS
 from cbdsl.storage.file_lock import LockedError, lock
 from cbdsl.storage.identity import differences
 
@@ -19,6 +23,8 @@ Row = TypeVar("Row")
 
 # Time for which a process that lost its cluster may be busy with its last line, s.
 _PATIENCE = 60.0
+#: Largest journal, bytes: a hundred thousand episodes.
+MOST_BYTES = 1 << 30
 
 
 class JournalError(UsageError):
@@ -94,10 +100,10 @@ class Journal(Generic[Row]):
     ) -> None:
         self.path, self._form = path, form
         # The file is opened without truncation, because it may only be changed under its lock.
-        self._file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o644), "r+b", buffering=0)
+        self._file = opened(path, os.O_RDWR | os.O_CREAT)
         try:
             _claim(self._file, path, _PATIENCE)
-            known, self._sound = rows_of(self._file.read(), path, form.undertaking)
+            known, self._sound = rows_of(data_of(self._file, path), path, form.undertaking)
             if known and not varying:
                 require_same(path, known[0], identity, form.undertaking)
             self.identity = known[0] if known else identity
@@ -147,6 +153,39 @@ class Journal(Generic[Row]):
         while left:  # a nearly full disk takes a part, and fails only at the next write
             left = left[self._file.write(left) :]
         os.fsync(self._file.fileno())
+
+
+def opened(path: Path, flags: int = os.O_RDWR) -> FileIO:
+    """Open a journal, whose name is derived from that of a document and may be anything.
+
+    A link, a pipe and a device are neither followed nor waited for.
+
+    Raises:
+        JournalError: If the path is not that of a regular file.
+        OSError: If the file cannot be opened.
+    """
+    with suppress(FileNotFoundError):
+        kind = stat.S_IFMT(path.lstat().st_mode)
+        if kind != stat.S_IFREG:
+            raise JournalError(
+                f"{path} is {KINDS.get(kind, 'a link')}, no journal; remove it, or choose another "
+                "--out"
+            )
+    handle = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
+    return FileIO(handle, "r+b" if flags & os.O_RDWR else "rb")
+
+
+def data_of(file: FileIO, path: Path) -> bytes:
+    """Return the contents of a journal, from the current place to the end.
+
+    Raises:
+        JournalError: If they are larger than those of any journal.
+    """
+    size = os.fstat(file.fileno()).st_size - file.tell()
+    # The first character tells a journal from a file of zeros, however large it says that it is.
+    if size > MOST_BYTES or (size and os.pread(file.fileno(), 1, 0) != b"{"):
+        raise JournalError(f"{path} is no journal; remove it, or choose another --out")
+    return file.read()
 
 
 def _claim(file: BinaryIO, path: Path, patience: float) -> None:
@@ -230,9 +269,9 @@ def require_usable(path: Path, identity: Mapping[str, Any]) -> None:
         JournalError: If it cannot be resumed; the message gives the reason.
         OSError: If the file cannot be read or written.
     """
-    with path.open("r+b", buffering=0) as file:
+    with opened(path) as file:
         _claim(file, path, patience=0.0)
-        rows, _ = rows_of(file.read(), path)
+        rows, _ = rows_of(data_of(file, path), path)
     if rows:
         # The first row is the identity; only its parts that are known before the task can be
         # compared.

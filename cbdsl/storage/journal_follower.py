@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any, Generic
 
-from cbdsl.storage.journal import Row, RowForm, rows_of
+from cbdsl.storage.journal import Row, RowForm, data_of, opened, rows_of
 
 
 class JournalFollower(Generic[Row]):
@@ -32,9 +33,9 @@ class JournalFollower(Generic[Row]):
             OSError: If it cannot be read.
         """
         try:
-            with self._path.open("rb") as file:
+            with opened(self._path, os.O_RDONLY) as file:
                 file.seek(self._offset)
-                data = file.read()
+                data = data_of(file, self._path)
         except FileNotFoundError:
             return []
         rows, length = rows_of(data, self._path, self._form.undertaking, self._lines + 1)

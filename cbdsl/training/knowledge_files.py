@@ -48,7 +48,7 @@ def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Pa
         file = _beside(path, kind_of(type(document)).folder, document.name)
         file.parent.mkdir(exist_ok=True)
         remove_leftovers(file)
-        write(document, file)
+        write(document, file, follow=file == path)
         files.append(file)
     return files
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from cbdsl.documents.policy import Provenance
 from cbdsl.learning.experience import EPISODES, Experience
+from cbdsl.storage.atomic_file import require_unlinked
 from cbdsl.storage.journal import Journal
 from cbdsl.training.episode_runner import EpisodeRunner
 from cbdsl.training.knowledge_files import model_file, write_knowledge
@@ -72,7 +73,12 @@ def require_ready(path: Path, effectors: Iterable[str], *, resume: bool) -> None
         OSError: If the files cannot be written, or the disk is full.
     """
     models = [model_file(path, effector) for effector in effectors]
-    require_room((path.parent, model_file(path, "any").parent))
+    folder = model_file(path, "any").parent
+    if folder != path.parent:
+        require_unlinked(folder)
+    for model in models:
+        require_unlinked(model)
+    require_room((path.parent, folder))
     require_free(trial_journal(path), [path, *models], "learned", resume=resume)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from cbdsl.documents.contents import contents
+from cbdsl.storage.contents import contents
 
 if TYPE_CHECKING:
     from pathspec import GitIgnoreSpec

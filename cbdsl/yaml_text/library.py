@@ -9,10 +9,10 @@ from typing import Any, TypeVar
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.nearest import suggestion
-from cbdsl.documents.contents import contents, is_file, is_folder
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of, models
 from cbdsl.documents.ownership import declared_kind
+from cbdsl.storage.contents import contents, is_file, is_folder
 from cbdsl.yaml_text.composer import MOST_BYTES
 from cbdsl.yaml_text.document_folder import documents_below
 from cbdsl.yaml_text.loaded import Loaded

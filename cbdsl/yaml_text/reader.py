@@ -13,9 +13,9 @@ from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.lines import lines_of
 from cbdsl.diagnostics.nearest import nearest_name
 from cbdsl.diagnostics.wording import diagnose
-from cbdsl.documents.contents import contents
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS
+from cbdsl.storage.contents import contents
 from cbdsl.yaml_text.characters import is_suspect
 from cbdsl.yaml_text.composer import (
     MOST_BYTES,

@@ -73,6 +73,6 @@ def dump_plain(data: Mapping[str, Any]) -> str:
     return escaped_invisible(text)
 
 
-def write(document: Document, path: Path) -> None:
+def write(document: Document, path: Path, *, follow: bool = False) -> None:
     """Write a document atomically; see ``replace_file``."""
-    write_text(dump(document), path)
+    write_text(dump(document), path, follow=follow)

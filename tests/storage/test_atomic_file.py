@@ -52,14 +52,27 @@ def test_write_text_through_a_symbolic_link_keeps_the_link(
     elsewhere, link = tmp_path / "shared" / "x.yaml", tmp_path / "knowledge" / "x.yaml"
     link.parent.mkdir()
     link.symlink_to(Path("../shared/x.yaml") if is_relative else elsewhere)
-    make_room(link)
+    make_room(link, follow=True)
     for text in ("created through the link", "replaced through the link"):
-        write_text(text, link)
+        write_text(text, link, follow=True)
         assert link.is_symlink() and elsewhere.read_text("utf-8") == text
     assert [file.name for file in elsewhere.parent.iterdir()] == ["x.yaml"]
     (elsewhere.parent / ".x.yaml.unfinished-1").touch()
     remove_leftovers(link)
     assert [file.name for file in elsewhere.parent.iterdir()] == ["x.yaml"]
+
+
+def test_write_text_without_following_refuses_a_symbolic_link(tmp_path: Path) -> None:
+    link = tmp_path / "link"
+    for target in (tmp_path / "there", tmp_path / "missing"):
+        (tmp_path / "there").write_text("mine", encoding="utf-8")
+        link.unlink(missing_ok=True)
+        link.symlink_to(target)
+        for write in (make_room, lambda path: write_text("theirs", path)):
+            with pytest.raises(OSError, match=r"is a link to .*remove the link"):
+                write(link)
+    assert (tmp_path / "there").read_text("utf-8") == "mine"
+    assert not (tmp_path / "missing").exists()
 
 
 @pytest.mark.parametrize("mask", [0o022, 0o077, 0o002])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,8 +17,10 @@ from cbdsl.storage.journal import (
     JournalError,
     RowForm,
     require_same,
+    require_usable,
     rows_of,
 )
+from cbdsl.storage.journal_follower import JournalFollower
 
 IDENTITY = {"cbdsl": 1, "seed": 5}
 PLAIN = RowForm[dict[str, Any]]("trial", "a row", dict, dict)
@@ -34,6 +38,38 @@ def test_a_journal_goes_on_after_its_last_whole_line(tmp_path: Path) -> None:
         journal.append({"name": "b"})
     assert path.read_text() == '{"cbdsl": 1, "seed": 5}\n{"name": "Wärme"}\n{"name": "b"}\n'
     assert path.stat().st_mode & 0o777 == 0o644
+
+
+def _sparse(path: Path) -> None:
+    with path.open("wb") as file:
+        file.truncate(6 << 30)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (os.mkfifo, "is a named pipe, no journal"),
+        (lambda path: path.symlink_to("/dev/zero"), "is a link"),
+        (lambda path: path.symlink_to("missing"), "is a link"),
+        (lambda path: path.mkdir(), "is a folder"),
+        (_sparse, "is no journal; remove it"),
+        (lambda path: path.write_text("notes without a line break"), "is no journal; remove it"),
+    ],
+)
+def test_journal_in_the_place_of_something_else_is_refused(
+    make: Callable[[Path], object], said: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "some.jsonl"
+    make(path)
+    before = path.lstat()
+    for read in (
+        lambda: Journal(path, IDENTITY, PLAIN),
+        lambda: require_usable(path, IDENTITY),
+        lambda: JournalFollower(path, PLAIN).poll(),
+    ):
+        with pytest.raises(JournalError, match=said):
+            read()
+    assert path.lstat().st_size == before.st_size
 
 
 def test_journal_of_another_trial_is_kept(tmp_path: Path) -> None:

@@ -65,7 +65,8 @@ class CalibrateRequest:
         _require_name(target)
         try:
             # Checked while nothing moves, and not when the result is there.
-            make_room(target)
+            make_room(target, follow=self.out is not None)
+            make_room(target.with_suffix(".svg"))
         except OSError as error:
             raise UsageError(f"{target}: {error.strerror}") from error
         backend = default_engine() if self.backend is None else self.backend
@@ -78,7 +79,7 @@ class CalibrateRequest:
             body=run.stage.disturbance.body,
             backend=backend,
         )
-        return CameraCalibration(run, target, origin)
+        return CameraCalibration(run, target, origin, follows=self.out is not None)
 
     def _run(self) -> RunRequest:
         """Return the request of the program that shows the ball, for an uncalibrated robot."""
@@ -130,11 +131,13 @@ class CameraCalibration:
         run: Program that shows the ball, with its robot and its stage.
         target: File of the calibration.
         origin: Origin of the calibration, for its document.
+        follows: True if the user named the file, so that a link is followed.
     """
 
     run: RunRequest
     target: Path
     origin: CalibrationOrigin
+    follows: bool = False
 
     @property
     def journal(self) -> Path:
@@ -198,7 +201,7 @@ class CameraCalibration:
         title = f"Cameras of {robot.name}, before and after calibration"
         # The journal goes last, so that an interruption loses no observation.
         write_text(calibration_svg(title, panels), self.picture)
-        write(document, self.target)
+        write(document, self.target, follow=self.follows)
         self.journal.unlink()
         return document
 

@@ -78,6 +78,7 @@ class LearnRequest:
             UsageError: An item is unknown or unsuitable.
         """
         from cbdsl.backends.engines import default_engine
+        from cbdsl.storage.atomic_file import require_unlinked
         from cbdsl.training.learning_task import LearningTask
 
         self.require_sound()
@@ -104,6 +105,8 @@ class LearnRequest:
             return [first]
         # All trials have the seed of the request; their numbers distinguish their random draws.
         paths = [first.path.with_stem(f"{first.path.stem}_{n}") for n in range(self.trials)]
+        for path in paths:
+            require_unlinked(path)
         return [replace(first, number=n, path=path) for n, path in enumerate(paths)]
 
     def require_sound(self) -> None:

@@ -25,7 +25,6 @@ from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
-from cbdsl.documents.contents import is_file
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.robot.chains import root
 from cbdsl.robot.channel_names import channel_names
@@ -34,6 +33,7 @@ from cbdsl.robot.source_kind import SOURCES
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported
 from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.storage.contents import is_file
 from cbdsl.types.resource_type import TYPES
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step

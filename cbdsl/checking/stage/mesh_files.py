@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.documents.contents import is_file, is_folder
 from cbdsl.documents.form import MOST_PIECES, MeshForm
 from cbdsl.documents.stage import StageDocument
+from cbdsl.storage.contents import is_file, is_folder
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 

@@ -15,24 +15,28 @@ from cbdsl.diagnostics.reason import reason
 from cbdsl.storage.atomic_file import make_room, write_text
 
 
-def require_room(target: Path) -> None:
+def require_room(target: Path, *, follow: bool = True) -> None:
     """Create the folder of a page, and check before the run that the page can be written.
+
+    Args:
+        target: File of the page.
+        follow: True if the user gave its name, so that a link is followed.
 
     Raises:
         UsageError: The page cannot be written.
     """
     with _writing(target):
-        make_room(target)
+        make_room(target, follow=follow)
 
 
-def write_page(text: str, target: Path, *, prints: bool = True) -> None:
+def write_page(text: str, target: Path, *, prints: bool = True, follow: bool = True) -> None:
     """Write a page, and print its path and size.
 
     Raises:
         UsageError: The page cannot be written; an existing file is unchanged.
     """
     with _writing(target):
-        write_text(text, target)
+        write_text(text, target, follow=follow)
     if prints:
         print(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
 

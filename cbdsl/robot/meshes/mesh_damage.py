@@ -17,9 +17,9 @@ from pathlib import Path
 
 from cbdsl.diagnostics.legible_text import legible
 from cbdsl.diagnostics.reason import reason
-from cbdsl.documents.contents import contents
 from cbdsl.robot.meshes.collada import collada_damage
 from cbdsl.robot.meshes.decimal import DECIMAL
+from cbdsl.storage.contents import contents
 
 #: Largest size of a mesh file, bytes.
 MOST_BYTES = 100_000_000

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from urllib.parse import unquote
 
-from cbdsl.documents.contents import is_file
+from cbdsl.storage.contents import is_file
 
 
 def find_mesh(name: str, folder: Path) -> Path | None:

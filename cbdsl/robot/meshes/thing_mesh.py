@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.documents.contents import is_file
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.meshes.mesh_reader import Mesh
 from cbdsl.robot.meshes.triangles import read_triangles
+from cbdsl.storage.contents import is_file
 
 # Smallest volume relative to the cube of the longest extent; smaller meshes count as flat.
 _LEAST = 1e-6

@@ -11,8 +11,8 @@ import numpy as np
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
-from cbdsl.documents.contents import contents
 from cbdsl.numeric.arrays import Floats
+from cbdsl.storage.contents import contents
 
 #: Largest number of triangles of a mesh, and its longest and shortest extent, m.
 MOST, LONGEST, SHORTEST = 200_000, 2.0, 0.001

@@ -17,12 +17,12 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import mujoco as mj
 import numpy as np
 
-from cbdsl.documents.contents import contents
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.mjcf.body_frame import BodyFrame, moved, placed, turned
 from cbdsl.robot.mjcf.mjcf_model import MjcfJoint, MjcfModel
 from cbdsl.robot.robot_xml import MOST_BYTES, xml_root
 from cbdsl.robot.urdf import UrdfError
+from cbdsl.storage.contents import contents
 
 # Mass, kg, and inertia, kg m^2, of the additional links for sites and for bodies with several
 # joints. Some simulators assume 1 kg for a link without mass.

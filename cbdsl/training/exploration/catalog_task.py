@@ -64,5 +64,5 @@ class CatalogTask:
         catalog = document()
         # The locked journal ensures that no other process writes the catalog now.
         remove_leftovers(self.path)
-        write(catalog, self.path)
+        write(catalog, self.path, follow=True)
         return catalog

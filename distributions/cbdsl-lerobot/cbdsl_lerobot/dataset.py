@@ -114,7 +114,8 @@ class _Dataset:
         self.episodes = self.frames = 0
 
     def __enter__(self) -> _Dataset:
-        (self._folder / "meta").mkdir(parents=True)
+        self._folder.mkdir()  # an existing one is another's
+        (self._folder / "meta").mkdir()
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:

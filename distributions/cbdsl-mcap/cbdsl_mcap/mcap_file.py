@@ -49,7 +49,7 @@ def write_mcap(recorded: Recorded, target: Path) -> int:
     stream = io.BytesIO()
     messages = _Messages(Writer(stream), recorded)
     count = messages.write()
-    replace_file(target, lambda file: file.write(stream.getvalue()))
+    replace_file(target, lambda file: file.write(stream.getvalue()), follow=True)
     return count
 
 

@@ -62,7 +62,7 @@ def write_ros2_mcap(recorded: Recorded, target: Path) -> int:
     for time, topic, message in sorted(_messages(recorded, links), key=lambda row: row[0]):
         bag.put(topic, time, message)
     content = bag.finish()
-    replace_file(target, lambda file: file.write(content))
+    replace_file(target, lambda file: file.write(content), follow=True)
     return bag.count
 
 

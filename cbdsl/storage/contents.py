@@ -7,7 +7,8 @@ import os
 import stat
 from pathlib import Path
 
-_KINDS = {
+#: Words for the kinds of files that are not regular.
+KINDS = {
     stat.S_IFIFO: "a named pipe",
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
@@ -41,7 +42,7 @@ def contents(path: Path, most: int) -> bytes:
         raise
     # ``stat`` follows links, so that a link to a device or a pipe is refused as well.
     if not stat.S_ISREG(status.st_mode):
-        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "no file")
+        kind = KINDS.get(stat.S_IFMT(status.st_mode), "no file")
         raise OSError(errno.EINVAL, f"it is {kind}", str(path))
     if status.st_size <= most:
         with path.open("rb") as file:

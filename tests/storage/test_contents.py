@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.documents.contents import contents
+from cbdsl.storage.contents import contents
 
 
 def refused(path: Path, most: int = 10) -> OSError:
@@ -41,7 +41,7 @@ def test_path_without_a_regular_file_is_reported_by_its_kind(
 def test_a_pipe_without_a_writer_does_not_block(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     program = (
-        "import sys; from pathlib import Path; from cbdsl.documents.contents import contents\n"
+        "import sys; from pathlib import Path; from cbdsl.storage.contents import contents\n"
         "try: contents(Path(sys.argv[1]), 10)\n"
         "except OSError as error: print(error.strerror)"
     )
