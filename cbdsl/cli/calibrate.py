@@ -14,6 +14,7 @@ from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.arguments.options import BodyNumber, Cameras, Seed, With
 from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
 from cbdsl.cli.output.progress import Progress
+from cbdsl.cli.output.terminal import print_line
 from cbdsl.cli.process.native_output import shown_on_failure
 from cbdsl.cli.process.termination import termination_interrupts
 
@@ -99,7 +100,7 @@ def _estimates(calibration: CameraCalibration, cameras: str | None) -> Mapping[s
         Progress("postures shown") as progress,
     ):
         if journal.rows:
-            print(f"goes on after {len(journal.rows)} postures that {calibration.journal} holds")
+            print_line(f"goes on after {len(journal.rows)} postures in {calibration.journal}")
         return calibration.estimate(embodied, kinematics, journal, progress.note)
 
 

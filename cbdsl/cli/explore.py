@@ -15,6 +15,7 @@ from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Cameras, Resume, Seed, Set
 from cbdsl.cli.episodes.live import LiveOptions, live_page
 from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
+from cbdsl.cli.output.terminal import print_line
 from cbdsl.cli.process.native_output import shown_on_failure
 from cbdsl.cli.process.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
@@ -179,7 +180,7 @@ def _run(task: ExplorationTask, request: RunRequest, live: LiveOptions, *, as_js
         document = task.run(body, kinematics, progress, view)
         if not as_json:
             print(catalog_text(document), end="")
-            print(f"wrote {task.path}", flush=True)
+            print_line(f"wrote {task.path}")
 
 
 def _command(context: typer.Context) -> str:

@@ -9,6 +9,7 @@ from cbdsl.api.requests.explore_pairs_request import ExplorePairsRequest
 from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.episodes.simulation import needing_simulation, simulation
 from cbdsl.cli.output.exploration_progress import ExplorationProgress
+from cbdsl.cli.output.terminal import print_line
 from cbdsl.cli.process.native_output import shown_on_failure
 from cbdsl.cli.process.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
@@ -91,4 +92,4 @@ def _run(task: PairTask, request: RunRequest, cameras: str | None, *, as_json: b
         from cbdsl.reporting.text.meta_catalog_text import meta_catalog_text
 
         print(meta_catalog_text(document), end="")
-        print(f"wrote {task.path}")
+        print_line(f"wrote {task.path}")

@@ -16,6 +16,7 @@ from cbdsl.api.requests.run_request import read_program
 from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.arguments.options import Policy, Program, Recording, With
 from cbdsl.cli.command_group import CommandGroup
+from cbdsl.cli.output.terminal import print_line
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.program.behavior_tree import behavior_tree
@@ -109,7 +110,7 @@ def _write(
         contents = form.write(recordings, target, **options)
     except OSError as error:
         raise UsageError(f"{target}: {reason(error)}") from error
-    print(f"{target}: {contents}")
+    print_line(f"{target}: {contents}")
 
 
 @contextmanager

@@ -11,10 +11,11 @@ import typer
 
 from cbdsl.cli.arguments.chosen_files import STANDARD_INPUT, choose_files
 from cbdsl.cli.arguments.options import Paths
-from cbdsl.cli.output.terminal import print_diagnostics, print_problem
+from cbdsl.cli.output.terminal import print_diagnostics, print_line, print_problem
 from cbdsl.cli.process.standard_streams import read_standard_input
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.document import Document
+from cbdsl.diagnostics.legible_text import one_line
 from cbdsl.documents.ownership import is_declared
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.storage.atomic_file import write_text
@@ -91,7 +92,7 @@ def _format(file: Path, as_steps: bool, *, check: bool, diff: bool, is_named: bo
         _print_difference(file, before, after)
     elif not check:
         write_text(after, file, follow=True)
-    print(f"{'would format' if check or diff else 'formatted'} {file}")
+    print_line(f"{'would format' if check or diff else 'formatted'} {file}")
     return True
 
 
@@ -121,5 +122,6 @@ def _with_steps(text: str, file: Path) -> str:
 
 
 def _print_difference(file: Path, before: str, after: str) -> None:
+    name = one_line(str(file))
     old, new = (text.splitlines(keepends=True) for text in (before, after))
-    print("".join(unified_diff(old, new, str(file), str(file))), end="")
+    print("".join(unified_diff(old, new, name, name)), end="")

@@ -21,7 +21,7 @@ from cbdsl.cli.arguments.workers import require_workers, warn_of_open_scheduler
 from cbdsl.cli.episodes.live import LiveOptions
 from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
 from cbdsl.cli.learning_tasks import one_by_one, side_by_side
-from cbdsl.cli.output.terminal import print_diagnostics
+from cbdsl.cli.output.terminal import print_diagnostics, print_line
 from cbdsl.cli.process.native_output import shown_on_failure
 from cbdsl.cli.process.termination import termination_interrupts
 from cbdsl.diagnostics.errors import UsageError
@@ -340,9 +340,9 @@ def _tell_what_is_there(tasks: Sequence[LearningTask]) -> None:
     """Report journals that are missing or hold more episodes than asked for."""
     begun = [each for each in tasks if each.journal.exists()]
     if not begun:
-        print(f"nothing to go on with: {tasks[0].journal} is not there; begins anew")
+        print_line(f"nothing to go on with: {tasks[0].journal} is not there; begins anew")
     for task in begun:
         there = len(JournalFollower(task.journal, EPISODES).poll())
         if there > task.episodes:
             first = f"the first {task.episodes} of its {there} episodes"
-            print(f"{task.journal}: {first} count, all are kept")
+            print_line(f"{task.journal}: {first} count, all are kept")

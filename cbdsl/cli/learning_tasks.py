@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from cbdsl.cli.episodes.live import live_page
 from cbdsl.cli.episodes.simulation import needing_simulation, simulation
 from cbdsl.cli.output.learning_progress import LearningProgress
-from cbdsl.cli.output.terminal import print_problem
+from cbdsl.cli.output.terminal import print_line, print_problem
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.learning.experience import EPISODES
@@ -134,7 +134,7 @@ class Supervision:
         """Report a failed trial; see ``Supervisor.failed``."""
         reason = _reason(task, error)
         self._failures.setdefault(reason, []).append(task.number)
-        print(f"trial {task.number} cannot go on: {reason}", flush=True)
+        print_line(f"trial {task.number} cannot go on: {reason}")
 
     def conclude(self) -> None:
         """Raise the failures of all trials at the end.
@@ -190,4 +190,4 @@ def _kept(tasks: Sequence[LearningTask]) -> str:
 
 def _print_files(files: Sequence[Path]) -> None:
     for file in files:
-        print(f"wrote {file}", flush=True)
+        print_line(f"wrote {file}")

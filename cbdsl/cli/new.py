@@ -10,7 +10,7 @@ import typer
 
 from cbdsl.api.propose_robot import propose_robot
 from cbdsl.checking.lookup.document_search import for_robot
-from cbdsl.cli.output.terminal import print_problem
+from cbdsl.cli.output.terminal import print_line, print_problem
 from cbdsl.cli.validation import check_paths
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.program import ProgramDocument
@@ -155,7 +155,7 @@ def _write(
 def _conclude(file: Path, written: Sequence[Path], remarks: Sequence[str] = ()) -> NoReturn:
     """Print the written files and remarks, and check the document."""
     for path in written:
-        print(f"wrote {path}", flush=True)
+        print_line(f"wrote {path}")
     for remark in remarks:
         print_problem(remark)
     # Assumptions about the robot were reported when its document was written.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.output.plugin_warnings import warn_of_faults
+from cbdsl.cli.output.terminal import print_line
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.json_schema import json_schema, json_text, schema_file
@@ -56,6 +57,6 @@ def _write(kinds: dict[str, type[Document]], folder: Path) -> None:
         for name, model in kinds.items():
             file = folder / schema_file(name)
             write_text(json_text(json_schema(model)), file)
-            print(f"wrote {file}")
+            print_line(f"wrote {file}")
     except OSError as error:
         raise UsageError(f"--write {folder}: {reason(error)}") from error

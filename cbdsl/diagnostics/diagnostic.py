@@ -3,6 +3,7 @@
 from enum import Enum
 from typing import NamedTuple
 
+from cbdsl.diagnostics.legible_text import one_line
 from cbdsl.diagnostics.nearest import nearest_name
 
 #: Code of the diagnostic that reports a failed check.
@@ -33,7 +34,7 @@ class Place(NamedTuple):
     end_column: int = 2
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}:{self.column}"
+        return f"{one_line(self.file)}:{self.line}:{self.column}"
 
 
 class Related(NamedTuple):

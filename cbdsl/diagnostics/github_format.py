@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Severity
+from cbdsl.diagnostics.legible_text import one_line
 from cbdsl.diagnostics.validation_report import ValidationReport
 
 _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
@@ -41,7 +42,7 @@ def _message(diagnostic: Diagnostic) -> str:
     """Return the message, the suggested name, and the related places."""
     suggestion = [f"did you mean '{diagnostic.nearest}'?"] if diagnostic.nearest else []
     related = [f"{related.place}: {related.message}" for related in diagnostic.related]
-    return "\n".join([diagnostic.message, *suggestion, *related])
+    return "\n".join(map(one_line, [diagnostic.message, *suggestion, *related]))
 
 
 def _escaped(text: str, escapes: dict[str, str]) -> str:

@@ -23,4 +23,11 @@ def legible(text: str) -> str:
     if len(text) > _LONGEST:
         # The beginning and the end identify a text better than its beginning alone.
         text = f"{text[: _LONGEST // 2]} … {text[-_LONGEST // 4 :]}"
+    return one_line(text)
+
+
+def one_line(text: str) -> str:
+    """Return a text on one line, with unprintable characters written as escapes."""
+    if text.isprintable():
+        return text
     return seen(text, lambda unseen: unseen.encode("unicode_escape").decode())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from cbdsl.diagnostics.diagnostic import Diagnostic, Place, Severity
-from cbdsl.diagnostics.legible_text import seen
+from cbdsl.diagnostics.legible_text import one_line, seen
 from cbdsl.diagnostics.lines import lines_of
 
 # No section of a document has more keys.
@@ -31,8 +31,8 @@ def render(diagnostic: Diagnostic, source: str | None = None, color: bool = Fals
     place = _paint(str(diagnostic.place), _BOLD, color)
     code = _paint(f"{diagnostic.code}{mark}", tint, color)
     snippet = _snippet(diagnostic.place, source, tint if color else "")
-    hints = [_paint(hint, _CYAN, color) for hint in _hints(diagnostic)]
-    return "\n".join([f"{place}: {code} {diagnostic.message}", *snippet, *hints])
+    hints = [_paint(one_line(hint), _CYAN, color) for hint in _hints(diagnostic)]
+    return "\n".join([f"{place}: {code} {one_line(diagnostic.message)}", *snippet, *hints])
 
 
 def _paint(text: str, tint: str, color: bool) -> str:

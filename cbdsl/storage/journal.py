@@ -182,7 +182,7 @@ def data_of(file: FileIO, path: Path) -> bytes:
         JournalError: If they are larger than those of any journal.
     """
     size = os.fstat(file.fileno()).st_size - file.tell()
-    # The first character tells a journal from a file of zeros, however large it says that it is.
+    # A sparse file of any size begins with a zero, a journal with a brace.
     if size > MOST_BYTES or (size and os.pread(file.fileno(), 1, 0) != b"{"):
         raise JournalError(f"{path} is no journal; remove it, or choose another --out")
     return file.read()
@@ -238,8 +238,8 @@ def damaged(
     whole, aside = quote(str(path)), quote(f"{path}.damaged")
     return DamagedJournalError(
         f"{path}, line {number}: {problem}; the journal is damaged, and was left as it is. What "
-        f"stands above is whole, and the same command goes on there{option}, after\n"
-        f"  mv {whole} {aside} && head -n {number - 1} {aside} > {whole}"
+        f"stands above is whole, and the same command goes on there{option}, after: "
+        f"mv {whole} {aside} && head -n {number - 1} {aside} > {whole}"
     )
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import typer
 
 from cbdsl.backends.quiet import quiet_stderr
+from cbdsl.cli.output.terminal import print_line
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.storage.atomic_file import make_room, write_text
@@ -38,7 +39,7 @@ def write_page(text: str, target: Path, *, prints: bool = True, follow: bool = T
     with _writing(target):
         write_text(text, target, follow=follow)
     if prints:
-        print(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
+        print_line(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cbdsl.cli.output.terminal import print_line
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.runtime.recording_folder import RecordingFolder
@@ -85,7 +86,7 @@ class Recorder:
         with self._named_problems():
             file = recording.write(self._folder.path, result)
         if self._prints:
-            print(f"  recorded in {file}", flush=True)
+            print_line(f"  recorded in {file}")
 
     @contextmanager
     def _named_problems(self) -> Iterator[None]:

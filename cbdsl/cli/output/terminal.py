@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from cbdsl.cli.process.legible_output import raw
 from cbdsl.diagnostics.diagnostic import Diagnostic
-from cbdsl.diagnostics.legible_text import legible
+from cbdsl.diagnostics.legible_text import legible, one_line
 from cbdsl.diagnostics.text_format import text
 from cbdsl.diagnostics.validation_report import ValidationReport
 
@@ -61,9 +61,14 @@ def _cell(value: object) -> str:
     return legible(str(value))
 
 
+def print_line(text: str) -> None:
+    """Print a text with names of files, whose line breaks are written as escapes."""
+    print(one_line(text), flush=True)
+
+
 def print_problem(message: str) -> None:
     """Print the reason why a command failed."""
-    print(f"cb: {message}", file=sys.stderr)
+    print(f"cb: {one_line(message)}", file=sys.stderr)
 
 
 @cache

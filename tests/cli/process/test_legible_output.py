@@ -19,7 +19,7 @@ from tests.cli.test_main import cb
 from tests.conftest import ROOT
 
 TITLE, CLEAR, BELL, C1 = "\x1b]0;owned\x07", "\x1b[2J", "\x07", "\x9b31m"
-PAYLOAD = f"{TITLE}{CLEAR}{C1}\r\u202e"
+PAYLOAD = f"{TITLE}{CLEAR}{C1}\r\u202e\n::owned::"
 HARMFUL = "\x1b\x07\x9b\r\u202e\x08"
 
 
@@ -82,6 +82,13 @@ COMMANDS = (
     ("export", "tree", f"programs/{NAME}.yaml"),
     ("new", "robot", "r", "--urdf", "m.urdf"),
     ("new", "robot", PAYLOAD, "--urdf", "m.urdf"),
+    ("run", "nowhere"),
+    ("show", "program", "nowhere"),
+    ("show", "knowledge"),
+    ("schema", "program", "--write", PAYLOAD),
+    ("new", "program", "y", "--to", PAYLOAD),
+    ("validate", f"programs/{NAME}.yaml", "--fix"),
+    ("fmt", "--diff", "."),
     ("learn", "searchtrack", "--out", "p.yaml", "--resume", "--backend", "kinematic"),
     (PAYLOAD,),
     ("--" + PAYLOAD,),
@@ -98,6 +105,9 @@ def test_command_on_harmful_names_and_texts_prints_legible_text(
     cb(monkeypatch, *words)
     printed = capsys.readouterr()
     assert not set(printed.out + printed.err) & set(HARMFUL)
+    # GitHub obeys a line that begins with a command, also after blanks.
+    lines = (printed.out + printed.err).splitlines()
+    assert not [line for line in lines if line.lstrip().startswith("::owned")]
 
 
 @pytest.mark.slow
