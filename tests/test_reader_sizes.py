@@ -19,6 +19,7 @@ from cbdsl.checking.session import Session
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.language.parser import parse
 from cbdsl.reporting import recorded
+from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.robot.meshes import mesh_damage
 from cbdsl.robot.meshes.triangles import MOST, read_triangles
@@ -26,6 +27,7 @@ from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.srdf import parse_srdf
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import parse_urdf
+from cbdsl.storage.atomic_file import write_text
 from cbdsl.storage.journal import rows_of
 from cbdsl.yaml_text.git_ignore import GitIgnore
 from cbdsl.yaml_text.library import Library
@@ -249,6 +251,27 @@ def test_recording_that_unpacks_to_much_is_refused_before(
     file = recording(tmp_path, {"time": (header(2 * 10**7), 2 * 10**7)})
     with pytest.raises(UsageError, match="more than 10000000 bytes"):
         read_recording(file)
+
+
+def test_recording_with_many_unknown_names_reads_none_of_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[object] = []
+    monkeypatch.setattr(recorded, "_require_array", lambda *part: read.append(part))
+    file = recording(tmp_path, {f"unknown_{n}": (header(0), 0) for n in range(2000)})
+    with pytest.raises(UsageError, match="lacks time"):
+        read_recording(file)
+    assert read == []
+
+
+def test_recording_with_lone_surrogates_is_read_and_shown(tmp_path: Path) -> None:
+    folder = ROOT / "tests" / "fuzz" / "recording"
+    text = (folder / "episode_25.json").read_text("utf-8")
+    for place in ('"ending": "', '"joints": [\n  "', '"name": "'):
+        assert place in text, place
+        (tmp_path / "a.json").write_text(text.replace(place, f"{place}\\ud800", 1), "utf-8")
+        shutil.copy(folder / "episode_25.npz", tmp_path / "a.npz")
+        write_text(page(read_recording(tmp_path / "a.json")), tmp_path / "a.html")
 
 
 def test_recording_with_an_array_larger_than_its_part_is_refused(tmp_path: Path) -> None:

@@ -128,6 +128,9 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     "a file that another user can have written is not read": (
         f"{_HERE}test_machine_code_that_others_can_write_is_not_read",
     ),
+    "settings of numba in the current folder are not read": (
+        f"{_HERE}test_settings_of_numba_in_the_current_folder_are_not_read",
+    ),
     "256,000 characters, 10,000 in one text, 1,000 in one key, 10,000 values, 2,000 in one list or "
     "mapping, 64 levels": (_BOUNDS, f"{_HERE}test_document_beyond_a_bound_is_refused"),
     "4 MB, 10,000 links, 1,000 joints in a chain": (
@@ -138,6 +141,9 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         _BOUNDS,
         "robot/xacro/test_expansion.py:test_expand_unbounded_model_is_refused",
         "robot/xacro/test_xacro_expression.py:test_evaluate_large_value_is_refused_before_it_is_made",
+    ),
+    "5 s without computing, for a file that gives nothing": (
+        f"{_SOURCE}test_new_robot_from_mjcf_that_names_a_pipe_ends",
     ),
     "20 MB, 200,000 triangles": (
         _BOUNDS,
@@ -457,11 +463,41 @@ def test_machine_code_that_others_can_write_is_not_read(tmp_path: Path) -> None:
     file.write_bytes(b"")
     tmp_path.chmod(0o755)
     assert _is_own(file)
-    file.chmod(0o666)
-    assert not _is_own(file)
+    for mode in (0o666, 0o664, 0o646):
+        file.chmod(mode)
+        assert not _is_own(file)
     file.chmod(0o644)
-    tmp_path.chmod(0o777)
-    assert not _is_own(file)
+    for mode in (0o777, 0o775):
+        tmp_path.chmod(mode)
+        assert not _is_own(file)
+
+
+_SETTINGS = """
+import sys
+from cbdsl.cli.main import main
+sys.argv[1:] = {words}
+try:
+    main()
+except SystemExit:
+    pass
+from numba.core import config
+config.reload_config()
+print("debug is", config.DEBUG)
+"""
+
+
+def test_settings_of_numba_in_the_current_folder_are_not_read(tmp_path: Path) -> None:
+    (tmp_path / ".numba_config.yaml").write_text("debug: 1\n")
+    words = ["run", "searchtrack", "--backend", "kinematic"]
+    for code in ("import numba", _SETTINGS.format(words=words)):
+        done = subprocess.run(
+            [sys.executable, "-c", f"{code}\nfrom numba.core import config; print(config.DEBUG)"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+        )
+        expected = "1" if code == "import numba" else "0"
+        assert done.stdout.splitlines()[-1] == expected, done.stderr
 
 
 def test_dependencies_have_upper_bounds() -> None:

@@ -18,6 +18,7 @@ from cbdsl.cli.arguments.options import Policy, Program, Recording, With
 from cbdsl.cli.command_group import CommandGroup
 from cbdsl.cli.output.terminal import print_line
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.legible_text import one_line
 from cbdsl.diagnostics.reason import reason
 from cbdsl.program.behavior_tree import behavior_tree
 from cbdsl.reporting.export_format import EXPORTS, Export
@@ -48,6 +49,9 @@ def _command(name: str) -> Callable[..., None]:
     form = EXPORTS.get(name)
 
     def command(recording: Path, out: Path | None, **options: Any) -> None:
+        for key, value in options.items():
+            if isinstance(value, str):
+                options[key] = one_line(value)
         with _needed(name):
             _export(form, recording, out, options)
 

@@ -6,11 +6,13 @@ import gc
 import os
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from cbdsl.cli.arguments.words import asks_for_backends, require_words
 from cbdsl.cli.process.legible_output import legible_output
 from cbdsl.cli.process.standard_streams import fill_closed_streams
+from cbdsl.numeric.numba_settings import ignore_settings_of_folder
 
 if TYPE_CHECKING:
     import typer
@@ -76,6 +78,7 @@ def _run(words: list[str]) -> None:
             from cbdsl.cli.validation import check_paths
 
             sys.exit(check_paths(words[1:], {}))
+        ignore_settings_of_folder()
         build_app(_requested(words), lists=_only_lists(words))(words)
     except KeyboardInterrupt as interrupt:
         _report_notes(interrupt)
@@ -84,8 +87,10 @@ def _run(words: list[str]) -> None:
         # The reader has closed the pipe; nothing may be flushed at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except Exception as error:
-        code = _report(error)
-        _report_notes(error)
+        code = 2
+        with suppress(BrokenPipeError):
+            code = _report(error)
+            _report_notes(error)
         sys.exit(code)
     finally:
         gc.freeze()  # a last search for garbage would only delay the exit

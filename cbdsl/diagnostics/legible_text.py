@@ -26,6 +26,11 @@ def legible(text: str) -> str:
     return one_line(text)
 
 
+def encoded(text: str) -> bytes:
+    """Return a text in UTF-8; a lone surrogate, which UTF-8 lacks, becomes its escape in JSON."""
+    return text.encode("utf-8", "backslashreplace")
+
+
 def one_line(text: str) -> str:
     """Return a text on one line, with unprintable characters written as escapes."""
     if text.isprintable():

@@ -125,10 +125,13 @@ class KernelCache(_Cache):
 
 def _is_own(file: Path) -> bool:
     """Return whether no other user can have written a file, because reading it runs its code."""
-    for status in (file.stat(), file.parent.stat()):
-        if status.st_uid not in (os.geteuid(), 0) or status.st_mode & stat.S_IWOTH:
-            return False
-    return True
+    return not any(_is_writable_by_others(each) for each in (file, file.parent))
+
+
+def _is_writable_by_others(path: Path) -> bool:
+    status = path.stat()
+    others = stat.S_IWOTH | stat.S_IWGRP
+    return status.st_uid not in (os.geteuid(), 0) or bool(status.st_mode & others)
 
 
 def folder() -> Path | None:
@@ -151,8 +154,11 @@ _problems: list[str] = []
 
 def problem() -> str | None:
     """Return the reason why machine code could not be kept, if there is one."""
-    if folder() is None:
+    place = folder()
+    if place is None:
         return "the user has no home folder"
+    if place.exists() and _is_writable_by_others(place):
+        return f"{place}: other users can write to this folder"
     return _problems[0] if _problems else None
 
 
@@ -162,7 +168,9 @@ def _write(file: Path, content: bytes) -> None:
     try:
         with _removed_on_failure(unfinished):
             file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            unfinished.write_bytes(content)
+            handle = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(content)
             unfinished.replace(file)
         _delete_unused(file.parent)
     except OSError as error:

@@ -37,7 +37,7 @@ class Bundle:
 
     def text(self, header: Mapping[str, object]) -> str:
         """Return the header's size, the header and the arrays, compressed and encoded as Base64."""
-        plain = json.dumps(header, ensure_ascii=False, separators=(",", ":")).encode()
+        plain = json.dumps(header, separators=(",", ":")).encode()
         # JSON ignores trailing blanks. They align the arrays, which follow the header and its size
         # of 4 bytes.
         plain += b" " * (-(4 + len(plain)) % _ALIGNMENT)

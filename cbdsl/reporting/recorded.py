@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import math
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -18,13 +17,15 @@ from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.reason import reason
 from cbdsl.reporting.recorded_form import array_faults, summary_faults
 from cbdsl.runtime.recording import VERSION
-from cbdsl.storage.contents import contents
+from cbdsl.storage.contents import contents, json_of
 
 _NEEDED = (
     "time", "positions", "references", "potentials", "loads", "level_priority", "level_share",
     "level_rank", "level_singular_value", "level_predicted", "level_held_by", "at_limits", "scene",
     "image_time",
 )  # fmt: skip
+
+_OPTIONAL = ("velocities", "errors", "guard_held")
 
 _TOLD = (
     "result", "joints", "controllers", "load_cells", "predicates", "transitions", "members",
@@ -112,9 +113,10 @@ def read_recording(file: Path) -> Recorded:
     if absent:
         raise UsageError(f"{file}: lacks {', '.join(absent)}")
     _require_sound(file, summary_faults(summary))
-    arrays = _arrays(file.with_suffix(".npz"))
-    missing = [key for key in _NEEDED if key not in arrays]
-    missing += [f"signal_{name}" for name in summary["signals"] if f"signal_{name}" not in arrays]
+    signals = [f"signal_{name}" for name in summary["signals"]]
+    images = [f"image_{name}" for name in summary["robot"].get("cameras", {})]
+    arrays = _arrays(file.with_suffix(".npz"), {*_NEEDED, *_OPTIONAL, *signals, *images})
+    missing = [key for key in (*_NEEDED, *signals) if key not in arrays]
     if missing:
         raise UsageError(f"{file.with_suffix('.npz')}: lacks {', '.join(missing)}")
     # All arrays but images have a row for each tick. Without ground truth, the scene is empty.
@@ -141,7 +143,7 @@ def _summary(file: Path) -> Mapping[str, Any]:
     if file.suffix != ".json":
         raise UsageError(f"{file}: no recording, which is a .json and a .npz file; {_MAKING}")
     try:
-        summary = json.loads(contents(file, _MOST_SUMMARY_BYTES))
+        summary = json_of(contents(file, _MOST_SUMMARY_BYTES))
     except OSError as error:
         raise UsageError(f"{file}: {reason(error)}") from error
     except (ValueError, RecursionError) as error:
@@ -160,18 +162,18 @@ def _summary(file: Path) -> Mapping[str, Any]:
     raise UsageError(f"{file}: no recording; {_MAKING}")
 
 
-def _arrays(file: Path) -> Mapping[str, NDArray[Any]]:
+def _arrays(file: Path, names: Set[str]) -> Mapping[str, NDArray[Any]]:
     if not file.exists():
         raise UsageError(f"{file}: missing; a recording is two files, .json and .npz")
     try:
-        _require_bounded(file)
+        _require_bounded(file, names)
         with np.load(file, allow_pickle=False) as loaded:
-            return {key: loaded[key] for key in loaded}
+            return {key: loaded[key] for key in names if key in loaded}
     except _UNREADABLE as error:
         raise UsageError(f"{file}: damaged, or cut short; record the episode again") from error
 
 
-def _require_bounded(file: Path) -> None:
+def _require_bounded(file: Path, names: Set[str]) -> None:
     """Check the sizes that an archive declares, before any of it is unpacked.
 
     Raises:
@@ -182,7 +184,9 @@ def _require_bounded(file: Path) -> None:
         raise UsageError(f"{file}: not a regular file")
     # A small archive can unpack to terabytes, and a forged header can make `np.load` allocate them.
     with zipfile.ZipFile(file) as archive:
-        parts = archive.infolist()
+        # Each name is read once, also in an archive of many equal or unknown names.
+        present = {f"{name}.npy" for name in names} & archive.NameToInfo.keys()
+        parts = [archive.getinfo(name) for name in present]
         if sum(part.file_size for part in parts) > _MOST_ARRAY_BYTES:
             raise UsageError(
                 f"{file}: its arrays have more than {_MOST_ARRAY_BYTES} bytes; record a shorter "

@@ -53,6 +53,7 @@ class _Camera(BaseModel, strict=True):
 
 
 class _Robot(BaseModel, strict=True):
+    name: str
     urdf: str
     folder: str
     singular_value: float

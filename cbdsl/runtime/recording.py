@@ -26,7 +26,7 @@ from cbdsl.runtime.explanation import LIMITS, REACH, Explanation, LevelExplanati
 from cbdsl.runtime.recording_folder import RecordingFolder
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.signals import Signals
-from cbdsl.storage.atomic_file import replace_file
+from cbdsl.storage.atomic_file import replace_file, write_text
 from cbdsl.types.resource import Centroid, Resource, StereoPosition, Tip
 
 #: Version of the files; raised if a reader of older files would be misled.
@@ -186,7 +186,7 @@ class Recording(EpisodeObserver):
             lambda file: np.savez_compressed(file, allow_pickle=False, **arrays),
         )
         text = json.dumps(self._summary(result), indent=1, ensure_ascii=False)
-        replace_file(summary_file, lambda file: file.write(text.encode()))
+        write_text(text, summary_file)
         return summary_file
 
     def _arrays(self) -> dict[str, NDArray[Any]]:

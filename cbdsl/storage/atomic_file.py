@@ -13,6 +13,8 @@ from glob import escape
 from pathlib import Path
 from typing import BinaryIO
 
+from cbdsl.diagnostics.legible_text import encoded
+
 
 # A name that the user gave is followed through links. A name that was derived from it, or found in
 # a folder, may be a link that another author left there, and leads anywhere: it is refused.
@@ -35,7 +37,7 @@ def make_room(path: Path, *, follow: bool = False) -> None:
 
 def write_text(text: str, path: Path, *, follow: bool = False) -> None:
     """Write a file atomically; see ``replace_file``."""
-    write_bytes(text.encode("utf-8"), path, follow=follow)
+    write_bytes(encoded(text), path, follow=follow)
 
 
 def write_bytes(contents: bytes, path: Path, *, follow: bool = False) -> None:

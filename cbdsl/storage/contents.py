@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import stat
 from pathlib import Path
+from typing import Any
 
 #: Words for the kinds of files that are not regular.
 KINDS = {
@@ -50,6 +52,19 @@ def contents(path: Path, most: int) -> bytes:
         if len(data) <= most:
             return data
     raise OSError(errno.EFBIG, f"it is larger than {most} bytes", str(path))
+
+
+def json_of(data: bytes) -> Any:
+    """Return JSON data, with question marks for lone surrogates, which no file or page can hold.
+
+    Raises:
+        ValueError: The data is not JSON.
+        RecursionError: It is nested too deeply.
+    """
+    value = json.loads(data)
+    if b"\\ud" not in data.lower():
+        return value
+    return json.loads(json.dumps(value, ensure_ascii=False).encode("utf-8", "replace"))
 
 
 def is_file(path: Path) -> bool:

@@ -2,10 +2,12 @@
 
 import hashlib
 
+from cbdsl.diagnostics.legible_text import encoded
+
 
 def digest_of_text(text: str) -> str:
     """Return the SHA-256 of a text, in hexadecimal."""
-    return digest_of_bytes(text.encode())
+    return digest_of_bytes(encoded(text))
 
 
 def digest_of_bytes(contents: bytes) -> str:

@@ -15,7 +15,8 @@ from types import TracebackType
 from typing import Any, BinaryIO, Generic, Self, TypeVar
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.storage.contents import KINDS
+from cbdsl.diagnostics.legible_text import encoded
+from cbdsl.storage.contents import KINDS, json_of
 from cbdsl.storage.file_lock import LockedError, lock
 from cbdsl.storage.identity import differences
 
@@ -149,7 +150,7 @@ class Journal(Generic[Row]):
         self.rows.append(row)
 
     def _append_line(self, data: Mapping[str, Any]) -> None:
-        left = memoryview(json.dumps(data, ensure_ascii=False).encode() + b"\n")
+        left = memoryview(encoded(json.dumps(data, ensure_ascii=False)) + b"\n")
         while left:  # a nearly full disk takes a part, and fails only at the next write
             left = left[self._file.write(left) :]
         os.fsync(self._file.fileno())
@@ -218,7 +219,7 @@ def rows_of(
 
 def _object(line: bytes, path: Path, number: int, undertaking: str) -> dict[str, Any]:
     try:
-        row = json.loads(line)
+        row = json_of(line)
     except (ValueError, RecursionError) as error:
         raise damaged(path, number, f"it is not JSON ({error})", undertaking) from error
     if not isinstance(row, dict):

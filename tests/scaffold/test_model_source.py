@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -210,6 +211,25 @@ def test_new_robot_from_mjcf_that_takes_long_ends(
     (folder / "arm.xml").write_text('<mujoco><include file="parts.xml"/></mujoco>')
     assert cb(monkeypatch, "new", "robot", "arm", "--urdf", "arm.xml") == 2
     assert "MuJoCo cannot compile it within 10 s" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "model",
+    [
+        '<mujoco><include file="pipe"/></mujoco>',
+        '<mujoco><asset><mesh name="m" file="pipe.stl"/></asset></mujoco>',
+        '<mujoco><asset><hfield name="h" file="pipe.png"/></asset></mujoco>',
+    ],
+)
+def test_new_robot_from_mjcf_that_names_a_pipe_ends(
+    model: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("pipe", "pipe.stl", "pipe.png"):
+        os.mkfifo(folder / name)
+    (folder / "arm.xml").write_text(model)
+    assert cb(monkeypatch, "new", "robot", "arm", "--urdf", "arm.xml") == 2
+    assert "MuJoCo waits for a file that it names" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("suffix", [".urdf", ".srdf", ".xml", ""])

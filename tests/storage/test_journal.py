@@ -126,7 +126,7 @@ def test_damaged_line_is_reported_with_the_remedy(data: bytes, problem: str) -> 
     with pytest.raises(DamagedJournalError, match=f"line 2: it is {problem}") as raised:
         rows_of(b"{}\n" + data, path)
     assert str(raised.value).endswith(
-        "with --resume where it has that, after\n  mv 'my trial.jsonl' 'my trial.jsonl.damaged' "
+        "with --resume where it has that, after: mv 'my trial.jsonl' 'my trial.jsonl.damaged' "
         "&& head -n 1 'my trial.jsonl.damaged' > 'my trial.jsonl'"
     )
     with pytest.raises(DamagedJournalError, match=r"line 7: .* goes on there, after"):

@@ -44,8 +44,8 @@ def warn_of_open_scheduler(address: str) -> None:
         host = urlsplit(f"//{rest}").hostname or ""
     except ValueError:
         return  # not an address; the failed connection is reported later
-    # The schemes `tls` and `wss` are encrypted. Without a scheme, Dask uses `tcp`.
-    if scheme in ("", "tcp", "ws") and not _is_here(host):
+    # Without a scheme, Dask uses `tcp`. Others, such as `ucx`, are as open.
+    if scheme not in ("tls", "wss", "inproc") and not _is_here(host):
         print_problem(
             f"warning: {address} is neither encrypted nor asks who connects: whoever reaches it "
             "runs code on it and here. Dask's TLS is a tls:// address and certificates"

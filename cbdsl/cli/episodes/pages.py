@@ -12,6 +12,7 @@ import typer
 from cbdsl.backends.quiet import quiet_stderr
 from cbdsl.cli.output.terminal import print_line
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.legible_text import encoded
 from cbdsl.diagnostics.reason import reason
 from cbdsl.storage.atomic_file import make_room, write_text
 
@@ -39,7 +40,7 @@ def write_page(text: str, target: Path, *, prints: bool = True, follow: bool = T
     with _writing(target):
         write_text(text, target, follow=follow)
     if prints:
-        print_line(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
+        print_line(f"{target}: {len(encoded(text)) / 1e6:.1f} MB")
 
 
 @contextmanager

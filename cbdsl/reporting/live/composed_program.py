@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from cbdsl.checking.safety_net import check_safely
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
+from cbdsl.diagnostics.legible_text import encoded
 from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.yaml_text.composer import compose
@@ -149,5 +150,5 @@ def _ordered(made: Plain) -> list[str]:
 
 
 def _checked(text: str, file: Path) -> tuple[Diagnostic, ...]:
-    library = Library(given={file: text.encode()})
+    library = Library(given={file: encoded(text)})
     return tuple(check_safely(file, Session(library)))

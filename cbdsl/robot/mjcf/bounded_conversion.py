@@ -12,12 +12,16 @@ import os
 import resource
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 from typing import NamedTuple
 
 from cbdsl.robot.urdf import UrdfError
 
 _MOST_SECONDS = 10
+# Time without computing, s: even on a busy machine, the process gets some of each second.
+_MOST_IDLE_SECONDS = 5
 _MOST_BYTES = 3_000_000_000
 _BEGIN = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
@@ -79,6 +83,7 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (_MOST_SECONDS, _MOST_SECONDS))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     answers = os.dup(1)
+    threading.Thread(target=_end_if_idle, args=(answers, sys.argv[2]), daemon=True).start()
     os.dup2(2, 1)  # warnings of native code must not mix with the answer
     answer: dict[str, object]
     try:
@@ -91,3 +96,16 @@ def main() -> None:
         answer = {"error": str(error)}
     with os.fdopen(answers, "w", encoding="utf-8") as stream:
         json.dump(answer, stream)
+
+
+# MuJoCo opens the files that a model names in several ways, and waits for ever for a named pipe.
+def _end_if_idle(answers: int, path: str) -> None:
+    """End the process when it computes nothing, because it waits for a file."""
+    idle = 0
+    while idle < _MOST_IDLE_SECONDS:
+        before = time.process_time()
+        time.sleep(1.0)
+        idle = idle + 1 if time.process_time() - before < 0.005 else 0
+    reason = f"{path}: MuJoCo waits for a file that it names, such as a named pipe"
+    os.write(answers, json.dumps({"error": reason}).encode())
+    os._exit(0)

@@ -36,6 +36,8 @@ _ONE_THREAD = dict.fromkeys(("OPENCV_FOR_THREADS_NUM", "NUMBA_NUM_THREADS"), "1"
 
 _BEGIN = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[2]); "
+    "from cbdsl.numeric.numba_settings import ignore_settings_of_folder; "
+    "ignore_settings_of_folder(); "
     "from cbdsl.training.workers.worker_process import main; main()"
 )
 

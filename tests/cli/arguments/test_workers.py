@@ -48,6 +48,8 @@ def test_too_many_workers_are_refused_before_the_first_episode(
         ("tcp://10.0.0.7:8786", True),
         ("tcp://[2001:db8::1]:8786", True),
         ("ws://login:80", True),
+        ("ucx://login:8786", True),
+        ("asyncio-tcp://login:8786", True),
         ("tls://login:8786", False),
         ("wss://login:443", False),
         ("tcp://127.evil.example:8786", True),
