@@ -14,8 +14,8 @@ from cbdsl.cli.arguments.options import Paths
 from cbdsl.cli.output.terminal import print_diagnostics, print_line, print_problem
 from cbdsl.cli.process.standard_streams import read_standard_input
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
-from cbdsl.documents.document import Document
 from cbdsl.diagnostics.legible_text import one_line
+from cbdsl.documents.document import Document
 from cbdsl.documents.ownership import is_declared
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.storage.atomic_file import write_text
