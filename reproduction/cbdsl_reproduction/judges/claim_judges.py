@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -170,7 +171,8 @@ class ClaimWatch:
 Judge = Callable[[ClaimWatch], str]
 
 
-class Placed(NamedTuple):
+@dataclass(frozen=True)
+class Placed:
     """Judge that the object rests on another one, near the pad, after it was lifted.
 
     Attributes:
