@@ -46,6 +46,11 @@ class Driver(Section):
     """Address of the robot's own URDF; its limits must equal those of the model."""
     stop: Address | None = None
     """Address of the emergency stop; it is pressed while its message is true."""
+    stop_deadline: Duration | None = None
+    """Maximum time between two messages of each publisher of the emergency stop."""
+    stop_repeats: bool = True
+    """False if the emergency stop sends a message only when it changes. A dead button then stays
+    unnoticed until its DDS lease ends, such as 20 s, and pressing it has no effect."""
     deadline: Duration = 0.05
     """Maximum time without a joint state, and maximum computation time of a control tick."""
     horizon: Duration | None = None
@@ -54,8 +59,9 @@ class Driver(Section):
     acceleration: AnyAcceleration | None = None
     """Maximum acceleration of a joint's reference, rad/s^2 or m/s^2; if omitted, each joint reaches
     its maximum speed in 50 ms."""
-    tracking: Extent = 0.3
-    """Maximum distance of a joint from its reference."""
+    tracking: Extent = 0.1
+    """Maximum distance of a joint that does not follow from its reference, below ``control.lead``;
+    half of it is the maximum motion away from all references."""
     start: Extent = 0.05
     """Maximum distance of the first reference from the measured position."""
     skew: Duration = 0.05

@@ -33,6 +33,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.numeric.arrays import Floats, Image
+from cbdsl.robot.stopping_time import horizon
 from cbdsl.sensing.channels import Regions
 from cbdsl.sensing.observation import Loads, Observation
 
@@ -40,12 +41,12 @@ Opener = Callable[[RobotDocument, str | None], Sequence[DriverLink]]
 
 # Longest wait until a robot is ready, s; then every reason against it is reported.
 _PATIENCE = 5.0
+# Longest wait for a description that a publisher repeats, s.
+_DESCRIBED = 10.0
 # Time between two polls while waiting, s; after longer ones queued messages are old.
 _PAUSE, _STARVED = 5e-4, 0.02
 # Time between two judgements of readiness, s.
 _WINDOW = 0.1
-# Control periods until a reference is reached, where the driver states no horizon.
-_PERIODS = 3.0
 # A joint at its start is closer to it, rad or m.
 _AWAY = 0.05
 # Longest time until a robot stands at its start after the last reference, s.
@@ -299,6 +300,9 @@ class DrivenBackend:
         if not self._links:
             self._links.extend(self._opener(self._robot, self._interface))
         self._listen(seconds)
+        until = self._clock.monotonic() + _DESCRIBED
+        while self._awaits_description() and self._clock.monotonic() < until:
+            self._listen(_WINDOW)
         return [endpoint for link in self._links for endpoint in link.survey()]
 
     def _leave_last(self) -> None:
@@ -328,15 +332,24 @@ class DrivenBackend:
             BackendError: A reason is left after the longest wait.
         """
         began = self._clock.monotonic()
-        obstacles = ["nothing was heard"]
-        while self._clock.monotonic() - began < _PATIENCE:
+        obstacles, patience = ["nothing was heard"], _PATIENCE
+        while self._clock.monotonic() - began < patience:
             self.supervisor.forget_mismatches()
             self._listen(_WINDOW)
             obstacles = self.obstacles()
             if not obstacles:
                 return
+            patience = _DESCRIBED if self._awaits_description() else _PATIENCE
         lines = "".join(f"\n- {obstacle}" for obstacle in obstacles)
         raise BackendError(f"robot '{self._robot.name}' is not ready:{lines}")
+
+    def _awaits_description(self) -> bool:
+        """Return whether a publisher of the robot's description has not sent it so far."""
+        return self.supervisor.is_undescribed and any(
+            endpoint.role == "description" and endpoint.peers > 0
+            for link in self._links
+            for endpoint in link.survey()
+        )
 
     def _listen(self, seconds: float) -> None:
         """Process samples for a while; discard samples that queued while this process slept."""
@@ -353,7 +366,7 @@ class DrivenBackend:
     def obstacles(self) -> list[str]:
         """Return every reason against ``ready``, one sentence each."""
         surveyed = [p for link in self._links for p in survey_problems(link.survey())]
-        return self.supervisor.obstacles(surveyed)
+        return self.supervisor.obstacles(surveyed, self._clock.monotonic())
 
     def _polled(self) -> Iterator[Sample]:
         for link in self._links:
@@ -442,10 +455,8 @@ class DrivenBackend:
 
     def _send(self, references: Floats, stamp: float) -> None:
         for name, (joints, columns) in self._commanded.items():
-            # By default three periods, so that a late reference does not stop the controller in
-            # between.
-            horizon = self._robot.drivers[name].horizon or _PERIODS * self.control_period
-            command = Command(joints, tuple(references[columns].tolist()), horizon, stamp)
+            reach = horizon(self._robot.drivers[name], 1.0 / self.control_period)
+            command = Command(joints, tuple(references[columns].tolist()), reach, stamp)
             for link in self._links:
                 link.send(name, command)
 
@@ -493,7 +504,9 @@ class DrivenBackend:
     def _settle(self) -> None:
         """Send the references that bring a held robot to rest."""
         while True:
-            stamp = self._clock.wall()
+            # A robot with another time would brake when its clock reaches the stamp; 0 means now.
+            differs = self.supervisor.joints.clock_differs
+            stamp = 0.0 if differs else self._clock.wall()
             references = self.supervisor.settle(self._clock.monotonic())
             if references is None:
                 return

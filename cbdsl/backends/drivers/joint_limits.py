@@ -7,10 +7,8 @@ import numpy as np
 from cbdsl.backends.drivers.limiter import JointLimits
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
+from cbdsl.robot.stopping_time import acceleration
 from cbdsl.robot.urdf import UrdfModel
-
-# Time to the largest speed where a driver states no acceleration, s.
-_RAMP = 0.05
 
 
 def joint_limits(robot: RobotDocument, model: UrdfModel) -> JointLimits:
@@ -22,14 +20,15 @@ def joint_limits(robot: RobotDocument, model: UrdfModel) -> JointLimits:
     # The limiter needs finite speeds; see ``Limiter``.
     fallback = robot.control.joint_speed
     speeds = [joint.velocity if np.isfinite(joint.velocity) else fallback for joint in joints]
-    stated = {
-        joint: driver.acceleration
+    drivers = {
+        joint: driver
         for driver in robot.drivers.values()
         for effector in driver.moves
         for joint in robot.joints(effector)
     }
     accelerations = [
-        stated.get(joint.name) or speed / _RAMP for joint, speed in zip(joints, speeds, strict=True)
+        acceleration(drivers.get(joint.name), speed)
+        for joint, speed in zip(joints, speeds, strict=True)
     ]
     return JointLimits(
         np.array([joint.lower for joint in joints]),

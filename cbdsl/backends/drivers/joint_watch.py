@@ -22,6 +22,8 @@ _SPEEDS, _EFFORTS = 2.0, 1.05
 # Joint states are frozen if they stay equal for so long by their stamps, s, while a reference
 # moves so far, rad.
 _FROZEN, _MOVED = 0.06, 0.02
+# Messages of one publisher come in order: a stamp that goes back by more is a jump of its clock, s.
+_BACK = 0.01
 
 
 class JointWatch:
@@ -35,6 +37,7 @@ class JointWatch:
         names: Actuated joints, n of them.
         positions, velocities, efforts: Newest states, shape (n,).
         measures_efforts: True if all joints have an effort.
+        clock_differs: True if a clock jumped, so that the robot has another time.
         stamp: Time of the newest state by the robot's clock, s; the oldest joint's counts.
     """
 
@@ -55,6 +58,7 @@ class JointWatch:
         self._stamps, self._received = np.full(count, -np.inf), np.full(count, -np.inf)
         self._changed = np.full(count, -np.inf)
         self._sources = np.zeros(count, dtype=np.uint64)
+        self.clock_differs = False
         # References at the last change of each driver's states, and the stamps of these changes.
         self._references = np.zeros(count)
         self._compared: dict[str, float] = {}
@@ -81,7 +85,10 @@ class JointWatch:
             The reason why they cannot be trusted; empty if there is none.
         """
         driver, columns = self._drivers[sample.driver], self.columns[sample.driver]
-        if problem := _malformed(sample) or _misstamped(sample, driver, wall):
+        if problem := _malformed(sample):
+            return problem
+        if problem := _misstamped(sample, driver, wall):
+            self.clock_differs = True
             return problem
         named = [(columns[name], i) for i, name in enumerate(sample.names) if name in columns]
         if not named:
@@ -89,6 +96,13 @@ class JointWatch:
         ours, theirs = (np.array(side) for side in zip(*named, strict=True))
         if problem := self._second_source(sample, ours, now):
             return problem
+        back = float(self._stamps[ours].max()) - sample.stamp
+        if sample.source and back > _BACK:
+            self.clock_differs = True
+            return (
+                f"joint states of driver '{sample.driver}' are stamped {back:.3f} s before earlier "
+                "ones: the robot's clock was set back"
+            )
         # Transports may deliver messages twice or in another order.
         fresh = sample.stamp > self._stamps[ours]
         ours, theirs = ours[fresh], theirs[fresh]
@@ -177,22 +191,6 @@ class JointWatch:
                 )
         return ""
 
-    def lagging(self, references: Floats) -> NDArray[np.bool_]:
-        """Return the joints that are too far from their references, rad or m, shape (n,)."""
-        far: NDArray[np.bool_] = np.abs(references - self.positions) > self._tracking
-        return far
-
-    def lag(self, references: Floats) -> str:
-        """Return the joint that does not follow its reference; empty if all do."""
-        far = np.flatnonzero(self.lagging(references))
-        if not len(far):
-            return ""
-        joint = int(far[0])
-        return (
-            f"joint '{self.names[joint]}' is {abs(references - self.positions)[joint]:.3f} from "
-            f"its reference, and at most {self._tracking[joint]:.3f} are allowed"
-        )
-
     def frozen(self, references: Floats) -> str:
         """Return the driver whose states stay equal while its references move."""
         for driver, columns in self.columns.items():
@@ -211,13 +209,6 @@ class JointWatch:
                     f"{1e3 * still:.0f} ms while a reference moved by {moved.max():.3f}"
                 )
         return ""
-
-    @property
-    def _tracking(self) -> Floats:
-        bounds = np.full(len(self.names), np.inf)
-        for driver, columns in self.columns.items():
-            bounds[list(columns.values())] = self._drivers[driver].tracking
-        return bounds
 
     def start_errors(self, references: Floats) -> str:
         """Return the joint whose first reference is too far from its measured position."""

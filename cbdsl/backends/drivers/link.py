@@ -26,7 +26,9 @@ class Endpoint(NamedTuple):
         type: Message type that the driver expects.
         outgoing: True if the driver writes it.
         peers: Number of other writers if the driver reads the stream, or of readers if it writes.
-        rivals: Number of other writers if the driver writes the stream.
+        rivals: Processes of other writers if the driver writes the stream.
+        refusals: Clauses about writers whose messages never arrive, such as one that is not
+            reliable.
         foreign_types: Message types of the others on this address, if they differ.
         candidates: Addresses of other streams with this message type.
         rate: Messages per second that arrived since the link was opened.
@@ -39,7 +41,8 @@ class Endpoint(NamedTuple):
     type: str
     outgoing: bool
     peers: int
-    rivals: int = 0
+    rivals: tuple[str, ...] = ()
+    refusals: tuple[str, ...] = ()
     foreign_types: tuple[str, ...] = ()
     candidates: tuple[str, ...] = ()
     rate: float = 0.0

@@ -19,23 +19,27 @@ import numpy as np
 from cbdsl.backends.drivers.joint_limits import joint_limits
 from cbdsl.backends.drivers.joint_watch import JointWatch
 from cbdsl.backends.drivers.limiter import Limiter
+from cbdsl.backends.drivers.motion_watch import MotionWatch
 from cbdsl.backends.drivers.sample import (
     CameraSample,
     DescriptionSample,
     FaultSample,
     ImageSample,
     JointSample,
+    PublishersSample,
     RegionsSample,
     Sample,
     StopSample,
     WrenchSample,
 )
 from cbdsl.backends.drivers.sensor_watch import SensorWatch
+from cbdsl.backends.drivers.stop_watch import StopWatch
 from cbdsl.backends.drivers.survey import StreamProblem
 from cbdsl.documents.driver import absolute
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.description import description_problems
+from cbdsl.robot.stopping_time import horizon
 from cbdsl.robot.urdf import UrdfModel
 
 # A reference is at its measured position, rad or m; and the most steps on the way there.
@@ -78,6 +82,9 @@ class SafetySupervisor:
         self.joints = JointWatch(robot, limits)
         self.sensors = SensorWatch(robot, ideal=ideal)
         self.limiter = Limiter(limits, period)
+        self._motion, self._stops = MotionWatch(robot, period), StopWatch(robot)
+        # Stamp of the joint states that were compared with references last.
+        self._watched = -np.inf
         self.state, self.cause = State.OFF, ""
         self._limits = limits
         # Mismatches of the current approach to ``ready``, in order of discovery; and the addresses
@@ -85,21 +92,18 @@ class SafetySupervisor:
         self._mismatches: dict[str, str] = {}
         # Differences between each driver's description of the robot and its document.
         self._differences: dict[str, list[str]] = {}
-        # Drivers and publishers of which the newest message presses the stop.
-        self._pressed: set[tuple[str, int]] = set()
         # Positions that a held robot returns to; ``None`` if its joint states are not trusted.
         self._target: Floats | None = None
         self._settling = 0
         self._described = {name for name, d in robot.drivers.items() if d.description}
-        # Drivers whose emergency stop is in an unknown state.
-        self._unstated = {name for name, d in robot.drivers.items() if d.stop}
         # The longest time between two checks, s.
         self._patience = min((d.deadline for d in robot.drivers.values()), default=np.inf)
         self._checked: float | None = None
         # Time of the newest reference, and the time after which controllers hold still, s.
         self._admitted = -np.inf
-        horizons = (d.horizon for d in robot.drivers.values() if d.horizon)
-        self._pause = min(horizons, default=3.0 * period)
+        self._pause = min(
+            (horizon(d, 1.0 / period) for d in robot.drivers.values()), default=3.0 * period
+        )
 
     @property
     def patience(self) -> float:
@@ -111,6 +115,11 @@ class SafetySupervisor:
         speeds = np.abs(self.limiter.velocities)
         is_standing = float(speeds.max(initial=0.0)) < _STANDING
         return max(self._patience, _COMPUTING) if is_standing else self._patience
+
+    @property
+    def is_undescribed(self) -> bool:
+        """True if a driver's description of the robot has not come."""
+        return bool(self._described)
 
     def is_late(self, now: float) -> bool:
         """Return whether the last check of a running robot is longer ago than its deadline.
@@ -157,7 +166,11 @@ class SafetySupervisor:
             case DescriptionSample():
                 return self._compare(sample)
             case StopSample():
-                return self._stop(sample)
+                problem = self._stops.note(sample, now)
+                return problem if self.passes else ""
+            case PublishersSample():
+                problem = self._stops.note_publishers(sample, now)
+                return problem if self.passes else ""
             case FaultSample():
                 return sample.cause if self.passes else ""
 
@@ -168,25 +181,16 @@ class SafetySupervisor:
         self._differences[sample.driver] = problems
         return problems[0] if problems and self.passes else ""
 
-    def _stop(self, sample: StopSample) -> str:
-        self._unstated.discard(sample.driver)
-        # Of several publishers, such as two buttons, each releases its own stop only.
-        button = sample.driver, sample.source
-        if not sample.pressed:
-            self._pressed.discard(button)
-            return ""
-        self._pressed.add(button)
-        return f"the emergency stop of driver '{sample.driver}' is pressed" if self.passes else ""
-
-    def obstacles(self, surveyed: Iterable[StreamProblem] = ()) -> list[str]:
+    def obstacles(self, surveyed: Iterable[StreamProblem] = (), now: float = -np.inf) -> list[str]:
         """Return every reason against ``ready``, one sentence each.
 
         Args:
             surveyed: Problems of streams that the transport found.
+            now: Time by a monotonic clock, s.
         """
-        return list(dict.fromkeys(self._obstacles(list(surveyed))))
+        return list(dict.fromkeys(self._obstacles(list(surveyed), now)))
 
-    def _obstacles(self, surveyed: list[StreamProblem]) -> Iterator[str]:
+    def _obstacles(self, surveyed: list[StreamProblem], now: float) -> Iterator[str]:
         if self.state is State.HELD:
             yield f"the robot is held: {self.cause}"
         yield from (problem.text for problem in surveyed)
@@ -198,7 +202,8 @@ class SafetySupervisor:
         for address, text in self._unheard():
             if absolute(address) not in explained:
                 yield text
-        for driver, _ in sorted(self._pressed):
+        yield from self._stops.unsure(now)
+        for driver in self._stops.pressed():
             yield f"the emergency stop of driver '{driver}' is pressed"
 
     def _unheard(self) -> Iterator[tuple[str, str]]:
@@ -211,9 +216,7 @@ class SafetySupervisor:
         for driver in sorted(self._described):
             topic = drivers[driver].description or ""
             yield topic, f"no description of the robot from driver '{driver}' at {topic}"
-        for driver in sorted(self._unstated):
-            topic = drivers[driver].stop or ""
-            yield topic, f"no state of the emergency stop from driver '{driver}' at {topic}"
+        yield from self._stops.unheard()
 
     def forget_mismatches(self) -> None:
         """Forget the diagnostics so far, so that only persistent ones are found again."""
@@ -242,11 +245,17 @@ class SafetySupervisor:
             self._hold_if_active(problem, blind=True)
         if problem := self.sensors.overdue(now):
             self._hold_if_active(problem)
-        if self.state is State.RUNNING:
-            references = self.limiter.positions
+        for problem in self._stops.unsure(now, moves=True):
+            self._hold_if_active(problem)
+        if self.state is State.RUNNING and self.joints.stamp > self._watched:
+            self._watched = self.joints.stamp
+            references, positions = self.limiter.positions, self.joints.positions
             if problem := self.joints.frozen(references):
                 self._hold_if_active(problem, blind=True)
-            if problem := self.joints.lag(references):
+            # Another controller would fight against a return to the measured positions.
+            if problem := self._motion.astray(positions, now):
+                self._hold_if_active(problem, blind=True)
+            if problem := self._motion.stuck(references, positions, now):
                 self._hold_if_active(problem)
 
     def _require_prompt(self, now: float) -> None:
@@ -277,8 +286,11 @@ class SafetySupervisor:
                 self._hold_if_active(problem)
                 return None
             self.state, self._checked = State.RUNNING, now
+            self._motion.begin(self.joints.positions)
         self._admitted = now
-        return self.limiter.approach(reference)
+        references = self.limiter.approach(reference)
+        self._motion.command(references, now)
+        return references
 
     def settle(self, now: float) -> Floats | None:
         """Return the next references of a held robot; ``None`` once it stands.
@@ -321,7 +333,7 @@ class SafetySupervisor:
             return
         # A joint far from its reference should not return to its measured position: it brakes.
         measured, references = self.joints.positions, self.limiter.positions
-        self._target = np.where(self.joints.lagging(references), np.nan, measured)
+        self._target = np.where(self._motion.lagging(references, measured), np.nan, measured)
 
     def _hold_if_active(self, cause: str, *, blind: bool = False) -> None:
         if self.passes:

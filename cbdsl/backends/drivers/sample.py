@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -108,6 +109,18 @@ class StopSample(NamedTuple):
     source: int = 0
 
 
+class PublishersSample(NamedTuple):
+    """Living publishers of the emergency stop.
+
+    Attributes:
+        driver: Name of the driver.
+        names: Process of each publisher, such as "process 4711", by number.
+    """
+
+    driver: str
+    names: Mapping[int, str]
+
+
 class FaultSample(NamedTuple):
     """Fault that the transport found: a peer that ended, another commander, a broken message.
 
@@ -128,6 +141,7 @@ Sample = (
     | CameraSample
     | DescriptionSample
     | StopSample
+    | PublishersSample
     | FaultSample
 )
 
@@ -141,6 +155,7 @@ class Command(NamedTuple):
         horizon: Time until the references are reached, s.
         stamp: Time at which the references were decided, s since the epoch. A controller refuses
             those whose horizon is over, as of a program that was suspended before it sent them.
+            0 means immediately, whatever the time of the controller is.
     """
 
     names: tuple[str, ...]

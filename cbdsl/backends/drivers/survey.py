@@ -30,8 +30,11 @@ def _problems(endpoint: Endpoint) -> Iterator[str]:
     elif not endpoint.peers:
         verb = "listens to" if endpoint.outgoing else "writes to"
         yield f"nothing {verb} {where}{_alternatives(endpoint)}"
+    # One publisher of another stream is enough, but each button of an emergency stop counts.
+    elif endpoint.role == "stop" or len(endpoint.refusals) == endpoint.peers:
+        yield from (f"{refusal} at {where}" for refusal in endpoint.refusals)
     if endpoint.rivals:
-        yield f"another commander writes to {where}: {endpoint.rivals} of them"
+        yield f"another commander writes to {where}: {', '.join(endpoint.rivals)}"
 
 
 def _alternatives(endpoint: Endpoint) -> str:

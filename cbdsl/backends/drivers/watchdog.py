@@ -6,6 +6,8 @@ program has failed. A watchdog is a separate process between the two:
     repeats   forwards each reference within all limits, and repeats the newest one
     holds     after the deadline without a new one: brakes, and keeps the reference where it stands
     stops     after a while of holding: sends nothing more; a person starts it again
+
+Beside another commander of the controller it brakes and stops, because two would pull the robot.
 """
 
 from __future__ import annotations
@@ -47,7 +49,7 @@ class Watchdog:
     def __init__(self, limits: JointLimits, period: float, deadline: float, start: float) -> None:
         self._limiter, self._deadline, self._start = Limiter(limits, period), deadline, start
         self._requested: Floats = np.zeros(0)
-        self._heard = self._held = 0.0
+        self._heard = self._until = 0.0
         # Longest time between two ticks, and the time of the newest one, s.
         self._patience, self._ticked = period + deadline, np.inf
         self._measured: Floats | None = None
@@ -82,6 +84,17 @@ class Watchdog:
             self.phase = WatchdogPhase.REPEATING
         self._requested, self._heard = references, now
 
+    def yield_to(self, rival: str, now: float) -> None:
+        """Hold because of another commander, unless it holds already.
+
+        Args:
+            rival: Cause as a sentence without a full stop.
+            now: Time by a monotonic clock, s.
+        """
+        if self.phase in (WatchdogPhase.WAITING, WatchdogPhase.REPEATING):
+            self._hold(rival, now)
+            self._until = now
+
     def tick(self, now: float) -> Floats | None:
         """Return the references to send; ``None`` for none.
 
@@ -98,11 +111,11 @@ class Watchdog:
             else:
                 return self._limiter.approach(self._requested)
         if self.phase is WatchdogPhase.HOLDING:
-            if now - self._held > _HOLDING and self._limiter.stands:
+            if now > self._until and self._limiter.stands:
                 self.phase = WatchdogPhase.STOPPED
                 return None
             return self._limiter.brake() if self._requested.size else None
         return None
 
     def _hold(self, cause: str, now: float) -> None:
-        self.phase, self.cause, self._held = WatchdogPhase.HOLDING, cause, now
+        self.phase, self.cause, self._until = WatchdogPhase.HOLDING, cause, now + _HOLDING

@@ -13,6 +13,7 @@ from cbdsl.documents.driver import Driver, absolute
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.driver_addresses import addresses
 from cbdsl.robot.driver_kind import DRIVERS
+from cbdsl.robot.stopping_time import ACCEPTED, stopping_time
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -63,7 +64,10 @@ class _DriverCheck:
             self._kind(name, driver)
             self._names(name, driver)
             self._times(name, driver)
+            self._stop(name, driver)
+            self._stopping(name, driver)
             self._pairs(name, driver)
+            self._distances(name, driver)
             self._units(name, driver)
         self._cover()
         self._shared()
@@ -133,7 +137,7 @@ class _DriverCheck:
 
     def _times(self, name: str, driver: Driver) -> None:
         """Report times that are shorter than a control period, or unsafely long."""
-        for key in ("deadline", "horizon", "skew"):
+        for key in ("deadline", "horizon", "skew", "stop_deadline"):
             if (getattr(driver, key) or 0.0) > _LONGEST:
                 problem = f"{getattr(driver, key):.4g} s are more than {_LONGEST:g} s"
                 self._problem(name, (key,), problem)
@@ -141,8 +145,8 @@ class _DriverCheck:
         if isinstance(control, Unknown):
             return
         period = 1.0 / control.rate
-        times = {"deadline": driver.deadline, "horizon": driver.horizon}
-        for key, value in times.items():
+        for key in ("deadline", "horizon", "stop_deadline"):
+            value = getattr(driver, key)
             if value is not None and value < 1.5 * period:
                 self._problem(
                     name,
@@ -150,6 +154,65 @@ class _DriverCheck:
                     f"{1e3 * value:.4g} ms are less than one and a half control periods, "
                     f"{1.5e3 * period:.4g} ms",
                 )
+
+    def _stop(self, name: str, driver: Driver) -> None:
+        """Report an emergency stop whose death or silence would stay unnoticed."""
+        if driver.stop is None:
+            for key in ("stop_deadline", "stop_repeats"):
+                if self._source.holds("drivers", name, key):
+                    self._problem(name, (key,), "it has no 'stop'")
+        elif driver.stop_repeats and driver.stop_deadline is None:
+            self._problem(
+                name,
+                ("stop",),
+                "it needs 'stop_deadline', such as 250 ms, the longest time between two messages "
+                "of a button. State 'stop_repeats: false' if it sends changes alone: a dead or "
+                "hung button then stays unnoticed for up to 20 s, and pressing it has no effect",
+            )
+        elif not driver.stop_repeats and driver.stop_deadline is not None:
+            self._problem(
+                name, ("stop_deadline",), "'stop_repeats: false' leaves it without effect"
+            )
+
+    def _distances(self, name: str, driver: Driver) -> None:
+        """Report bounds that no joint ever exceeds."""
+        control = self._source.known(self._robot.control, "control")
+        if isinstance(control, Unknown) or not driver.moves:
+            return
+        models = {} if self._model is None else self._model.joints
+        joints = [models[joint] for joint in self._reported(driver) if joint in models]
+        short = [j for j in joints if driver.tracking >= j.upper - j.lower]
+        problem = ""
+        if short:
+            problem = (
+                f"joint '{short[0].name}' moves by {short[0].upper - short[0].lower:.4g} "
+                f"{short[0].unit} at most, so that it is never farther than 'tracking', "
+                f"{driver.tracking:g}, from its reference; state less"
+            )
+        elif driver.tracking >= control.lead:
+            problem = (
+                f"'tracking', {driver.tracking:g}, has no effect: 'control.lead' keeps references "
+                f"within {control.lead:g} of the measured positions; state less than that"
+            )
+        if problem:
+            self._problem(name, ("tracking",), problem)
+
+    def _stopping(self, name: str, driver: Driver) -> None:
+        """Report a robot that moves on for long without its program."""
+        model = self._model
+        if model is None or not self._are_known("drivers", "effectors", "groups", "control"):
+            return
+        times = driver.deadline, driver.horizon or 0.0
+        members = {m for e in driver.moves for m in self._robot.members(e)}
+        if not members or not self._robot.effectors.keys() >= members or max(times) > _LONGEST:
+            return
+        if not model.joints.keys() >= set(self._reported(driver)):
+            return
+        longest = max(stopping_time(self._robot, model, name))
+        if longest > ACCEPTED + 5e-4:  # as printed
+            place = self._source.key("drivers", name)
+            details = {"time": f"{1e3 * longest:.0f}", "accepted": f"{1e3 * ACCEPTED:.0f}"}
+            self._diagnostics.add("CB325", place, name=name, **details)
 
     def _pairs(self, name: str, driver: Driver) -> None:
         """Report keys that need another key."""
@@ -174,10 +237,6 @@ class _DriverCheck:
         if len(units) != 1:
             return
         (unit,) = units
-        longest = max(joint.upper - joint.lower for joint in joints)
-        if driver.tracking >= longest and self._source.holds("drivers", name, "tracking"):
-            problem = f"no joint moves by more than {longest:.4g} {unit}, so that none is too far"
-            self._problem(name, ("tracking",), problem)
         for key in ("tracking", "start", "acceleration"):
             path = ("drivers", name, key)
             if self._source.holds(*path):

@@ -1,29 +1,31 @@
-"""The signal by which batch systems and shells end a command."""
+"""The signals by which batch systems, shells and closed terminals end a command."""
 
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
+
+# A closed terminal or a lost connection sends SIGHUP, which Windows lacks.
+_HANGUP = getattr(signal, "SIGHUP", None)
+_ENDING = (signal.SIGTERM, *([] if _HANGUP is None else [_HANGUP]))
 
 
 @contextmanager
 def termination_interrupts() -> Iterator[None]:
-    """Let SIGTERM end a command as Ctrl-C does, with a clean terminal and ended workers.
+    """Let SIGTERM and SIGHUP end a command as Ctrl-C does, with ended workers.
 
     Raises:
         KeyboardInterrupt: The signal was received.
     """
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
+    with _handled(_ENDING, signal.default_int_handler):
         yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
 def stop_requests() -> Iterator[Callable[[], bool]]:
-    """Note Ctrl-C and SIGTERM, for loops that end by themselves.
+    """Note Ctrl-C, SIGTERM and SIGHUP, for loops that end by themselves.
 
     Yields:
         Function that returns whether one of them came.
@@ -31,10 +33,17 @@ def stop_requests() -> Iterator[Callable[[], bool]]:
     # The handlers raise nothing. An exception at an arbitrary place could leave a message to a
     # robot incomplete.
     came: list[int] = []
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, lambda n, _: came.append(n)) for number in numbers]
-    try:
+    with _handled((signal.SIGINT, *_ENDING), lambda number, _: came.append(number)):
         yield lambda: bool(came)
+
+
+@contextmanager
+def _handled(numbers: Iterable[int], handler: Callable[[int, Any], object]) -> Iterator[None]:
+    """Handle some signals, except for SIGHUP under ``nohup``, which ignores it."""
+    kept = [n for n in numbers if signal.getsignal(n) is not signal.SIG_IGN or n != _HANGUP]
+    before = [(number, signal.signal(number, handler)) for number in kept]
+    try:
+        yield
     finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)
+        for number, earlier in before:
+            signal.signal(number, earlier)

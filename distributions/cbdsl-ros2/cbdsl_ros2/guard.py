@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +16,11 @@ from cbdsl.backends.drivers.link import require_drivers
 from cbdsl.backends.drivers.real_time import RealTime
 from cbdsl.backends.drivers.watchdog import Watchdog, WatchdogPhase
 from cbdsl.backends.staging.fit import read_fitting
-from cbdsl.documents.driver import Driver
+from cbdsl.documents.driver import Driver, absolute
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl_ros2 import dds_types as msg
-from cbdsl_ros2.ros_node import RosNode, guarded
+from cbdsl_ros2.ros_node import Remote, RosNode, guarded
 
 _MOST = 64
 
@@ -79,6 +79,10 @@ class Guard:
         while not stopped() and any(
             post.phase is not WatchdogPhase.STOPPED for post in self._posts
         ):
+            if self._node.has_news:
+                remotes = self._node.remotes()
+                for post in self._posts:
+                    post.look(remotes, self._node)
             for post in self._posts:
                 post.tick(report)
             # A late tick is not caught up by several fast ones.
@@ -125,6 +129,16 @@ class _Post:
     def phase(self) -> WatchdogPhase:
         """Phase of the watchdog."""
         return self._dog.phase
+
+    def look(self, remotes: Sequence[Remote], node: RosNode) -> None:
+        """Hold beside another writer of the controller's topic, or a second program."""
+        own, now = self._writer.get_guid(), time.monotonic()
+        for topic, allowed in ((absolute(self.topic), 0), (guarded(self.topic), 1)):
+            writers = [r for r in remotes if r.writes and r.topic == topic and r.key != own]
+            # Before the first reference, one program may follow another.
+            if len(writers) > allowed and (not allowed or self.phase is WatchdogPhase.REPEATING):
+                names = ", ".join(sorted(map(node.process, writers)))
+                self._dog.yield_to(f"another commander writes to {topic} ({names})", now)
 
     def tick(self, report: Callable[[str], None]) -> None:
         """Forward, repeat or hold, and report a new phase."""

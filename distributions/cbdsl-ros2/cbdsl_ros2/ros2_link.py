@@ -9,6 +9,7 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
+from cyclonedds.qos import Qos
 
 from cbdsl.backends.drivers.link import Endpoint, Setup
 from cbdsl.backends.drivers.sample import (
@@ -18,6 +19,7 @@ from cbdsl.backends.drivers.sample import (
     FaultSample,
     ImageSample,
     JointSample,
+    PublishersSample,
     RegionsSample,
     Sample,
     StopSample,
@@ -25,7 +27,9 @@ from cbdsl.backends.drivers.sample import (
 )
 from cbdsl.documents.driver import Driver, absolute
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.stopping_time import horizon
 from cbdsl_ros2 import dds_types as msg
+from cbdsl_ros2.qos_match import mismatch
 from cbdsl_ros2.regions_text import read_regions
 from cbdsl_ros2.ros_node import Remote, RosNode, guarded
 from cbdsl_ros2.stage_requests import StageAsker
@@ -45,6 +49,7 @@ class _Input:
     message: type[Any]
     convert: Callable[[Any], Sample]
     readers: tuple[Any, ...]
+    requested: Qos
     since: float = field(default_factory=time.monotonic)
     count: int = 0
     newest: float | None = None
@@ -53,12 +58,17 @@ class _Input:
 
 @dataclass
 class _Output:
-    """Stream that a driver writes; it has a writer once the robot is claimed."""
+    """Stream of references to a driver's controller.
+
+    A stream that is ours has a writer once the robot is claimed. Behind it, a watchdog that reads
+    ``source`` writes the other one.
+    """
 
     driver: str
     topic: str
     message: type[Any]
     horizon: float
+    source: str | None = None
     writer: Any = None
     peers: frozenset[Any] = frozenset()
     rivals: frozenset[Any] = frozenset()
@@ -81,7 +91,7 @@ class Ros2Link:
     ) -> None:
         self._node = RosNode(interface)
         self._inputs = [
-            _Input(name, role, topic, message, convert, readers)
+            _Input(name, role, topic, message, convert, readers, readers[0].get_qos())
             for name, driver in drivers.items()
             for role, topic, message, convert, qualities in _streams(name, driver)
             for readers in [tuple(self._node.reader(topic, message, **q) for q in qualities)]
@@ -89,14 +99,19 @@ class Ros2Link:
         self._asker = StageAsker(self._node)
         # A survey leaves no news of peers, so the next poll has to look for changes.
         self._has_surveyed = False
-        self._outputs: dict[str, _Output] = {}
+        self._processes: dict[Any, str] = {}
+        self._outputs: list[_Output] = []
         for name, driver in drivers.items():
             if driver.commands is not None:
-                message = _FORMS[driver.form]
-                horizon = driver.horizon or 3.0 / robot.control.rate
-                # Without a watchdog nothing listens, and the robot is never ready.
-                topic = guarded(driver.commands) if driver.form == "positions" else driver.commands
-                self._outputs[name] = _Output(name, topic, message, horizon)
+                topic, message = absolute(driver.commands), _FORMS[driver.form]
+                reach = horizon(driver, robot.control.rate)
+                if driver.form == "positions":
+                    # Without a watchdog nothing listens, and the robot is never ready.
+                    source = guarded(topic)
+                    self._outputs.append(_Output(name, source, message, reach))
+                    self._outputs.append(_Output(name, topic, message, reach, source))
+                else:
+                    self._outputs.append(_Output(name, topic, message, reach))
 
     def poll(self) -> Sequence[Sample]:
         """Return the samples that arrived since the last call; see ``DriverLink.poll``."""
@@ -111,48 +126,77 @@ class Ros2Link:
             samples.extend(self._changes(self._node.remotes()))
         return samples
 
-    def _changes(self, remotes: Sequence[Remote]) -> Iterator[FaultSample]:
+    def _changes(self, remotes: Sequence[Remote]) -> Iterator[Sample]:
         """Yield the peers that ended, and commanders that began, since the last call."""
         for each in self._inputs:
             topic = absolute(each.topic)
-            peers = frozenset(r.key for r in remotes if r.writes and r.topic == topic)
+            writers = [r for r in remotes if r.writes and r.topic == topic]
+            peers = frozenset(writer.key for writer in writers)
             # A camera that ends leaves the robot on its memory, and its own time-out follows.
             if each.peers - peers and each.role in ("states", "wrenches"):
                 yield FaultSample(each.driver, f"a publisher of {topic} has ended")
-            # A person may press the stop by a tool that ends after its message.
-            if each.peers and not peers and each.role == "stop":
-                yield FaultSample(each.driver, f"the last publisher of {topic} has ended")
+            if each.role == "stop":
+                yield from self._buttons(each, writers)
             each.peers = peers
-        for output in self._outputs.values():
-            topic = absolute(output.topic)
+        for output in self._outputs:
+            topic = output.topic
             peers = frozenset(r.key for r in remotes if not r.writes and r.topic == topic)
-            rivals = frozenset(self._rivals(output, remotes))
+            rivals = self._rivals(output, remotes)
             if output.peers - peers:
                 yield FaultSample(output.driver, f"a subscriber of {topic} has ended")
-            if rivals - output.rivals:
-                yield FaultSample(output.driver, f"another commander writes to {topic}")
-            output.peers, output.rivals = peers, rivals
+            if new := rivals.keys() - output.rivals:
+                names = ", ".join(sorted(self._process(rivals[key]) for key in new))
+                yield FaultSample(output.driver, f"another commander writes to {topic} ({names})")
+            output.peers, output.rivals = peers, frozenset(rivals)
 
-    @staticmethod
-    def _rivals(output: _Output, remotes: Sequence[Remote]) -> Iterator[Any]:
+    def _buttons(self, each: _Input, writers: Sequence[Remote]) -> Iterator[Sample]:
+        """Yield the living publishers of an emergency stop, and those that cannot be heard."""
+        topic, processes = absolute(each.topic), dict[int, str]()
+        # A person may press the stop by a tool that ends after its message.
+        if each.peers and not writers:
+            yield FaultSample(each.driver, f"the last publisher of {topic} has ended")
+        for writer in writers:
+            if not (refusal := self._refusal(each, writer)):
+                processes[writer.handle] = self._process(writer)
+            elif writer.key not in each.peers:
+                yield FaultSample(each.driver, f"{refusal} at {topic}")
+        yield PublishersSample(each.driver, processes)
+
+    def _rivals(self, output: _Output, remotes: Sequence[Remote]) -> dict[Any, Remote]:
+        """Return the writers of a stream of references that should not be there, by identifier."""
         # The node sees its own writers, too.
         own = None if output.writer is None else output.writer.get_guid()
-        topic = absolute(output.topic)
-        for remote in remotes:
-            if remote.writes and remote.topic == topic and remote.key != own:
-                yield remote.key
+        writers = [r for r in remotes if r.writes and r.topic == output.topic and r.key != own]
+        if output.source is not None:
+            # One watchdog writes: the process that reads our references.
+            dogs = {r.participant for r in remotes if not r.writes and r.topic == output.source}
+            dog = next((writer for writer in writers if writer.participant in dogs), None)
+            writers = [writer for writer in writers if writer is not dog]
+        return {writer.key: writer for writer in writers}
+
+    def _refusal(self, each: _Input, writer: Remote) -> str:
+        """Return the reason why the readers of a stream get no message of a writer."""
+        clause, own = mismatch(writer.qos, each.requested), msg.type_name(each.message)
+        if msg.ros_type(writer.type) != own:
+            clause = f"has the type {msg.ros_type(writer.type)} instead of {own}"
+        return f"a publisher ({self._process(writer)}) {clause}" if clause else ""
+
+    def _process(self, remote: Remote) -> str:
+        if remote.key not in self._processes:
+            self._processes[remote.key] = self._node.process(remote)
+        return self._processes[remote.key]
 
     def claim(self) -> None:
         """Announce the writers of all commands; see ``DriverLink.claim``."""
-        for output in self._outputs.values():
-            if output.writer is None:
+        for output in self._outputs:
+            if output.writer is None and output.source is None:
                 output.writer = self._node.writer(
                     output.topic, output.message, deadline=output.horizon
                 )
 
     def send(self, driver: str, command: Command) -> None:
         """Send references to a driver's controller; see ``DriverLink.send``."""
-        output = self._outputs.get(driver)
+        output = next((o for o in self._outputs if o.driver == driver), None)
         if output is None:
             return
         assert output.writer is not None, "a link is claimed before it sends"
@@ -188,23 +232,24 @@ class Ros2Link:
         for each in self._inputs:
             peers = [r for r in remotes if r.writes and r.topic == absolute(each.topic)]
             foreign = _foreign(peers, each.message)
-            now = time.monotonic()
+            reasons = (self._refusal(each, writer) for writer in peers)
+            refusals, now = tuple(filter(None, reasons)), time.monotonic()
             yield Endpoint(
                 each.driver, each.role, absolute(each.topic), msg.type_name(each.message),
-                outgoing=False, peers=len(peers), foreign_types=foreign,
+                outgoing=False, peers=len(peers), foreign_types=foreign, refusals=refusals,
                 candidates=_candidates(remotes, each.message, writes=True),
                 rate=each.count / max(now - each.since, 1e-3),
                 age=None if each.newest is None else now - each.newest,
             )  # fmt: skip
 
     def _surveyed_outputs(self, remotes: Sequence[Remote]) -> Iterator[Endpoint]:
-        for output in self._outputs.values():
-            topic = absolute(output.topic)
-            peers = [r for r in remotes if not r.writes and r.topic == topic]
-            rivals = len(list(self._rivals(output, remotes)))
+        for output in self._outputs:
+            peers = [r for r in remotes if not r.writes and r.topic == output.topic]
+            rivals = self._rivals(output, remotes).values()
             yield Endpoint(
-                output.driver, "commands", topic, msg.type_name(output.message), outgoing=True,
-                peers=len(peers), rivals=rivals, foreign_types=_foreign(peers, output.message),
+                output.driver, "commands", output.topic, msg.type_name(output.message),
+                outgoing=True, peers=len(peers), rivals=tuple(map(self._process, rivals)),
+                foreign_types=_foreign(peers, output.message),
                 candidates=_candidates(remotes, output.message, writes=False),
             )  # fmt: skip
 
@@ -236,16 +281,16 @@ _Stream = tuple[str, str, type[Any], Callable[[Any], Sample], tuple[_Quality, ..
 def _streams(name: str, driver: Driver) -> Iterator[_Stream]:
     """Yield role, topic, message, conversion and the readers' qualities of service."""
     usual: tuple[_Quality, ...] = ({},)
+    # A lasting reader gets the state from before its time, but only from lasting writers.
+    repeated = {"reliable": True, "every": True}, {"lasting": True, "every": True}
     if driver.states is not None:
         yield "states", driver.states, msg.JointState, lambda m: _joints(name, m), usual
     if driver.description is not None:
         described = lambda m: DescriptionSample(name, m.data)  # noqa: E731
-        yield "description", driver.description, msg.Text, described, ({"lasting": True},)
+        yield "description", driver.description, msg.Text, described, repeated
     if driver.stop is not None:
         pressed = lambda m: StopSample(name, bool(m.data), _source(m))  # noqa: E731
-        # A lasting reader gets the state from before its time, but only from lasting writers.
-        qualities = {"reliable": True, "every": True}, {"lasting": True, "every": True}
-        yield "stop", driver.stop, msg.Flag, pressed, qualities
+        yield "stop", driver.stop, msg.Flag, pressed, repeated
     for hand, fingers in driver.wrenches.items():
         for finger, topic in fingers.items():
             yield "wrenches", topic, msg.WrenchStamped, _wrench(name, (hand, finger)), usual

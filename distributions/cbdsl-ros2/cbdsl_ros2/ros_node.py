@@ -11,6 +11,7 @@ from weakref import WeakValueDictionary
 
 from cyclonedds.builtin import (
     BuiltinDataReader,
+    BuiltinTopicDcpsParticipant,
     BuiltinTopicDcpsPublication,
     BuiltinTopicDcpsSubscription,
 )
@@ -31,6 +32,8 @@ _LEASE = 0.5
 _QUEUED = 10
 _BLOCKING = 0.0
 _MOST_ENDPOINTS = 4096
+# Properties by which participants of Cyclone and of Fast DDS name their process.
+_PROCESS = ("__Pid", "fastdds.physical_data.process")
 
 # Loopback has no multicast: participants of this computer are found by their ports.
 _LOCAL = """
@@ -64,12 +67,18 @@ class Remote(NamedTuple):
         topic: Topic of ROS.
         type: Message type by its DDS name.
         writes: True for a writer.
+        participant: Identifier of its participant.
+        handle: Number of its messages' publisher in this process.
+        qos: Quality of service.
     """
 
     key: Any
     topic: str
     type: str
     writes: bool
+    participant: Any
+    handle: int
+    qos: Qos
 
 
 class RosNode:
@@ -155,6 +164,16 @@ class RosNode:
         # ROS 2 puts the prefix ``rt`` before its topics in DDS.
         return Topic(self._participant, f"rt{absolute(topic)}", message)
 
+    def process(self, remote: Remote) -> str:
+        """Return the process of a remote reader or writer, such as "process 4711"."""
+        reader = BuiltinDataReader(self._participant, BuiltinTopicDcpsParticipant)
+        for participant in reader.read(_MOST_ENDPOINTS):
+            if participant.key == remote.participant:
+                for policy in participant.qos:
+                    if isinstance(policy, Policy.Property) and policy.key in _PROCESS:
+                        return f"process {policy.value}"
+        return "an unknown process"
+
     def remotes(self) -> list[Remote]:
         """Return all living readers and writers of ROS topics in the domain."""
         return [remote for endpoints in self._endpoints for remote in endpoints.living()]
@@ -196,7 +215,10 @@ class _Endpoints:
         for endpoint in self._reader.read(_MOST_ENDPOINTS, self._alive):
             if endpoint.topic_name.startswith("rt/"):
                 topic = endpoint.topic_name.removeprefix("rt")
-                yield Remote(endpoint.key, topic, endpoint.type_name, self._writes)
+                yield Remote(
+                    endpoint.key, topic, endpoint.type_name, self._writes,
+                    endpoint.participant_key, endpoint.sample_info.instance_handle, endpoint.qos,
+                )  # fmt: skip
 
 
 class _Domain:

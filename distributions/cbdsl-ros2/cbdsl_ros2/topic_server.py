@@ -136,9 +136,6 @@ class RobotServer:
             if section.description is not None:
                 writer = self._writer((driver, "description"), section.description, msg.Text)
                 writer.write(msg.Text(self._description))
-            if section.stop is not None:
-                writer = self._writer((driver, "stop"), section.stop, msg.Flag)
-                writer.write(msg.Flag(False))
         return name
 
     def _set_up_next(self, setup: Setup) -> None:
@@ -201,6 +198,8 @@ class RobotServer:
         for name, driver in self._drivers.items():
             self._publish_wrenches(name, driver, observation, now)
             self._publish_views(name, driver, observation, now)
+            if driver.stop is not None:
+                self._writer((name, "stop"), driver.stop, msg.Flag).write(msg.Flag(False))
             # Joint states come last, so that a reader that waits for them has the other messages as
             # well.
             if driver.states is not None:

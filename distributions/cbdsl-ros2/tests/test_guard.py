@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -126,6 +127,36 @@ def test_guard_holds_and_stops_without_a_program(node: RosNode, path: Path) -> N
     assert lines[0] == "driver 'arm' repeats"
     assert lines[1].startswith("driver 'arm' holds: no reference for ")
     assert lines[2].startswith("driver 'arm' has stopped: ")
+
+
+@pytest.mark.parametrize("topic", ["/commands", "/commands/guarded"])
+def test_guard_stops_beside_another_commander(topic: str, node: RosNode, path: Path) -> None:
+    controller, rivals = Controller(node), []
+
+    def work() -> bool:
+        controller.work([0.0, 0.0], [0.0, 0.0])
+        if controller.received and not rivals:
+            rivals.append(node.writer(topic, msg.Float64MultiArray))
+        return False
+
+    held, lines = guarded(path, work)
+    assert held
+    process = f"process {os.getpid()}"
+    names = process if topic == "/commands" else f"{process}, {process}"
+    assert lines[1:] == [f"driver 'arm' has stopped: another commander writes to {topic} ({names})"]
+
+
+def test_guard_does_not_start_beside_another_commander(node: RosNode, path: Path) -> None:
+    rival, controller = node.writer("/commands", msg.Float64MultiArray), Controller(node)
+
+    def work() -> bool:
+        controller.work([0.0, 0.0], [0.0, 0.0])
+        return False
+
+    held, lines = guarded(path, work)
+    assert held and rival
+    assert lines[0].startswith("driver 'arm' has stopped: another commander writes to /commands")
+    assert controller.received == []
 
 
 @pytest.mark.parametrize("driver", [{}, {"kind": "echo", "form": "positions"}])

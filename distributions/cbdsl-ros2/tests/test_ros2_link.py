@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -10,7 +11,8 @@ import pytest
 
 pytest.importorskip("cyclonedds")
 
-from cbdsl.backends.drivers.sample import FaultSample, Sample, StopSample
+from cbdsl.backends.drivers.sample import FaultSample, PublishersSample, Sample, StopSample
+from cbdsl.backends.drivers.survey import survey_problems
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.ros2_link import Ros2Link
 from cbdsl_ros2.ros_node import RosNode
@@ -113,6 +115,99 @@ def test_link_reports_the_end_of_the_last_publisher_of_a_stop(
     del writers[0]
     fault = polled(link, FaultSample)
     assert fault == FaultSample("arm", "the last publisher of /stop has ended")
+
+
+def refused(link: Ros2Link, role: str) -> tuple[str, ...]:
+    """Return the refusals of a stream once its publisher is known."""
+    until = time.monotonic() + _PATIENCE
+    while time.monotonic() < until:
+        endpoint = next(each for each in link.survey() if each.role == role)
+        if endpoint.peers:
+            return endpoint.refusals
+        time.sleep(0.005)
+    raise AssertionError("no publisher came")
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_link_names_a_stop_that_it_cannot_hear(
+    beside: bool, node: RosNode, opened: Callable[[], Ros2Link]
+) -> None:
+    link = opened()
+    other = node.writer("/stop", msg.Flag, lasting=True) if beside else None
+    if other is not None:
+        other.write(msg.Flag(False))
+        polled(link, StopSample)
+    button = node.writer("/stop", msg.Flag, reliable=False)
+    fault = polled(link, FaultSample, lambda: button.write(msg.Flag(True)))
+    words = f"a publisher (process {os.getpid()}) is best effort, and has to be reliable"
+    assert fault == FaultSample("arm", f"{words} at /stop")
+    assert refused(link, "stop") == (words,)
+    assert any(words in problem.text for problem in survey_problems(link.survey()))
+
+
+def test_link_lists_the_living_publishers_of_a_stop(
+    node: RosNode, opened: Callable[[], Ros2Link]
+) -> None:
+    writer, link = node.writer("/stop", msg.Flag, lasting=True), opened()
+    writer.write(msg.Flag(False))
+    sample = polled(link, StopSample)
+    link.survey()
+    publishers = polled(link, PublishersSample)
+    process = f"process {os.getpid()}"
+    assert publishers == PublishersSample("arm", {sample.source: process})
+
+
+def rivals(link: Ros2Link, topic: str, count: int) -> tuple[str, ...]:
+    """Return the other commanders of a topic once there are so many."""
+    until, found = time.monotonic() + _PATIENCE, None
+    while time.monotonic() < until:
+        link.poll()
+        found = next(each.rivals for each in link.survey() if each.address == topic)
+        if len(found) == count:
+            return found
+        time.sleep(0.005)
+    raise AssertionError(f"{found} instead of {count} rivals of {topic}")
+
+
+@pytest.mark.parametrize("form", ["trajectory", "positions"])
+def test_link_names_another_commander_of_the_controller(form: str, node: RosNode) -> None:
+    document = robot(form=form)
+    message = msg.JointTrajectory if form == "trajectory" else msg.Float64MultiArray
+    link = Ros2Link(document, document.drivers, None)
+    try:
+        link.claim()
+        rivals(link, "/commands", 0)
+        rival = node.writer("/commands", message)
+        fault = polled(link, FaultSample)
+        process = f"process {os.getpid()}"
+        assert fault.cause == f"another commander writes to /commands ({process})"
+        assert rivals(link, "/commands", 1) == (process,)
+        del rival
+        rivals(link, "/commands", 0)
+    finally:
+        link.close()
+
+
+def test_link_accepts_one_watchdog_beside_itself(node: RosNode) -> None:
+    document = robot(form="positions")
+    link, nodes = Ros2Link(document, document.drivers, None), [node, RosNode()]
+    try:
+        dogs = []
+        for count, dog in enumerate(nodes):
+            reader = dog.reader("/commands/guarded", msg.Float64MultiArray)
+            dogs.append((reader, dog.writer("/commands", msg.Float64MultiArray)))
+            until = time.monotonic() + _PATIENCE
+            while peers(link, "/commands/guarded") <= count and time.monotonic() < until:
+                time.sleep(0.005)
+            rivals(link, "/commands", count)
+    finally:
+        dogs.clear()
+        link.close()
+        nodes[1].close()
+
+
+def peers(link: Ros2Link, topic: str) -> int:
+    return next(each.peers for each in link.survey() if each.address == topic)
 
 
 def _peers(link: Ros2Link) -> int:

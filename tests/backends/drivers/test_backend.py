@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,13 @@ from cbdsl.backends.drivers.backend import DrivenBackend
 from cbdsl.backends.drivers.link import Endpoint, Setup
 from cbdsl.backends.drivers.person import Consent, RefusingPerson
 from cbdsl.backends.drivers.safety_supervisor import State
-from cbdsl.backends.drivers.sample import DescriptionSample, FaultSample, JointSample, StopSample
+from cbdsl.backends.drivers.sample import (
+    DescriptionSample,
+    FaultSample,
+    JointSample,
+    Sample,
+    StopSample,
+)
 from cbdsl.documents.stage import StageDocument
 from tests.backends.drivers.conftest import (
     LOWER,
@@ -197,6 +203,69 @@ def test_command_of_a_suspended_program_is_stamped_before_the_suspension(
     assert command.stamp + command.horizon < peer.clock().wall(), "a controller refuses it"
 
 
+@pytest.mark.parametrize("jump", [-0.3, -0.05, 0.3])
+def test_robot_whose_clock_jumps_brakes_without_a_stamp(
+    jump: float, urdf: Path, stage: StageDocument
+) -> None:
+    peer = Peer(alter=lambda sample: [sample._replace(source=7)])
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, sine, 10)
+    assert peer.commands[-1][1].stamp > 0.0
+    peer.skew, begun = jump, peer.time
+    with pytest.raises(BackendError, match="clock"):
+        run(driven, lambda tick: sine(10 + tick), 10)
+    # The reference of the tick in which the clock jumped, and those that brake.
+    stamps = [command.stamp for time, command in peer.commands if time >= begun]
+    assert stamps[0] > 0.0
+    assert set(stamps[1:]) == {0.0}
+    assert peer.commands[-1][0] - begun < 0.15
+
+
+def test_robot_that_another_controller_carries_is_held(urdf: Path, stage: StageDocument) -> None:
+    peer, lead = Peer(), 0.12
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    references = np.zeros(2)
+
+    def law(speed: float) -> np.ndarray:
+        # References keep within the lead of measured positions, as those of a program do.
+        nonlocal references
+        here = driven.observe().positions
+        moved = references + np.array([speed, 0.0]) * PERIOD
+        references = np.clip(moved, here - lead, here + lead)
+        return references
+
+    run(driven, lambda tick: law(0.3), 30)
+    peer.moving, start, begun = False, peer.positions.copy(), peer.time
+    send, peer.send = peer.send, lambda driver, command: None
+    with pytest.raises(BackendError, match=r"'second' moved by 0\.0.* away from its"):
+        for _ in range(100):
+            peer.positions = start + np.array([0.0, 0.8 * (peer.time - begun)])
+            driven.apply(law(0.3))
+            driven.step()
+    assert peer.positions[1] - start[1] < 0.1
+    peer.send = send
+
+
+class RepeatedDescription(Peer):
+    """Peer whose description of the robot comes late."""
+
+    def poll(self) -> Sequence[Sample]:
+        samples = list(super().poll())
+        return [*samples, DescriptionSample("arm", URDF)] if self.time > 7.0 else samples
+
+
+def test_examination_waits_for_a_description_that_is_repeated(urdf: Path) -> None:
+    publisher = Endpoint("arm", "description", "/description", "a/B", outgoing=False, peers=1)
+    for endpoints, obstacles in (([publisher], 0), ([], 1)):
+        peer = RepeatedDescription(endpoints=endpoints)
+        driven = backend(peer, urdf, description="/description")
+        driven.examine(3.0)
+        assert len(driven.obstacles()) == obstacles
+        assert peer.time == pytest.approx(7.0 if endpoints else 3.0, abs=0.2)
+
+
 def _within_limits(references: np.ndarray) -> bool:
     inside = (references >= LOWER) & (references <= UPPER)
     speeds = np.diff(references, axis=0) / PERIOD
@@ -348,7 +417,15 @@ def test_not_ready_names_every_obstacle(urdf: Path, stage: StageDocument) -> Non
     peer = Peer(
         alter=lambda s: [_only(s, [0]), DescriptionSample("arm", described)],
         endpoints=[
-            Endpoint("arm", "commands", "/commands", "a/msg/B", outgoing=True, peers=0, rivals=1)
+            Endpoint(
+                "arm",
+                "commands",
+                "/commands",
+                "a/msg/B",
+                outgoing=True,
+                peers=0,
+                rivals=("process 7",),
+            )
         ],
     )
     driven = backend(peer, urdf, stop="/stop")
@@ -358,7 +435,7 @@ def test_not_ready_names_every_obstacle(urdf: Path, stage: StageDocument) -> Non
     assert lines == [
         "robot 'rail' is not ready:",
         "- nothing listens to /commands (driver 'arm', commands)",
-        "- another commander writes to /commands (driver 'arm', commands): 1 of them",
+        "- another commander writes to /commands (driver 'arm', commands): process 7",
         "- joint 'first' has the upper limit 1.5 by the robot, and 1 by its document",
         "- no state of joint 'second' from driver 'arm' at /joint_states",
         "- no state of the emergency stop from driver 'arm' at /stop",

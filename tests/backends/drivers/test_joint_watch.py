@@ -117,13 +117,6 @@ def test_joint_watch_refuses_a_first_reference_beyond_the_start(
     assert bool(joints.start_errors(np.array([0.0, -distance]))) is refused
 
 
-@pytest.mark.parametrize(("distance", "lags"), [(0.09, False), (0.11, True)])
-def test_joint_watch_names_the_joint_that_lags(distance: float, lags: bool) -> None:
-    joints = watch(tracking=0.1)
-    note(joints, 0.0)
-    assert joints.lag(np.array([0.0, -distance])).startswith("joint 'second' is") is lags
-
-
 @pytest.mark.parametrize(
     ("joint", "frozen"), [("left_finger_1", False), ("left_finger_2", False), ("pan", True)]
 )

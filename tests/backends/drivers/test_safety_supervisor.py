@@ -202,7 +202,8 @@ def test_held_joint_that_lags_brakes_and_does_not_return() -> None:
         rig.measured[0] = 0.0
         if rig.supervisor.state is State.HELD:
             break
-    assert "joint 'first' is 0.1" in rig.supervisor.cause
+    assert "joint 'first' is 0.3" in rig.supervisor.cause
+    assert "from its reference and does not follow it" in rig.supervisor.cause
     reached, measured = rig.sent[-1], rig.supervisor.joints.positions.copy()
     for _ in range(40):
         rig.keep(rig.supervisor.settle(rig.now))
@@ -213,7 +214,7 @@ def test_held_joint_that_lags_brakes_and_does_not_return() -> None:
 
 
 def test_held_robot_stops_on_a_long_way_back() -> None:
-    rig = Rig(speed=0.05)
+    rig = Rig(speed=0.05, tracking=0.3)
     rig.run()
     rig.measured = np.array([0.25, 0.0])
     rig.pass_time(rig.period)

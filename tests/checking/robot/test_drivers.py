@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -60,6 +62,18 @@ def test_shipped_drivers_have_no_findings(tmp_path: Path) -> None:
             "    acceleration: 5 m/s^2\n    kind",
             "the joints that it moves have rad/s^2",
         ),
+        ("    kind", "    stop: /stop\n    kind", "it needs 'stop_deadline', such as 250 ms"),
+        ("    kind", "    stop_deadline: 1 s\n    kind", "it has no 'stop'"),
+        (
+            "    kind",
+            "    stop: /stop\n    stop_deadline: 10 s\n    kind",
+            "10 s are more than 1 s",
+        ),
+        (
+            "    kind",
+            "    stop: /stop\n    stop_deadline: 5 ms\n    kind",
+            "5 ms are less than one and a half control periods",
+        ),
         ("    kind", "    options: {speed: 3}\n    kind", "kind ros2 has no option 'speed'"),
         (
             "    kind",
@@ -102,12 +116,34 @@ def test_driver_that_cannot_work_is_found(
     assert any(expected in diagnostic for diagnostic in found), found
 
 
+def test_stop_that_sends_changes_alone_is_a_stated_choice(tmp_path: Path) -> None:
+    stop = "    stop: /stop\n    stop_repeats: false\n"
+    assert diagnostics(tmp_path, GOOD + stop + WRENCHES) == []
+
+
+@pytest.mark.parametrize(("tracking", "finding"), [(None, True), ("2 cm", False), ("5 cm", True)])
+def test_driver_whose_tracking_no_sliding_joint_exceeds_is_found(
+    tracking: str | None, finding: bool, tmp_path: Path
+) -> None:
+    shutil.copytree(ROOT / "robots", tmp_path / "robots")
+    arm = {"kind": "ros2", "moves": ["arm"], "states": "/states", "commands": "/arm"}
+    gripper = {**arm, "moves": ["hand"], "commands": "/gripper", "start": "1 cm"}
+    gripper |= {} if tracking is None else {"tracking": tracking}
+    file = tmp_path / "robots" / "panda.yaml"
+    drivers = json.dumps({"arm": arm, "gripper": gripper})
+    file.write_text(f"{file.read_text('utf-8')}\ndrivers: {drivers}\n", "utf-8")
+    found = [each.message for each in check_document(file)]
+    assert len(found) == finding, found
+    assert all("'panda_finger_joint1' moves by 0.04 m at most" in each for each in found)
+
+
 TWO = """
     kind: ros2
     moves: [left_arm, left_hand, head]
     states: /joint_states
     commands: /left/commands
     stop: /stop
+    stop_deadline: 250 ms
     KEYS
   other:
     kind: ros2
@@ -115,6 +151,7 @@ TWO = """
     states: /joint_states
     commands: /right/commands
     stop: /stop
+    stop_deadline: 250 ms
     MORE
 """
 
@@ -138,9 +175,12 @@ def test_drivers_may_share_joint_states_and_an_emergency_stop(tmp_path: Path) ->
         ("    skew: -5 ms\n", "", "'-5 ms' given, more than 0 required"),
         ("    deadline: 5 mm\n", "", "expected time"),
         ("    state: /joints\n", "", "CB202 unknown key 'state'"),
-        ("    start: 1 rad\n", "", "'start', 1, is more than 'tracking', 0.3"),
+        ("    start: 1 rad\n", "", "'start', 1, is more than 'tracking', 0.1"),
         ("    tracking: 1 deg\n", "", "'start', 0.05, is more than 'tracking'"),
-        ("    tracking: 100 rad\n", "", "no joint moves by more than"),
+        ("    tracking: 100 rad\n", "", "so that it is never farther than 'tracking', 100"),
+        ("    tracking: 0.12 rad\n", "", "'control.lead' keeps references within 0.12 of the"),
+        ("    stop_repeats: false\n", "", "'stop_repeats: false' leaves it without effect"),
+        ("    horizon: 100 ms\n", "", "CB325 driver 'body' stands 183 ms after its program"),
         ("    description: /stop\n", "", "driver 'body' has '/stop' as its 'description' already"),
         ("    description: stop\n", "", "driver 'body' has '/stop' as its 'description' already"),
         ("", "    images: {left: /left/commands}\n    camera_info: {left: /i}\n",

@@ -1,4 +1,4 @@
-"""SIGTERM: it ends a command like an interrupt from the keyboard."""
+"""SIGTERM and SIGHUP: they end a command like an interrupt from the keyboard."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.cli.process.termination import termination_interrupts
+from cbdsl.cli.process.termination import stop_requests, termination_interrupts
 from tests.conftest import ROOT
 
 # Processes started in the background ignore SIGINT, and their children inherit that.
@@ -23,16 +23,36 @@ LEARN = (
 )
 
 
-def test_sigterm_raises_an_interrupt_and_the_handler_is_restored() -> None:
-    before = signal.getsignal(signal.SIGTERM)
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGHUP])
+def test_signal_raises_an_interrupt_and_the_handler_is_restored(sent: signal.Signals) -> None:
+    before = signal.getsignal(sent)
     with pytest.raises(KeyboardInterrupt), termination_interrupts():
-        os.kill(os.getpid(), signal.SIGTERM)
+        os.kill(os.getpid(), sent)
         time.sleep(5)
-    assert signal.getsignal(signal.SIGTERM) is before
+    assert signal.getsignal(sent) is before
+
+
+def test_signals_are_noted_until_a_loop_ends() -> None:
+    with stop_requests() as stopped:
+        assert not stopped()
+        os.kill(os.getpid(), signal.SIGHUP)
+        time.sleep(0.01)
+        assert stopped()
+
+
+def test_hangup_that_nohup_ignores_stays_ignored() -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with termination_interrupts(), stop_requests() as stopped:
+            os.kill(os.getpid(), signal.SIGHUP)
+            time.sleep(0.01)
+            assert not stopped()
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_an_interrupted_trial_reports_how_to_continue(sent: signal.Signals, tmp_path: Path) -> None:
     lesson = subprocess.Popen(
         [sys.executable, "-c", COMMAND, *LEARN],

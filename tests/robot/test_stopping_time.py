@@ -1,0 +1,34 @@
+"""Stopping time: bounds of a robot's document."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cbdsl.robot.stopping_time import stopping_time
+from cbdsl.robot.urdf_reader import parse_urdf
+from tests.backends.drivers.conftest import URDF, robot
+
+
+@pytest.mark.parametrize(
+    ("rate", "driver", "death", "fault"),
+    [
+        # Three periods and one more; the deadline, braking from 1.5 rad/s in 50 ms, three periods.
+        (60.0, {}, 66.7, 50.0 + 50.0 + 50.0),
+        (250.0, {}, 16.0, 12.0 + 52.0 + 12.0),
+        (20.0, {"deadline": 0.075}, 200.0, 75.0 + 50.0 + 150.0),
+        (20.0, {"deadline": 0.075, "horizon": 0.08}, 130.0, 75.0 + 50.0 + 80.0),
+        (60.0, {"acceleration": 100.0}, 66.7, 50.0 + 16.7 + 50.0),
+        (60.0, {"form": "positions"}, 133.3, 133.3),
+    ],
+)
+def test_stopping_time_follows_from_the_document(
+    rate: float, driver: dict[str, object], death: float, fault: float
+) -> None:
+    document = robot(**driver)
+    control = document.control.model_copy(update={"rate": rate})
+    document = document.model_copy(update={"control": control})
+    model = parse_urdf(URDF, Path("rail.urdf"))
+    bounds = stopping_time(document, model, "arm")
+    assert [1e3 * bound for bound in bounds] == pytest.approx([death, fault], abs=0.1)
