@@ -16,8 +16,12 @@ from cbdsl.cli.episodes.simulation import needing_simulation
 from cbdsl.cli.output.terminal import print_json, print_table
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from cbdsl.backends.drivers.backend import DrivenBackend
     from cbdsl.backends.drivers.link import Endpoint
+    from cbdsl.documents.driver import Driver
+    from cbdsl.documents.robot import RobotDocument
 
 
 drive = CommandGroup(
@@ -39,7 +43,7 @@ def doctor(
     interface: Interface = None,
     as_json: Json = False,
 ) -> None:
-    """List the topics, rates, ages and joints of a robot, and all reasons not to move it.
+    """List topics, joints and stopping times of a robot, and all reasons not to move it.
 
     No command is sent. Exit 0 if a program can begin, 1 with such reasons, 2 if a driver cannot be
     opened.
@@ -57,11 +61,14 @@ def doctor(
     finally:
         driven.close()
     rows = [_endpoint_row(endpoint) for endpoint in endpoints]
+    stopping = _stopping_rows(document, urdf)
     if as_json:
-        print_json({"topics": rows, "joints": joints, "findings": obstacles})
+        tables = {"topics": rows, "joints": joints, "stopping": stopping}
+        print_json({**tables, "findings": obstacles})
     else:
         print_table("Topics", rows)
         print_table("Joints", joints)
+        print_table("Stopping time", stopping)
         for obstacle in obstacles:
             print(f"finding: {obstacle}")
         print("not ready" if obstacles else "ready")
@@ -81,6 +88,33 @@ def _endpoint_row(endpoint: Endpoint) -> dict[str, object]:
         "rate": "" if endpoint.outgoing else f"{endpoint.rate:.1f} Hz",
         "age": age,
     }
+
+
+def _stopping_rows(document: RobotDocument, urdf: Path) -> list[dict[str, object]]:
+    """Return the longest times until each driver's joints stand as rows of a table."""
+    from cbdsl.robot.stopping_time import stopping_time
+    from cbdsl.robot.urdf_reader import read_urdf
+
+    model = read_urdf(urdf)
+    times = {n: stopping_time(document, model, n) for n, d in document.drivers.items() if d.moves}
+    return [
+        {
+            "driver": name,
+            "after its program ends": f"{1e3 * time.death:.0f} ms",
+            "after a fault": f"{1e3 * time.fault:.0f} ms",
+            "after a silent button": _silence(document.drivers[name]),
+        }
+        for name, time in times.items()
+    ]
+
+
+def _silence(driver: Driver) -> str:
+    """Return the time until a dead or hung emergency stop is noticed."""
+    if driver.stop is None:
+        return "no emergency stop"
+    if driver.stop_deadline is None:
+        return "unnoticed for up to 20 s"
+    return f"noticed in {1e3 * driver.stop_deadline:.0f} ms"
 
 
 def _joint_rows(driven: DrivenBackend) -> list[dict[str, object]]:

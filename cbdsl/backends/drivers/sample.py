@@ -155,7 +155,7 @@ class Command(NamedTuple):
         horizon: Time until the references are reached, s.
         stamp: Time at which the references were decided, s since the epoch. A controller refuses
             those whose horizon is over, as of a program that was suspended before it sent them.
-            0 means immediately, whatever the time of the controller is.
+            0 means immediately.
     """
 
     names: tuple[str, ...]

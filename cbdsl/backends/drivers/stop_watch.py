@@ -41,7 +41,7 @@ class StopWatch:
         return f"the emergency stop of driver '{sample.driver}' is pressed"
 
     def note_publishers(self, sample: PublishersSample, now: float) -> str:
-        """Take in the living buttons of a driver; return the one that ended and had to repeat."""
+        """Take in the living buttons; return the reason if one ended that had to repeat."""
         living = {(sample.driver, source): name for source, name in sample.names.items()}
         known = {button for button in self._heard | self._joined if button[0] == sample.driver}
         left = sorted(known - living.keys())

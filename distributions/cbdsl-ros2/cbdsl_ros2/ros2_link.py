@@ -150,7 +150,7 @@ class Ros2Link:
             output.peers, output.rivals = peers, frozenset(rivals)
 
     def _buttons(self, each: _Input, writers: Sequence[Remote]) -> Iterator[Sample]:
-        """Yield the living publishers of an emergency stop, and those that cannot be heard."""
+        """Yield the living publishers of an emergency stop, and each that cannot be heard."""
         topic, processes = absolute(each.topic), dict[int, str]()
         # A person may press the stop by a tool that ends after its message.
         if each.peers and not writers:

@@ -215,7 +215,7 @@ def test_robot_whose_clock_jumps_brakes_without_a_stamp(
     peer.skew, begun = jump, peer.time
     with pytest.raises(BackendError, match="clock"):
         run(driven, lambda tick: sine(10 + tick), 10)
-    # The reference of the tick in which the clock jumped, and those that brake.
+    # The first reference is of the tick in which the clock jumped, and the others brake.
     stamps = [command.stamp for time, command in peer.commands if time >= begun]
     assert stamps[0] > 0.0
     assert set(stamps[1:]) == {0.0}
