@@ -82,7 +82,7 @@ def test_the_sdist_can_be_tested(built: Path) -> None:
         names = {name.partition("/")[2] for name in archive.getnames()}
     wanted = {"LICENSE", "README.md", "CHANGELOG.md", "SECURITY.md", "pyproject.toml", "Makefile"}
     assert wanted | {"tests/conftest.py", "docs/documents/robot.md", "robots/dexter.urdf"} <= names
-    assert not [name for name in names if name.startswith((".venv", ".git/", "dist"))]
+    assert not [name for name in names if name.startswith((".venv", ".git/", "dist/"))]
 
 
 def test_bare_environment_validates_and_names_the_extra_for_runs(

@@ -52,9 +52,9 @@ def _modules() -> dict[str, list[Path]]:
 
 def _is_mirror(files: list[Path]) -> bool:
     """Return whether modules of one name are the same part of mirrored folders."""
-    # `cb show policy` is cli/show/policy.py: a view is named by its word.
-    folders = {file.parent.as_posix() for file in files} - {"cli/show"}
-    return any(folders.issubset(mirror) for mirror in MIRRORS.values())
+    # `cb show policy` is cli/show/policy.py: a view is named by its word, a contract by its group.
+    folders = {file.parent.as_posix() for file in files} - {"cli/show", "extend"}
+    return len(folders) == 1 or any(folders.issubset(mirror) for mirror in MIRRORS.values())
 
 
 def test_modules_of_one_name_mirror_each_other() -> None:

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 def _record(name: str, record: Any) -> Kind:
     """Return the record of a kind for readers and checkers."""
     if not isinstance(record, Kind):
-        raise PluginError(f"is {type(record).__name__}, not cbdsl.documents.kind.Kind")
+        raise PluginError(f"is {type(record).__name__}, not cbdsl.extend.document.Kind")
     if not (isinstance(record.model, type) and issubclass(record.model, Document)):
-        raise PluginError("its model is not a subclass of cbdsl.documents.document.Document")
+        raise PluginError("its model is not a subclass of cbdsl.extend.document.Document")
     if "kind" not in record.model.model_fields or kind_name(record.model) != name:
         raise PluginError(f'its model lacks kind: Literal["{name}"]')
     if missing := record.references.keys() - record.model.model_fields:

@@ -113,7 +113,7 @@ def _learner_class(_: str, offered: Any) -> LearnerClass:
         raise PluginError(f"lacks the methods {', '.join(lacking)}")
     constants = getattr(offered, "Constants", None)
     if not (isinstance(constants, type) and issubclass(constants, Section)):
-        raise PluginError("lacks Constants, a subclass of cbdsl.documents.document.Section")
+        raise PluginError("lacks Constants, a subclass of cbdsl.extend.learner.Section")
     needed = [name for name, field in constants.model_fields.items() if field.is_required()]
     if needed:
         raise PluginError(f"its constants have no default: {', '.join(needed)}")

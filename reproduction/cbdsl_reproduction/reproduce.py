@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.command import Cameras, Json, require_workers
+from cbdsl.extend.command import Cameras, Json, require_workers
 
 if TYPE_CHECKING:
     from cbdsl_reproduction.experiment import Experiment, Result, RunSettings
@@ -92,7 +92,7 @@ def reproduce(
     Exit 0 after a run with any verdicts, 2 if it cannot run.
     """
     from cbdsl import UsageError
-    from cbdsl.cli.command import print_json
+    from cbdsl.extend.command import print_json
     from cbdsl_reproduction.experiment import RunSettings
     from cbdsl_reproduction.report import data
 
@@ -171,7 +171,7 @@ def _kept(folder: Path | None) -> Iterator[Path]:
 
     from cbdsl import UsageError
     from cbdsl.api.trials import DamagedJournalError, JournalError
-    from cbdsl.cli.command import print_problem, reason
+    from cbdsl.extend.command import print_problem, reason
 
     if folder is None:
         with TemporaryDirectory() as passing:
@@ -202,7 +202,7 @@ def _require_sound(folder: Path) -> None:
         UsageError: A damaged line cannot be skipped.
     """
     from cbdsl import UsageError
-    from cbdsl.cli.command import print_problem
+    from cbdsl.extend.command import print_problem
     from cbdsl_reproduction.kept_files import damaged_lines
 
     for line in damaged_lines(folder):
@@ -213,7 +213,7 @@ def _require_sound(folder: Path) -> None:
 
 def _list(name: str | None, as_json: bool) -> None:
     """Print the experiments, or the claims of the named ones."""
-    from cbdsl.cli.command import print_json
+    from cbdsl.extend.command import print_json
     from cbdsl_reproduction.registry import EXPERIMENTS
     from cbdsl_reproduction.report import claim_row
 
@@ -245,7 +245,12 @@ def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
     from dataclasses import replace
 
     from cbdsl import UsageError
-    from cbdsl.cli.command import Progress, quiet_stderr, shown_on_failure, termination_interrupts
+    from cbdsl.extend.command import (
+        Progress,
+        quiet_stderr,
+        shown_on_failure,
+        termination_interrupts,
+    )
     from cbdsl_reproduction.trial_jobs import run_jobs
 
     try:
@@ -281,7 +286,7 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
     """Print rows as a table on a terminal, and as one line per row to a pipe."""
     import sys
 
-    from cbdsl.cli.command import print_table
+    from cbdsl.extend.command import print_table
 
     if sys.stdout.isatty():
         print_table(title, rows)
@@ -295,7 +300,7 @@ def _require_writable(out: Path) -> None:
     """Check before the experiments that their outcomes can be written."""
     from cbdsl import UsageError
     from cbdsl.api.documents import make_room
-    from cbdsl.cli.command import reason
+    from cbdsl.extend.command import reason
 
     if out.suffix not in ("", ".json"):
         raise UsageError(f"--out {out}: expected a folder, or a file that ends in .json")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+import subprocess
+import sys
 from importlib import import_module
 
 import pytest
@@ -21,7 +23,12 @@ MODULES = (
     "cbdsl.api.program",
     "cbdsl.api.sensing",
     "cbdsl.api.trials",
-    "cbdsl.cli.command",
+)
+#: Modules of the contract of extensions, one for each entry-point group.
+GROUPS = tuple(
+    f"cbdsl.extend.{file.stem}"
+    for file in sorted((ROOT / "cbdsl" / "extend").glob("*.py"))
+    if file.stem not in ("__init__", "lazy_names")
 )
 PAGE = ROOT / "docs" / "how_to" / "use_from_python.md"
 
@@ -34,6 +41,29 @@ def test_public_module_names_exist_and_are_documented(name: str) -> None:
         value = getattr(module, public)
         if inspect.isclass(value) or inspect.isfunction(value):
             assert inspect.getdoc(value), f"{name}.{public} has no docstring"
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_contract_names_exist_and_are_documented(name: str) -> None:
+    module = import_module(name)
+    group, test = f"cbdsl.{name.rpartition('.')[2]}s", f"cbdsl.extend.contract.test_{name[13:]}"
+    assert group in str(module.__doc__) and test in str(module.__doc__)
+    assert import_module(test)
+    for public in module.__all__:
+        value = getattr(module, public)
+        if (inspect.isclass(value) or inspect.isfunction(value)) and "cbdsl" in value.__module__:
+            assert inspect.getdoc(value), f"{name}.{public} has no docstring"
+    with pytest.raises(AttributeError, match="has no public name 'absent'"):
+        module.absent  # noqa: B018
+
+
+def test_contract_of_drivers_and_exports_imports_no_numpy() -> None:
+    script = (
+        "import sys; from cbdsl.extend.driver import DriverKind; "
+        "from cbdsl.extend.export import Export; print('numpy' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout == "False\n", done.stderr
 
 
 def test_public_names_belong_to_one_module() -> None:

@@ -11,6 +11,7 @@ from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.world_state import GroundTruthProvider
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.extend.contract.test_backend import episode
 from tests.backends.conftest import (
     LIBRARY,
     URDF,
@@ -19,14 +20,14 @@ from tests.backends.conftest import (
     stage_named,
     with_vision,
 )
-from tests.backends.test_contract import episode
 from tests.conftest import ROOT
 
 STAGES = LIBRARY.names(StageDocument)
 
 
 def test_another_seed_is_another_episode(simulated: Simulated) -> None:
-    assert episode(simulated, 4) != episode(simulated, 3)
+    stage = stage_named("noisy_right")
+    assert episode(simulated, stage, 4) != episode(simulated, stage, 3)
 
 
 def test_sensor_noise_does_not_depend_on_other_draws(simulated: Simulated) -> None:

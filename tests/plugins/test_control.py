@@ -22,7 +22,6 @@ from cbdsl.types.registry import PluginError
 from docs.make_reference import page
 from tests.cli.test_main import cb
 from tests.conftest import ROOT
-from tests.plugins.generic import run_generic
 from tests.plugins.installed import write_package
 
 HEAD = "cbdsl: 1\nkind: program\nname: own\nrobot: dexter\nstage: table_right\n"
@@ -153,21 +152,6 @@ def test_plugin_potential_sensor_and_modifier_are_listed(
 
 def test_the_reference_has_the_potential() -> None:
     assert "`keep_out`" in page()
-
-
-@pytest.mark.parametrize(
-    ("tests", "name"),
-    [
-        ("control/test_potential_registry.py", "keep_out"),
-        ("sensing/test_resources.py", "wrist_force_torque"),
-        ("runtime/test_modifiers.py", "orbit"),
-        ("runtime/test_modifiers.py", "calm"),
-    ],
-)
-def test_plugin_potential_and_sensor_pass_the_generic_tests(
-    tests: str, name: str, site: Path
-) -> None:
-    run_generic(tests, name, site)
 
 
 def test_a_sensor_is_read(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

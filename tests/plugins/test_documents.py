@@ -11,7 +11,6 @@ import pytest
 from cbdsl.documents.kinds import KINDS
 from docs.make_reference import page
 from tests.cli.test_main import cb
-from tests.plugins.generic import run_generic
 from tests.plugins.installed import write_package
 
 GOOD = "cbdsl: 1\nkind: playlist\nname: evening\nrobot: dexter\nprograms: [posture, reach]\n"
@@ -104,13 +103,6 @@ def test_reference_lists_keys_and_diagnostics_of_a_plugin_document() -> None:
     assert "### Kind playlist" in text
     assert "| `pause` | Time between one program and the next." in text
     assert "[DEMO101]" in text
-
-
-@pytest.mark.parametrize(
-    "tests", ["documents/test_json_schema.py", "diagnostics/test_catalogue.py"]
-)
-def test_plugin_document_passes_the_generic_tests(tests: str, site: Path) -> None:
-    run_generic(tests, "playlist or DEMO", site)
 
 
 FAULTY = """

@@ -12,7 +12,6 @@ from cbdsl.learning.learner import LEARNERS
 from cbdsl.yaml_text.reader import read
 from docs.make_reference import page
 from tests.cli.test_main import cb
-from tests.plugins.generic import run_generic
 from tests.plugins.installed import write_package
 
 LEARN = ("learn", "searchtrack", "--backend", "kinematic", "--seed", "3")
@@ -81,10 +80,6 @@ def test_plugin_learner_is_listed_with_its_constants(
     patience = {"constant": "patience", "default": 60.0, "unit": "s"}
     assert patience.items() <= shown["constants"][2].items()
     assert "### Learner monte_carlo" in page()
-
-
-def test_plugin_learner_passes_the_generic_tests(site: Path) -> None:
-    run_generic("learning/test_learner.py", "monte_carlo", site)
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,13 @@
-"""Every resource of every robot, and of one with a sensor of each kind that packages add."""
+"""Every resource of every robot."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from cbdsl.documents.robot import RobotDocument, Sensor
+from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.robot.resources import resources
-from cbdsl.robot.source_kind import SOURCES
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.reading import Reading
@@ -20,13 +19,7 @@ SHAPES = {"orientation": (3, 3), "pose": (4, 4)}
 
 
 def _robot(name: str) -> RobotDocument:
-    """Return a shipped robot, or Dexter with a sensor of this kind."""
-    shipped = "dexter" if name in SOURCES else name
-    robot = LIBRARY.read(LIBRARY.locate(RobotDocument, shipped), RobotDocument).document
-    if name not in SOURCES:
-        return robot
-    sensor = Sensor(kind=name, link="right_palm", hand="right_hand")
-    return robot.model_copy(update={"sensors": {"added": sensor}})
+    return LIBRARY.read(LIBRARY.locate(RobotDocument, name), RobotDocument).document
 
 
 def _observe(robot: RobotDocument, time: float, positions: np.ndarray, force: float) -> Observation:
@@ -41,12 +34,11 @@ def _observe(robot: RobotDocument, time: float, positions: np.ndarray, force: fl
 # Drawn when a controller begins, from the features seen or known then.
 
 
-@pytest.mark.parametrize("name", [*LIBRARY.names(RobotDocument), *SOURCES.usable_names()])
+@pytest.mark.parametrize("name", LIBRARY.names(RobotDocument))
 def test_every_resource_is_bound_read_and_refreshed(name: str) -> None:
     robot = _robot(name)
     kinematics = Kinematics(robot, ROOT / "robots" / robot.model)
     known = {key: each for key, each in resources(robot).items() if not each.is_drawn}
-    assert name not in SOURCES or any(key.startswith("added.") for key in known)
     signals = Signals(robot, kinematics, resources(robot).values())
     rows = {key: signals.bind(resource) for key, resource in known.items()}
     assert [signals.bind(resource) for resource in known.values()] == list(rows.values())
@@ -67,8 +59,3 @@ def test_every_resource_is_bound_read_and_refreshed(name: str) -> None:
         assert reading.jacobian is not None
         assert reading.jacobian.shape == (size, len(signals.joints)), key
         assert np.isfinite(reading.value).all() and np.isfinite(reading.jacobian).all(), key
-    added = [key for key in known if key.startswith("added.")]
-    for key in added:
-        before, now = values[-2][key], values[-1][key]
-        assert before is not None and now is not None, f"{key} is undefined in contact"
-        assert not np.array_equal(before.value, now.value), f"{key} is not refreshed"

@@ -10,15 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.backends.backend import BackendError
-from cbdsl.backends.staging.episode_start import choose_context
-from cbdsl.backends.staging.fit import read_fitting
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.joints import Joints
-from cbdsl.sensing.observation import Observation
+from cbdsl.extend.backend import (
+    BackendError,
+    Floats,
+    Joints,
+    Kinematics,
+    Observation,
+    RobotDocument,
+    StageDocument,
+    choose_context,
+    read_fitting,
+)
 from cbdsl_lerobot.robot_interface import METHODS, LeRobot, robot_name
 from cbdsl_lerobot.sensors import Sensors
 

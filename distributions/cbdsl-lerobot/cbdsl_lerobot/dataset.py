@@ -22,8 +22,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.reporting.recorded import Recorded
+from cbdsl.extend.export import Recorded, UsageError
 from cbdsl_lerobot.dataset_frames import Frames, frame_rate, frames_of
 from cbdsl_lerobot.statistics import Statistics
 from cbdsl_lerobot.video import video_info, write_video

@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.reporting.recorded import Recorded
+from cbdsl.extend.export import Recorded, UsageError
 
 Array = NDArray[Any]
 

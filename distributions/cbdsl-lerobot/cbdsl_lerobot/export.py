@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.reporting.export_format import Export
+from cbdsl.extend.export import Export
 
 if TYPE_CHECKING:
-    from cbdsl.reporting.recorded import Recorded
+    from cbdsl.extend.export import Recorded
 
 Fps = Annotated[
     int | None, typer.Option("--fps", min=1, help="Frames per second [the rate of the images].")

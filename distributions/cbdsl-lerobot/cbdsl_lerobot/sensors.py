@@ -7,12 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.backends.backend import BackendError
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.arrays import Floats, Image
-from cbdsl.robot.joints import Joints
-from cbdsl.sensing.observation import Loads, Observation
+from cbdsl.extend.backend import (
+    BackendError,
+    Floats,
+    Image,
+    Joints,
+    Kinematics,
+    Loads,
+    Observation,
+    RobotDocument,
+)
 
 Values = Mapping[str, Any]
 

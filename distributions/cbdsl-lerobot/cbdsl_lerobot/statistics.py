@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.numeric.arrays import Floats
+from cbdsl.extend.export import Floats
 from cbdsl_lerobot.dataset_frames import Frames
 
 Row = dict[str, Any]

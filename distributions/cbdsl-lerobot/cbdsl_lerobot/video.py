@@ -13,7 +13,7 @@ import av
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.diagnostics.errors import UsageError
+from cbdsl.extend.export import UsageError
 
 _CODEC, _FORMAT = "libx264", "yuv420p"
 # Quality at which errors are smaller than the noise of the images, and the distance of key frames.

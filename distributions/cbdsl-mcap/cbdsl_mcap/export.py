@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.reporting.export_format import EXPORTS, Export
+from cbdsl.extend.export import EXPORTS, Export, UsageError
 
 if TYPE_CHECKING:
-    from cbdsl.reporting.recorded import Recorded
+    from cbdsl.extend.export import Recorded
 
 #: Message schemas of MCAP files.
 SCHEMAS = ("foxglove", "ros2")

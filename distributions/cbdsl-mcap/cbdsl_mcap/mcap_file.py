@@ -23,12 +23,15 @@ import cv2
 import numpy as np
 from mcap.writer import Writer
 
-from cbdsl.numeric.arrays import Floats
-from cbdsl.program.transition import title_of
-from cbdsl.reporting.drawn_links import DrawnLink, read_links
-from cbdsl.reporting.link_pose import placed
-from cbdsl.reporting.recorded import Recorded
-from cbdsl.storage.atomic_file import replace_file
+from cbdsl.extend.export import (
+    DrawnLink,
+    Floats,
+    Recorded,
+    placed,
+    read_links,
+    replace_file,
+    title_of,
+)
 from cbdsl_mcap.mcap_schemas import SCHEMAS
 
 Json = dict[str, Any]

@@ -7,11 +7,15 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.api.reading.robots import read_robot
-from cbdsl.cli.arguments.options import Cameras, Rate
-from cbdsl.cli.episodes.attendance import Interface
-from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
-from cbdsl.cli.process.termination import stop_requests
+from cbdsl.extend.backend import read_robot
+from cbdsl.extend.command import (
+    BackendName,
+    Cameras,
+    Interface,
+    Rate,
+    needing_simulation,
+    stop_requests,
+)
 
 Robot = Annotated[str, typer.Argument(help="Robot: file or name.")]
 Seconds = Annotated[
@@ -58,7 +62,7 @@ def serve(
     Commands are followed as by a joint trajectory controller, which holds still at the end of a
     trajectory.
     """
-    from cbdsl.cli.output.compilation import told_of_compilation
+    from cbdsl.extend.command import told_of_compilation
     from cbdsl_ros2.serve import serve_robot
 
     with needing_simulation(), told_of_compilation(), stop_requests() as stopped:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from cbdsl.documents.driver import Driver
-from cbdsl.robot.driver_addresses import addresses
-from cbdsl.robot.driver_kind import DriverKind, Problem
+from cbdsl.extend.driver import Driver, DriverKind, Problem, addresses
 
 # Names of ROS 2: tokens of letters, digits and underscores, separated by slashes. A token does not
 # begin with a digit and has no two underscores in a row (design.ros2.org, "Topic and Service name

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.numeric.arrays import Floats
+from cbdsl.extend.backend import Floats
 from cbdsl_ros2 import dds_types as msg
 
 # Silence after which a writer loses its ownership of a controller, s; and after which a controller

@@ -9,16 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.backends.backend import BackendError
-from cbdsl.backends.drivers.joint_limits import joint_limits
-from cbdsl.backends.drivers.limiter import JointLimits
-from cbdsl.backends.drivers.link import require_drivers
-from cbdsl.backends.drivers.real_time import RealTime
-from cbdsl.backends.drivers.watchdog import Watchdog, WatchdogPhase
-from cbdsl.backends.staging.fit import read_fitting
-from cbdsl.documents.driver import Driver, absolute
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.joints import Joints
+from cbdsl.extend.backend import Joints, read_fitting
+from cbdsl.extend.driver import (
+    BackendError,
+    Driver,
+    JointLimits,
+    RealTime,
+    RobotDocument,
+    Watchdog,
+    WatchdogPhase,
+    absolute,
+    joint_limits,
+    require_drivers,
+)
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.ros_node import Remote, RosNode, guarded
 

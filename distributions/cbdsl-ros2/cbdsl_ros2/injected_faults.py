@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.backends.backend import BackendError
+from cbdsl.extend.driver import BackendError
 from cbdsl_ros2 import dds_types as msg
 
 #: Faults by name, each with its meaning.

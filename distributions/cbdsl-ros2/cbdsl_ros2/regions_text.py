@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
-from cbdsl.sensing.channels import Extent, Moments, Region, Regions
+from cbdsl.extend.backend import Extent, Moments, Region, Regions
 
 
 def write_regions(regions: Mapping[str, Regions]) -> str:

@@ -9,25 +9,26 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
+from cbdsl.extend.MISSING import PublishersSample, horizon
 from cyclonedds.qos import Qos
 
-from cbdsl.backends.drivers.link import Endpoint, Setup
-from cbdsl.backends.drivers.sample import (
+from cbdsl.extend.driver import (
     CameraSample,
     Command,
     DescriptionSample,
+    Driver,
+    Endpoint,
     FaultSample,
     ImageSample,
     JointSample,
-    PublishersSample,
     RegionsSample,
+    RobotDocument,
     Sample,
+    Setup,
     StopSample,
     WrenchSample,
+    absolute,
 )
-from cbdsl.documents.driver import Driver, absolute
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.stopping_time import horizon
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.qos_match import mismatch
 from cbdsl_ros2.regions_text import read_regions

@@ -23,8 +23,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from cbdsl.backends.backend import BackendError
-from cbdsl.documents.driver import absolute
+from cbdsl.extend.driver import BackendError, absolute
 
 LOOPBACK = "lo"
 # Lease of a participant's liveliness, s: others see its death after it.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.extend.backend import RobotDocument
     from cbdsl_ros2.topic_server import Moment
 
 # Window of the real-time factor, s, and the factor below which it is reported.
@@ -53,8 +53,7 @@ def serve_robot(
         DiagnosticsError: A document has errors.
         UsageError: An item is missing, not installed, or does not fit.
     """
-    from cbdsl.api.reading.robots import read_robot, read_stage
-    from cbdsl.robot.control_rate import with_control_rate
+    from cbdsl.extend.backend import read_robot, read_stage, with_control_rate
     from cbdsl_ros2.injected_faults import Faults, read_fault
     from cbdsl_ros2.topic_server import RobotServer, simulated_robot
 
@@ -91,7 +90,7 @@ def _require_writable(trace: Path) -> None:
     Raises:
         UsageError: The path is a folder, or its folder does not exist.
     """
-    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.extend.backend import UsageError
 
     if trace.is_dir():
         raise UsageError(f"trace {trace}: this is a folder; name a file, such as motion.npz")

@@ -14,10 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.backends.drivers.link import Setup
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.documents.form import MeshForm
-from cbdsl.documents.stage import StageDocument
+from cbdsl.extend.backend import MeshForm, StageDocument, UsageError
+from cbdsl.extend.driver import Setup
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.ros_node import RosNode
 

@@ -10,23 +10,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.backend import (
+from cbdsl.extend.backend import (
     AttendedBackend,
     Backend,
     BackendError,
+    Floats,
+    Joints,
+    Kinematics,
+    Observation,
+    RobotDocument,
+    StageDocument,
     StagingBackend,
     embody,
+    load_kept,
 )
-from cbdsl.backends.drivers.link import Setup, require_drivers
-from cbdsl.backends.drivers.real_time import RealTime
-from cbdsl.documents.driver import Driver
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.arrays import Floats
-from cbdsl.numeric.compiled import load_kept
-from cbdsl.robot.joints import Joints
-from cbdsl.sensing.observation import Observation
+from cbdsl.extend.driver import Driver, RealTime, Setup, require_drivers
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.follower import Follower
 from cbdsl_ros2.injected_faults import Faults

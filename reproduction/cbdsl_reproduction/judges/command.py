@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cbdsl.cli.command import Cameras, Json
+from cbdsl.extend.command import Cameras, Json
 
 if TYPE_CHECKING:
     from cbdsl_reproduction.judges.judge import Judge, JudgedCondition
@@ -68,7 +68,7 @@ def judge(
     Exit 0 if all aims are met, 1 if one is missed, 2 if it cannot run.
     """
     from cbdsl import UsageError
-    from cbdsl.cli.command import print_json, require_workers
+    from cbdsl.extend.command import print_json, require_workers
     from cbdsl_reproduction.judges.judge import BodyChoice
     from cbdsl_reproduction.judges.judging import Campaign
     from cbdsl_reproduction.judges.registry import JUDGES
@@ -149,7 +149,7 @@ def _result(campaign: Campaign, workers: int, out: Path | None, *, resume: bool)
 
 def _run(campaign: Campaign, workers: int, out: Path | None) -> Verdicts:
     """Return the verdicts of a campaign, and write each finished condition."""
-    from cbdsl.cli.command import (
+    from cbdsl.extend.command import (
         Progress,
         print_problem,
         shown_on_failure,
@@ -179,7 +179,7 @@ def _run(campaign: Campaign, workers: int, out: Path | None) -> Verdicts:
 
 
 def _list(as_json: bool) -> None:
-    from cbdsl.cli.command import print_json
+    from cbdsl.extend.command import print_json
     from cbdsl_reproduction.judges.registry import JUDGES
 
     rows: list[dict[str, Any]] = [
@@ -226,7 +226,7 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
     """Print rows as a table on a terminal, and as one line per row to a pipe."""
     import sys
 
-    from cbdsl.cli.command import print_table
+    from cbdsl.extend.command import print_table
 
     if sys.stdout.isatty():
         print_table(title, rows)
@@ -243,7 +243,7 @@ def _require_writable(out: Path, name: str) -> None:
         UsageError: The folder cannot be created, or a file is in the way.
     """
     from cbdsl import UsageError
-    from cbdsl.cli.command import reason
+    from cbdsl.extend.command import reason
     from cbdsl_reproduction.judges.kept_result import read_result
 
     try:

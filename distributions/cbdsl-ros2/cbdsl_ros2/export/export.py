@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.reporting.export_format import Export
+from cbdsl.extend.export import Export
 
 if TYPE_CHECKING:
-    from cbdsl.reporting.recorded import Recorded
+    from cbdsl.extend.export import Recorded
 
 
 def write(recordings: Iterable[Recorded], target: Path) -> str:

@@ -24,10 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.kinematics.quaternion import inverse, turned
-from cbdsl.reporting.drawn_links import DrawnLink, read_links
-from cbdsl.reporting.recorded import Recorded
-from cbdsl.storage.atomic_file import replace_file
+from cbdsl.extend.export import DrawnLink, Recorded, inverse, read_links, replace_file, turned
 from cbdsl_ros2.export.bag import Bag
 from cbdsl_ros2.export.markers import markers
 from cbdsl_ros2.export.ros_messages import TYPES, header, make, stamp, vector

@@ -7,7 +7,7 @@ from typing import Any
 
 from rosbags.typesys import Stores, get_typestore
 
-from cbdsl.numeric.arrays import Floats
+from cbdsl.extend.export import Floats
 
 #: Definitions of the types. The types of these modules are the same in later distributions.
 TYPES = get_typestore(Stores.ROS2_HUMBLE)

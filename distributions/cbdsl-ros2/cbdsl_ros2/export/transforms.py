@@ -8,11 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.kinematics.quaternion import product, quaternion_about
-from cbdsl.numeric.arrays import Floats
-from cbdsl.reporting.drawn_links import DrawnLink
-from cbdsl.reporting.link_pose import placed
-from cbdsl.reporting.recorded import Recorded
+from cbdsl.extend.export import DrawnLink, Floats, Recorded, placed, product, quaternion_about
 from cbdsl_ros2.export.ros_messages import header, make, quaternion, vector
 
 #: Root of all frames.

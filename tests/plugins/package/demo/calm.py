@@ -2,9 +2,7 @@
 
 from collections.abc import Mapping
 
-from cbdsl.control.plan import SlotForm
-from cbdsl.runtime.controllers.slot_setting import SlotSetting
-from cbdsl.types.modifier import ModifierType
+from cbdsl.extend.modifier import ModifierType, SlotForm, SlotSetting
 
 CALM = ModifierType(
     name="calm",

@@ -3,11 +3,16 @@
 import time
 from collections.abc import Iterator, Mapping, Sequence
 
-from cbdsl.backends.drivers.link import Endpoint
-from cbdsl.backends.drivers.sample import Command, JointSample, Sample
-from cbdsl.documents.driver import Driver
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.driver_kind import DriverKind, Problem
+from cbdsl.extend.driver import (
+    Command,
+    Driver,
+    DriverKind,
+    Endpoint,
+    JointSample,
+    Problem,
+    RobotDocument,
+    Sample,
+)
 
 
 def problems(driver: Driver) -> Iterator[Problem]:

@@ -5,17 +5,19 @@ from pathlib import Path
 
 import numpy as np
 
-from cbdsl.backends.backend import BackendError
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.sensing.observation import Observation
+from cbdsl.extend.backend import (
+    BackendError,
+    Floats,
+    Kinematics,
+    Observation,
+    RobotDocument,
+    StageDocument,
+    read_urdf,
+)
 
 
 class IdealBackend:
-    """Joints without errors; see ``cbdsl.backends.backend.Backend``."""
+    """Joints without errors; see ``cbdsl.extend.backend.Backend``."""
 
     renderer = "nothing"
     deadline = None

@@ -4,11 +4,16 @@ import math
 
 import numpy as np
 
-from cbdsl.control.potential import Potential, potential
-from cbdsl.control.setting import Setting
-from cbdsl.numeric.arrays import Floats
-from cbdsl.program.controller import Controller
-from cbdsl.types.potential import Condition, Navigation, PotentialType
+from cbdsl.extend.potential import (
+    Condition,
+    Controller,
+    Floats,
+    Navigation,
+    Potential,
+    PotentialType,
+    Setting,
+    potential,
+)
 
 _RADIUS = 0.15  # m
 

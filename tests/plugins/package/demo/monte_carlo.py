@@ -5,13 +5,19 @@ from typing import Annotated
 
 import numpy as np
 
-from cbdsl.documents.document import Document, Section, quantity
-from cbdsl.learning.experience import Experience
-from cbdsl.learning.knowledge_documents import policy_document
-from cbdsl.learning.learner import TrialSummary
-from cbdsl.program.schema import NO_FEATURES, Features
-from cbdsl.program.transition import Transition
-from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.extend.learner import (
+    NO_FEATURES,
+    Choice,
+    Document,
+    Experience,
+    Features,
+    Policy,
+    Section,
+    Transition,
+    TrialSummary,
+    policy_document,
+    quantity,
+)
 
 Means = dict[str, dict[str, float]]
 

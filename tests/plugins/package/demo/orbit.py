@@ -5,8 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cbdsl.numeric.arrays import Floats
-from cbdsl.types.modifier import ModifierType
+from cbdsl.extend.modifier import Floats, ModifierType
 
 ORBIT = ModifierType(
     name="orbit",

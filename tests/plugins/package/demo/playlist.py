@@ -4,9 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from cbdsl.diagnostics.entry import Entry
-from cbdsl.documents.document import Document, Duration, Name
-from cbdsl.documents.kind import Kind
+from cbdsl.extend.document import Document, Duration, Entry, Kind, Name
 
 
 class PlaylistDocument(Document):

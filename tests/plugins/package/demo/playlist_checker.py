@@ -2,12 +2,14 @@
 
 from itertools import pairwise
 
-from cbdsl.checking.lookup.document_search import find_document
-from cbdsl.checking.session import Session
-from cbdsl.diagnostics.diagnostics import Diagnostics
-from cbdsl.diagnostics.outcome import Unknown
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.extend.document import (
+    Diagnostics,
+    Loaded,
+    ProgramDocument,
+    Session,
+    Unknown,
+    find_document,
+)
 from demo.playlist import REPEATED, PlaylistDocument
 
 

@@ -4,11 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cbdsl.robot.source_kind import SourceKind
-from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.table.reading import Reading
-from cbdsl.types.resource import SensorSignal
-from cbdsl.types.resource_type import FORCE, TORQUE
+from cbdsl.extend.source import FORCE, TORQUE, Reading, SensorSignal, Signals, SourceKind
 
 
 def reader(signal: SensorSignal, signals: Signals) -> Callable[[], Reading | None]:

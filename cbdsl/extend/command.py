@@ -1,0 +1,36 @@
+"""Commands of ``cb``, for the entry-point group ``cbdsl.commands``.
+
+An entry is a function with Typer's annotations, or a ``typer.Typer``; its docstring is its help. An
+entry ``drive.NAME`` adds a command to ``cb drive``. ``UsageError`` ends a command with its message
+and exit code 2, ``DiagnosticsError`` with its diagnostics and exit code 1. The names below are
+common options, progress and output. The contract test is ``cbdsl.extend.contract.test_command``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cbdsl.extend.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from cbdsl.backends.quiet import quiet_stderr
+    from cbdsl.cli.arguments.options import Cameras, Json, Rate
+    from cbdsl.cli.arguments.workers import require_workers
+    from cbdsl.cli.episodes.attendance import Interface
+    from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
+    from cbdsl.cli.output.compilation import told_of_compilation
+    from cbdsl.cli.output.progress import Progress
+    from cbdsl.cli.output.terminal import print_json, print_problem, print_table
+    from cbdsl.cli.process.native_output import shown_on_failure
+    from cbdsl.cli.process.termination import stop_requests, termination_interrupts
+    from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+    from cbdsl.diagnostics.reason import reason
+
+__all__ = [
+    "BackendName", "Cameras", "DiagnosticsError", "Interface", "Json", "Progress", "Rate",
+    "UsageError", "needing_simulation", "print_json", "print_problem", "print_table",
+    "quiet_stderr", "reason", "require_workers", "shown_on_failure", "stop_requests",
+    "termination_interrupts", "told_of_compilation",
+]  # fmt: skip
+
+__getattr__ = lazy_names(__file__)

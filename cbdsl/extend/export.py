@@ -1,0 +1,44 @@
+"""Formats of other tools for recordings, for the entry-point group ``cbdsl.exports``.
+
+An entry is an ``Export``; its function writes ``Recorded`` episodes, whose files are described in
+`docs/documents/recording.md`. It raises ``UsageError`` for recordings that it cannot write, and
+OSError if the target cannot be written; it replaces a target only when it is complete. The names
+below read the robot's links and write files. The contract test is
+``cbdsl.extend.contract.test_export``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cbdsl.extend.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.kinematics.quaternion import inverse, product, quaternion_about, turned
+    from cbdsl.numeric.arrays import Floats
+    from cbdsl.program.transition import title_of
+    from cbdsl.reporting.drawn_links import DrawnLink, read_links
+    from cbdsl.reporting.export_format import EXPORTS, Export
+    from cbdsl.reporting.link_pose import placed
+    from cbdsl.reporting.recorded import Recorded
+    from cbdsl.storage.atomic_file import replace_file
+
+__all__ = [
+    "EXPORTS",
+    "DrawnLink",
+    "Export",
+    "Floats",
+    "Recorded",
+    "UsageError",
+    "inverse",
+    "placed",
+    "product",
+    "quaternion_about",
+    "read_links",
+    "replace_file",
+    "title_of",
+    "turned",
+]  # fmt: skip
+
+__getattr__ = lazy_names(__file__)
