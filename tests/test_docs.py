@@ -425,7 +425,8 @@ def test_links_of_a_page_lead_to_files(page: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_files_of_the_project_that_are_named_exist(page: Path) -> None:
     folders = "benchmarks|cbdsl|distributions|docs|programs|reproduction|robots|schemas|tests"
-    text = FENCE.sub("", page.read_text("utf-8"))
+    # A command with its commit names files of that commit.
+    text = re.sub(r"`[^`\n]+` \([0-9a-f]{8}\)", "", FENCE.sub("", page.read_text("utf-8")))
     own = {block.marks["file"] for block in blocks(page) if "file" in block.marks}
     for name in re.findall(rf"`[^`\n]*?(?<![\w/])((?:{folders})/[\w./-]+)", text):
         assert name in own or (ROOT / name).exists(), name
