@@ -9,7 +9,6 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-from cbdsl.extend.MISSING import PublishersSample, horizon
 from cyclonedds.qos import Qos
 
 from cbdsl.extend.driver import (
@@ -21,6 +20,7 @@ from cbdsl.extend.driver import (
     FaultSample,
     ImageSample,
     JointSample,
+    PublishersSample,
     RegionsSample,
     RobotDocument,
     Sample,
@@ -28,6 +28,7 @@ from cbdsl.extend.driver import (
     StopSample,
     WrenchSample,
     absolute,
+    horizon,
 )
 from cbdsl_ros2 import dds_types as msg
 from cbdsl_ros2.qos_match import mismatch
