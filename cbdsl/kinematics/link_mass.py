@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.kinematics.pose import Pose
+from cbdsl.kinematics.joint_tree import JointTree
+from cbdsl.kinematics.pose import Pose, axis_of
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf import UrdfInertial, UrdfModel
 
@@ -57,6 +58,28 @@ def link_masses(model: UrdfModel) -> Mapping[str, LinkMass]:
         for name, link in model.bodies.items()
     }
     return {name: _movable(of) if name in moved else of for name, of in masses.items()}
+
+
+def moved_inertia(model: UrdfModel, joint: str, masses: Mapping[str, LinkMass]) -> float:
+    """Return the inertia that a turning joint moves with all others at rest, kg m^2.
+
+    Args:
+        model: Model of the robot.
+        joint: Name of the joint.
+        masses: Masses of all links.
+    """
+    moved = model.joints[joint]
+    # The tree begins at this joint, whose own place and position do not matter.
+    tree = JointTree([moved._replace(parent="", child=moved.child), *model.beyond(moved.child)])
+    placed = tree.place({**model.rests, joint: 0.0})
+    frame = placed[moved.child].frame
+    axis, inertia = frame.rotation @ axis_of(moved), 0.0
+    for link, at in placed.items():
+        of, pose = masses[link], at.child @ masses[link].frame
+        lever = np.cross(axis, pose.position - frame.position)
+        along = pose.rotation.T @ axis
+        inertia += of.mass * float(lever @ lever) + float(along**2 @ of.moments)
+    return inertia
 
 
 def _possible(inertial: UrdfInertial) -> LinkMass:

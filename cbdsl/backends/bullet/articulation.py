@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from itertools import combinations
 
@@ -12,7 +13,7 @@ from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.mesh_requirements import require_collisions, require_known_endings
 from cbdsl.backends.staging.links import link_surfaces, matching_links
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.link_mass import link_masses
+from cbdsl.kinematics.link_mass import link_masses, moved_inertia
 from cbdsl.kinematics.quaternion import rotations
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
@@ -100,6 +101,7 @@ class BulletRobot:
         self._largest_error = fastest / max(simulation.position_gain, 1e-9)
         self._gains = simulation.position_gain, simulation.velocity_gain
         self._weigh()
+        self._add_rotors(timestep)
         self._soften(count)
         self._ignore_contacts(simulation.no_contact)
 
@@ -124,6 +126,36 @@ class BulletRobot:
                     number,
                     mass=of.mass,
                     localInertiaDiagonal=moments.tolist(),
+                    physicsClientId=self._client,
+                )
+
+    # The simulator solves motors and contacts in turn, in N iterations a step. In each one, a motor
+    # passes on the impulse that brings its joint of inertia I to its largest speed v. So a finger
+    # with light links exerts at most N I v / dt. A gripper with coupled joints would bend at its
+    # inner joints, and go on closing around an object. The rotor of a drive, which models leave
+    # out, makes such a joint as heavy as its effort needs. Other joints have longer, heavier links.
+    def _add_rotors(self, timestep: float) -> None:
+        """Add rotors to coupled joints that are too light for their efforts."""
+        model, couplings = self._model, self._document.couplings
+        masses = link_masses(model)
+        efforts = dict(zip(self._joints.all, self._efforts, strict=True))
+        # A follower bears no more than the joint that leads it, which also bears its links.
+        bearing = {name: min(efforts[name], efforts[of.follows]) for name, of in couplings.items()}
+        bearing |= {of.follows: efforts[of.follows] for of in couplings.values()}
+        speeds = self._document.simulation.solver_iterations / timestep
+        for name, effort in bearing.items():
+            joint = model.joints[name]
+            # Mass instead of a rotor would be a weight.
+            if joint.slides or effort >= _STRONGEST or math.isinf(joint.velocity):
+                continue
+            lacking = effort / (speeds * joint.velocity) - moved_inertia(model, name, masses)
+            if lacking > 0.0:
+                number = self.links[joint.child]
+                row = p.getDynamicsInfo(self.id, number, physicsClientId=self._client)
+                p.changeDynamics(
+                    self.id,
+                    number,
+                    localInertiaDiagonal=[moment + lacking for moment in row[2]],
                     physicsClientId=self._client,
                 )
 
