@@ -15,6 +15,7 @@ from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.rules.actions import Actions
 from cbdsl.checking.rules.compositions import Compositions
+from cbdsl.checking.rules.flow import check_flow
 from cbdsl.checking.rules.guards import check_guards
 from cbdsl.checking.rules.outcome_states import check_ends, read_ends
 from cbdsl.checking.rules.suspicious_parts import check_suspicious
@@ -27,7 +28,7 @@ from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.diagnostics.nearest import suggestion
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.program.automaton import Tables
+from cbdsl.program.automaton import Automaton, Tables
 from cbdsl.program.checked import Action, CheckedProgram, Guards
 from cbdsl.program.controller import Composition, Primitive
 from cbdsl.program.steps import DocumentSpot, StepReader, written_steps
@@ -164,6 +165,7 @@ class _ProgramCheck:
         self._actions = Actions(context, self._compositions, programs, self._steps)
         # Terms of the background, as written.
         self._below: frozenset[str] = frozenset()
+        self._automaton: Automaton | None = None
 
     def check(self) -> Outcome[CheckedProgram]:
         context, actions = self._context, self._actions
@@ -199,6 +201,7 @@ class _ProgramCheck:
         program = self._program(checked, tables, background)
         check_ends(context, program, ends)
         check_contradictions(context, program, self._actions.places)
+        check_flow(context, program, self._automaton)
         check_suspicious(context, program, self._compositions.checked(), actions.places)
         return UNKNOWN if context.diagnostics.failed else program
 
@@ -213,7 +216,7 @@ class _ProgramCheck:
             if getattr(document, key):
                 self._context.add("CB627", source.key(key), key=key)
         reader = StepReader(document, self._steps, self._report)
-        automaton = reader.automaton(self._actions.members)
+        automaton = self._automaton = reader.automaton(self._actions.members)
         is_complete = source.known(document.steps, "steps") is not UNKNOWN
         if not is_complete or self._context.diagnostics.failed:
             return Tables({}, (), {})

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from cbdsl.checking.rules.reachability import automaton_of
+from cbdsl.checking.rules.flow import automaton_of
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.language.exit import LETTERS, WORDS
 from cbdsl.language.parser import parse

@@ -8,6 +8,7 @@ automaton over these letters, whether it was written as steps or as patterns of 
 from __future__ import annotations
 
 import itertools
+from collections import deque
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -81,10 +82,24 @@ class ProgramStep(NamedTuple):
                 return exit_.to
         return self.rest
 
-    def regions(self) -> Iterator[tuple[Box, int]]:
-        """Yield disjoint boxes that cover all values, each with its exit's index; -1 for none."""
-        rules = [(box, i) for i, exit_ in enumerate(self.exits) for box in exit_.boxes]
-        yield from _regions(self.values, rules)
+    def witness(self, place: int) -> Box | None:
+        """Return values for which an exit applies, as a box, or ``None`` if there are none.
+
+        Args:
+            place: Index of the exit; the number of exits for the values without one.
+        """
+        before = [box for exit_ in self.exits[:place] for box in exit_.boxes]
+        own = (self.values,) if place == len(self.exits) else self.exits[place].boxes
+        inside = (meet(box, self.values) for box in own)
+        parts = (_first_outside(box, before) for box in inside if box is not None)
+        return next((part for part in parts if part is not None), None)
+
+    @property
+    def targets(self) -> tuple[tuple[To, Box], ...]:
+        """Targets that some values lead to, each with such values."""
+        tos = (*(exit_.to for exit_ in self.exits), self.rest)
+        pairs = ((to, self.witness(place)) for place, to in enumerate(tos))
+        return tuple((to, box) for to, box in pairs if box is not None)
 
 
 class Automaton(NamedTuple):
@@ -103,6 +118,18 @@ class Automaton(NamedTuple):
     def tables(self) -> Tables:
         """Return the patterns of states that choose the same targets."""
         return _Compiler(self).tables()
+
+    def paths(self) -> dict[str, tuple[str, ...]]:
+        """Return a shortest path of steps to each step that is reached, which ends there."""
+        paths: dict[str, tuple[str, ...]] = {self.start: (self.start,)}
+        waiting = deque([self.start])
+        while waiting:
+            name = waiting.popleft()
+            for to, _ in self.steps[name].targets:
+                if to.step in self.steps and to.step not in paths:
+                    paths[to.step] = (*paths[name], to.step)
+                    waiting.append(to.step)
+        return paths
 
 
 class Tables(NamedTuple):
@@ -140,16 +167,13 @@ def without(box: Box, other: Box) -> Iterator[Box]:
             return
 
 
-def _regions(region: Box, rules: Sequence[tuple[Box, int]]) -> Iterator[tuple[Box, int]]:
-    touching = [rule for rule in rules if meet(rule[0], region) is not None]
+def _first_outside(box: Box, others: Sequence[Box]) -> Box | None:
+    """Return a part of a box outside of all others, or ``None`` if they cover it."""
+    touching = [other for other in others if meet(box, other) is not None]
     if not touching:
-        yield region, -1
-        return
-    inside = meet(touching[0][0], region)
-    assert inside is not None
-    yield inside, touching[0][1]
-    for part in without(region, inside):
-        yield from _regions(part, touching[1:])
+        return box
+    parts = (_first_outside(part, touching[1:]) for part in without(box, touching[0]))
+    return next((part for part in parts if part is not None), None)
 
 
 # A state is decided by the patterns of success, then by those of failure in order, then by the

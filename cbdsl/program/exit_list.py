@@ -52,8 +52,19 @@ def _decision_list(step: ProgramStep, go_on: To) -> Iterator[Exit]:
             ),
             key=lambda each: (_length(each[0]), -(each[1] & left).bit_count(), not each[2].end),
         )
+        if to.end == "success":
+            box = _with_rest(box, [value for value in values if bits[value] & mask & left])
         left &= ~mask
         yield Exit((box,), to)
+
+
+def _with_rest(box: Box, values: list[tuple[str, ...]]) -> Box:
+    """Return a box of success that names each member that has to be at rest.
+
+    A success is a failure if such a member rests beyond its tolerance.
+    """
+    rests = [{value[place] for value in values} == {"1"} for place in range(len(box))]
+    return tuple("1" if at_rest else own for at_rest, own in zip(rests, box, strict=True))
 
 
 def _merged(exits: Iterable[Exit]) -> list[Exit]:

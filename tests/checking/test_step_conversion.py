@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.program import check_program
-from cbdsl.checking.rules.reachability import active_members, values_of
+from cbdsl.checking.rules.flow import active_members, values_of
 from cbdsl.checking.step_conversion import with_steps
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram

@@ -79,16 +79,34 @@ def test_short_exits_of_a_step_decide_its_values_like_the_step(
 
 
 @given(automata())
-def test_regions_of_a_step_are_disjoint_and_cover_its_values(automaton: Automaton) -> None:
+def test_targets_of_a_step_are_those_of_all_its_values(automaton: Automaton) -> None:
     for step in automaton.steps.values():
-        seen: set[tuple[str, ...]] = set()
-        for box, index in step.regions():
-            for values in itertools.product(*box):
-                assert values not in seen
-                seen.add(values)
-                to = step.rest if index < 0 else step.exits[index].to
-                assert to == step.decide(values)
-        assert seen == set(itertools.product(*step.values))
+        expected = {step.decide(values) for values in itertools.product(*step.values)}
+        assert {to for to, _ in step.targets} == expected
+        for to, box in step.targets:
+            assert all(step.decide(values) == to for values in itertools.product(*box))
+
+
+@given(automata())
+def test_paths_lead_to_the_steps_that_an_explicit_search_reaches(automaton: Automaton) -> None:
+    # Search over states, by the tables that run, instead of over boxes of values.
+    active = {step.name: step.members for step in automaton.steps.values()}
+    reached, waiting = set[str](), [automaton.start]
+    while waiting:
+        name = waiting.pop()
+        if name in reached:
+            continue
+        reached.add(name)
+        for letters in itertools.product(LETTERS, repeat=len(active[name])):
+            own = dict(zip(active[name], letters, strict=True))
+            to = decide(automaton, "".join(own.get(member, "X") for member in MEMBERS))
+            waiting += [to.step] if to.step else []
+    paths = automaton.paths()
+    assert paths.keys() == reached
+    for name, path in paths.items():
+        assert path[0] == automaton.start and path[-1] == name
+        for before, after in itertools.pairwise(path):
+            assert after in {to.step for to, _ in automaton.steps[before].targets}
 
 
 @given(st.tuples(BOX_LETTERS, BOX_LETTERS), st.tuples(BOX_LETTERS, BOX_LETTERS))

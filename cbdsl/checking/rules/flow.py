@@ -1,0 +1,194 @@
+"""Flow of a program: faults of its automaton that are certain before anything moves."""
+
+from __future__ import annotations
+
+from cbdsl.checking.knowledge.impossible_states import is_always_defined
+from cbdsl.checking.program_context import ProgramContext, Steps
+from cbdsl.language.exit import LETTERS
+from cbdsl.program.automaton import Automaton, Exit, ProgramStep, Tables, meet, of_tables
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import Controller
+from cbdsl.program.dry_run import levels, rewarding, rows
+from cbdsl.types.state import Predicate
+
+# The automaton over-approximates a run: any member may have any of its letters next. A step or an
+# exit that it does not reach is therefore never reached, while a path that it has may be one that
+# the physical world excludes.
+
+
+def automaton_of(program: CheckedProgram, written: Automaton | None = None) -> Automaton | None:
+    """Return the automaton of a checked program; ``None`` if it has no policy or no start.
+
+    Args:
+        program: Checked program.
+        written: Automaton of its steps as written; otherwise, its policy over states is one.
+    """
+    values = {member: values_of(member, program) for member in program.members}
+    if written is not None:
+        steps = {
+            name: step._replace(values=tuple(values[member] for member in step.members))
+            for name, step in written.steps.items()
+        }
+        return written._replace(steps=steps)
+    reasons = {pattern: program.reasons.get(pattern, "") for pattern in program.failure}
+    tables = Tables(program.policy, program.success, reasons)
+    active = {action.name: active_members(action) for action in program.actions}
+    return of_tables(tables, program.members, active, values)
+
+
+def active_members(action: Action) -> tuple[str, ...]:
+    """Return the names of the members that are active while an action runs."""
+    if action.composition is None:
+        return (action.name,)
+    return tuple(primitive.name for primitive in action.composition.primitives)
+
+
+def values_of(member: str, program: CheckedProgram) -> str:
+    """Return the letters that a member can have while it is active."""
+    primitive = program.primitives.get(member)
+    is_defined = primitive is not None and is_always_defined(primitive.lead)
+    return LETTERS.replace(Predicate.UNDEFINED, "") if is_defined else LETTERS
+
+
+def check_flow(context: ProgramContext, program: CheckedProgram, written: Automaton | None) -> None:
+    """Report the faults of a program's automaton, each with the shortest path that leads there.
+
+    Args:
+        context: Context of the program's document.
+        program: Checked program.
+        written: Automaton of its steps as written, if it has any.
+    """
+    automaton = automaton_of(program, written)
+    if automaton is not None:
+        _FlowCheck(context, program, automaton).all()
+
+
+class _FlowCheck:
+    def __init__(
+        self, context: ProgramContext, program: CheckedProgram, automaton: Automaton
+    ) -> None:
+        self._context, self._program, self._automaton = context, program, automaton
+        self._paths = automaton.paths()
+        self._has_steps = bool(context.document.steps)
+
+    def all(self) -> None:
+        """Report all faults."""
+        for step in self._automaton.steps.values():
+            if step.name not in self._paths:
+                # An idle pattern, or an unreached end, is the same mistake.
+                if not self._context.diagnostics.holds(("CB707", "CB722")):
+                    self._add("CB724", step, self._path(step), step=step.name)
+                continue
+            if self._has_steps:
+                for place, exit_ in enumerate(step.exits):
+                    self._check_exit(step, place, exit_)
+            self._check_holding(step)
+        traps = self._traps()
+        for name in traps:
+            step = self._automaton.steps[name]
+            # One finding for the step by which the steps without a way out are entered.
+            if not any(before in traps for before in self._paths[name][:-1]):
+                self._add("CB726", step, self._path(step), step=name)
+        self._check_cycles()
+
+    def _add(self, code: str, at: ProgramStep, path: Steps, **details: object) -> None:
+        source = self._context.source
+        place = source.key(*path) if self._has_steps else source.place(*path)
+        way = " -> ".join(self._paths.get(at.name, ()))
+        self._context.add(code, place, way=f" (path: {way})" if way else "", **details)
+
+    def _path(self, step: ProgramStep, exit_: Exit | None = None) -> Steps:
+        """Return the path of a step or an exit in the document."""
+        if self._has_steps:
+            return ("steps", step.name, *(exit_.path if exit_ else ()))
+        policy = self._program.policy.items()
+        return ("policy", next(pattern for pattern, name in policy if name == step.action))
+
+    def _check_exit(self, step: ProgramStep, place: int, exit_: Exit) -> None:
+        if step.witness(place) is not None:
+            return
+        if any(meet(box, step.values) is not None for box in exit_.boxes):
+            reason = "earlier exits of the step hold in all its cases"
+        else:
+            reason = "no values of its members meet it"
+            never = _never_undefined(exit_, step)
+            reason = f"'{never}' is always defined" if never else reason
+        name = str(exit_.path[-1])
+        self._add("CB725", step, self._path(step, exit_), exit=name, reason=reason)
+
+    def _traps(self) -> list[str]:
+        """Return the reached steps from which no path leads to an end or a reward."""
+        tos = {to for step in self._automaton.steps.values() for to, _ in step.targets}
+        # A program without any end, such as one that follows an object, goes on by design.
+        if self._program.episode_time is not None or not any(to.end for to in tos):
+            return []
+        leaving = {
+            name
+            for name in self._paths
+            if self._is_rewarded(name)
+            or any(to.end for to, _ in self._automaton.steps[name].targets)
+        }
+        before = -1
+        while len(leaving) != before:
+            before = len(leaving)
+            for name in self._paths:
+                if any(to.step in leaving for to, _ in self._automaton.steps[name].targets):
+                    leaving.add(name)
+        return [name for name in self._paths if name not in leaving]
+
+    def _is_rewarded(self, name: str) -> bool:
+        """Return whether a reward may end the program in a step."""
+        program, action = self._program, self._automaton.steps[name].action
+        earning = (each for each in program.actions if each.name == action)
+        return program.reward_ends and any(rewarding(each) for each in earning)
+
+    def _check_cycles(self) -> None:
+        """Report steps that follow each other although no controller of them acts."""
+        # An undefined controller moves nothing, so that each tick finds the same letters again.
+        idle: dict[str, str] = {}
+        programs = {action.name for action in self._program.actions if action.program is not None}
+        for name in self._paths:
+            step = self._automaton.steps[name]
+            undefined = (Predicate.UNDEFINED.value,) * len(step.members)
+            if meet(undefined, step.values) and programs.isdisjoint(step.members):
+                idle[name] = step.decide(undefined).step
+        for name in list(idle):
+            cycle = [name]
+            while idle.get(cycle[-1], "") and idle[cycle[-1]] not in cycle:
+                cycle.append(idle[cycle[-1]])
+            if len(cycle) > 1 and idle.get(cycle[-1]) == name and name == min(cycle):
+                step = self._automaton.steps[name]
+                steps = " -> ".join((*cycle, name))
+                self._add("CB727", step, self._path(step), steps=steps)
+
+    def _check_holding(self, step: ProgramStep) -> None:
+        """Report controllers whose required controller has no joint left to act with."""
+        program = self._program
+        action = next(each for each in program.actions if each.name == step.action)
+        stack = [level.controller for level in levels(program, action)]
+        named = {controller.name: controller for controller in stack}
+        for controller in stack:
+            required = named.get(controller.requires or "")
+            if required is None:
+                continue
+            above = stack[: stack.index(required)]
+            taker = next((other for other in above if _takes(other, required)), None)
+            if taker is not None:
+                details = {"name": controller.name, "required": required.name, "taker": taker.name}
+                self._add("CB728", step, self._path(step), step=step.name, **details)
+                return
+
+
+def _takes(above: Controller, below: Controller) -> bool:
+    """Return whether a controller fixes all joints of another one, which it is not about."""
+    joints = set(above.joints)
+    return rows(above) == len(joints) and joints.issuperset(below.joints)
+
+
+def _never_undefined(exit_: Exit, step: ProgramStep) -> str:
+    """Return a member of an exit that has to be undefined and never is; empty if there is none."""
+    for box in exit_.boxes:
+        for member, letters, values in zip(step.members, box, step.values, strict=True):
+            if letters == Predicate.UNDEFINED and letters not in values:
+                return member
+    return ""
