@@ -56,7 +56,7 @@ class OpenRobot:
         """Interrupt the running episode of this body, if any, and halt the robot.
 
         Args:
-            reason: Cause, as a clause, for the error of the interrupted episode.
+            reason: RestCause, as a clause, for the error of the interrupted episode.
         """
         self._body.interrupt(reason)
 

@@ -77,7 +77,7 @@ class SharedBody:
         """Interrupt the episode that runs, if any, and halt the robot.
 
         Args:
-            reason: Cause, as a clause, for the error of the interrupted episode.
+            reason: RestCause, as a clause, for the error of the interrupted episode.
         """
         running = self._episode
         if running is not None:

@@ -147,7 +147,7 @@ def _write_level(
     if not write_level(slot, signals.table, plan.parameters, task, law.displacement, again):
         return False
     copy(levels.requested[first:end], displacement, 1.0)
-    levels.fractions[place] = fraction_of(slot)
+    levels.fractions[place], levels.errors[place] = fraction_of(slot), slot.error
     levels.curved[place] = slot.rule == _RESIDUAL and has_hessian(slot, signals.table.records)
     ages[place] = min(ages[place] + 1, TICKS)
     if slot.mode == TRACK:

@@ -28,6 +28,7 @@ from cbdsl.control.joint_bounds import displacement_bounds, lock, shorten
 from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.second_order import (
+    Way,
     add_curvature,
     balance,
     least_resisted,
@@ -73,21 +74,21 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
         True if a level needs Hessians and ``bends`` is False; the displacement is then unfinished.
     """
     ages, ends, total, locked = levels.ages, levels.ends, law.displacement, law.locked
-    _clear(law, levels)
     middle = np.empty(levels.rows.shape[1:])
+    _clear(law, levels)
     if not write_middle(positions, levels, bends, middle):
         fill(total, math.nan)
         return False
-    joints = len(total)
-    bounds = displacement_bounds(positions, law)
+    joints, bounds = len(total), displacement_bounds(positions, law)
     basis, taken = empty_basis(joints, len(middle)), 0
     start, delicate, second = 0, False, levels.curved.any()
     for level in range(len(ends)):
         end = ends[level]
         # Every pass locks a joint or is the last.
         while taken < joints and ages[level] > 0:
-            own, sizes = middle[start:end], law.singular_values[start:end]
-            residual = _task_residual(own, levels.requested[start:end], total)
+            own, requested = middle[start:end], levels.requested[start:end]
+            sizes = law.singular_values[start:end]
+            residual = _task_residual(own, requested, total)
             parts = span(own, basis, taken, start, sizes)
             rank, along = len(parts), np.empty(len(parts))
             change = _damped_step(
@@ -96,24 +97,24 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
             below, resisted = taken + rank, basis.directions[:0]
             values, threshold = sizes[:rank], law.guards[1]
             singular = _is_singular(values, end - start, levels.curved[level], threshold)
-            least = least_resisted(norm(levels.requested[start:end]), levels.fractions[level])
+            way = Way(norm(requested), levels.fractions[level], levels.errors[level])
             if second and (delicate or singular or _is_near(values, threshold)):
                 left = _undone(own, residual, change, law, bounds)
                 if delicate or singular or norm(left) > _ACHIEVED * norm(residual):
                     levels.bent[0] = True
                     if not bends:
                         return True
-                    scale(left, 1.0 / levels.fractions[level])
+                    scale(left, 1.0 / way.fraction)
                     curvature = _curve(left, basis, taken, middle, start, levels.hessians)
                     change, resisted = newton_step(
-                        curvature, basis.directions, taken, values, along, law.guards, least
+                        curvature, basis.directions, taken, values, along, law.guards, way
                     )
             shorten(change, law, bounds)
             if not lock(change, law, bounds):
                 add(total, change, 1.0)
                 delicate |= singular
                 before = levels.withheld[level] if ages[level] > 1 else 0
-                taken = resist(resisted, basis, below, least, before)
+                taken = resist(resisted, basis, below, least_resisted(way), before)
                 levels.withheld[level] = taken - below
                 break
             taken = pin_joints(locked, basis, taken)

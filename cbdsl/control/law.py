@@ -17,9 +17,6 @@ from cbdsl.control.stack import Stack
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.handle import Handle, hold
 
-# Share of its displacement below which a level counts as stuck.
-_STUCK = 0.02
-
 
 @dataclass(frozen=True)
 class LawSettings:
@@ -51,15 +48,12 @@ class LevelReport:
             higher levels move the task away, and above 1 if they move it further than requested.
         rank: Number of independent task coordinates that higher levels and limits leave.
         singular_value: Smallest singular value among them, 0 if there is none.
-        stuck: True if the level requests a displacement and its free joints bring it no nearer. It
-            is at the nearest point that they and the levels above allow.
     """
 
     name: str
     share: float
     rank: int
     singular_value: float
-    stuck: bool = False
 
 
 @dataclass(slots=True)
@@ -119,8 +113,7 @@ class Step:
         wanted = float(level.velocity @ level.velocity)
         share = float(level.velocity @ achieved) / wanted if wanted else 1.0
         smallest = float(values.min()) if len(values) else 0.0
-        stuck = wanted > 0.0 and abs(share) < _STUCK
-        return LevelReport(level.name, share, len(values), smallest, stuck)
+        return LevelReport(level.name, share, len(values), smallest)
 
 
 class Law:

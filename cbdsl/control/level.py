@@ -23,6 +23,7 @@ class LevelArrays(NamedTuple):
         ends: Index after the last row of each level, shape (levels,).
         fractions: Share of the way to its target that each level requests in a tick, above 0 and
             at most 1, shape (levels,).
+        errors: Distance of each level from its target, in its coordinates' unit, shape (levels,).
         curved: True for levels whose coordinates have Hessians, shape (levels,).
         hessians: Second derivatives of the task coordinates by the joints, shape (k, n, n).
         withheld: Number of directions that each level withheld from those below in the preceding
@@ -36,6 +37,7 @@ class LevelArrays(NamedTuple):
     requested: Floats
     ends: NDArray[np.int64]
     fractions: Floats
+    errors: Floats
     curved: NDArray[np.bool_]
     hessians: Floats
     withheld: NDArray[np.int64]

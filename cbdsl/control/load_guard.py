@@ -144,8 +144,8 @@ def _below_guards(
         ends[2 + level] += levels.ends[level]
     return LevelArrays(
         np.full(1, newest), rows, ages, requested, ends, np.ones(2 + count),
-        np.zeros(2 + count, np.bool_), np.zeros((0, joints, joints)), np.zeros(2 + count, np.int64),
-        np.zeros(1, np.bool_),
+        np.zeros(2 + count), np.zeros(2 + count, np.bool_), np.zeros((0, joints, joints)),
+        np.zeros(2 + count, np.int64), np.zeros(1, np.bool_),
     )  # fmt: skip
 
 

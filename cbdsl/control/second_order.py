@@ -15,6 +15,12 @@ by the square of a step. It is withheld from the levels below, as the rows of J 
 null spaces alone would let a lower level move along it, and the level above would move back: both
 would oscillate for ever.
 
+At a saddle of the error, such as an arm stretched away from its target, J' v vanishes and S has a
+negative part: no step of first order helps, and S+ resists none. The level then takes a step d
+along the direction in which J' J + S has the most negative value m. Half the square of the error
+falls by p d + |m| d^2 / 2, with the part p of J' e. The step is added if y gains less. It is as
+long as the request, so that the bounds of the task hold.
+
 Source: the hierarchical Newton method of Pfeiffer, Escande, Gergondet and Kheddar (2023,
 arXiv 2303.04428), with the displacement
 of one tick in place of the whole error. If a level achieves its request, nothing changes.
@@ -23,6 +29,7 @@ of one tick in place of the whole error. If a level achieves its request, nothin
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,7 +37,7 @@ from cbdsl.control.basis import Basis, gram_schmidt, project
 from cbdsl.control.eigen import diagonalize
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
-from cbdsl.numeric.vector import add, copy, dot, norm
+from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
 
 # A level resists a direction if its curvature, relative to the remaining displacement, is above
 # this, m or rad: far below a link's length, and far above the effect of an encoder's resolution.
@@ -45,6 +52,20 @@ _ROUNDING = 1e-13
 
 # Least divisor of a step, in the square of the Jacobians' unit.
 _FLOOR = 1e-24
+
+
+class Way(NamedTuple):
+    """Way of a level to its target, in the unit of its coordinates.
+
+    Attributes:
+        requested: Length of the displacement that it requests in a tick.
+        fraction: Share of the way that it requests.
+        error: Length of the way; more than requested / fraction if bounds shorten the request.
+    """
+
+    requested: float
+    fraction: float
+    error: float
 
 
 @compiled
@@ -101,7 +122,7 @@ def newton_step(
     values: Floats,
     along: Floats,
     guards: Floats,
-    least: float,
+    way: Way,
 ) -> tuple[Floats, Floats]:
     """Compute a level's Newton step in its free directions.
 
@@ -113,30 +134,82 @@ def newton_step(
         values: Singular values of the level's rows, shape (rank,).
         along: Requested displacement along each of them, shape (rank,).
         guards: Guards of the law.
-        least: Stiffness above which a direction counts as resisted.
+        way: Way of the level to its target.
 
     Returns:
         The step, rad, shape (n,), and the resisted directions, as long as the square roots of their
         stiffness, shape (r, n).
     """
+    least = least_resisted(way)
     rank = len(values) + _span_curvature(curvature, basis, taken + len(values))
     free, damping, threshold = basis[taken : taken + rank], guards[0], guards[1]
     size = len(free)
-    positive, resisted = _positive_part(_restrict(curvature, free), free, least)
+    inner = _restrict(curvature, free)
+    positive, lowest, resisted = _positive_part(inner.copy(), free, least)
     for i in range(len(values)):
         positive[i, i] += values[i] * values[i]
     vectors = np.empty((size, size))
     diagonalize(positive, vectors)
-    change = np.zeros(free.shape[1])
+    change, gained = np.zeros(free.shape[1]), 0.0
     for i in range(size):
         stiffness, pull = max(positive[i, i], 0.0), 0.0
         for j in range(len(values)):
             pull += vectors[i, j] * values[j] * along[j]
         weight = max(0.0, 1.0 - stiffness / (threshold * threshold))
         step = pull / max(stiffness + damping * weight, _FLOOR)
+        gained += pull * step
         for j in range(size):
             add(change, free[j], step * vectors[i, j])
+    if way.requested == 0.0 or not lowest < -least:
+        return change, resisted
+    longest, farther = threshold, max(way.error * way.fraction / way.requested, 1.0)
+    for i in range(size):
+        scale(inner[i], farther)
+    for i in range(len(values)):
+        longest = max(longest, values[i])
+        inner[i, i] += values[i] * values[i]
+    length, per_pull = way.requested / longest, farther / way.fraction
+    away = _leave_saddle(inner, values, along, length, gained, per_pull)
+    if norm(away) > 0.0:
+        last = len(resisted) - 1
+        fill(resisted[last], 0.0)
+        for j in range(size):
+            add(change, free[j], away[j])
+            add(resisted[last], free[j], away[j] / norm(away) * math.sqrt(-lowest))
     return change, resisted
+
+
+@compiled
+def _leave_saddle(
+    inner: Floats, values: Floats, along: Floats, length: float, gained: float, per_pull: float
+) -> Floats:
+    """Return a step down the curvature of an error, or zero if the ordinary step gains more.
+
+    Args:
+        inner: Curvature J' J + S of the error in the free directions, shape (m, m); is overwritten.
+        values: Singular values of the level's rows, shape (rank,).
+        along: Requested displacement along each of them, shape (rank,).
+        length: Length of the step, rad.
+        gained: Product of the pull with the ordinary step.
+        per_pull: Gradient of the error per pull of the request.
+    """
+    size = len(inner)
+    vectors, away, most = np.empty((size, size)), np.zeros(size), gained * per_pull
+    diagonalize(inner, vectors)
+    for i in range(size):
+        pull, largest = 0.0, 0
+        for j in range(size):
+            if j < len(values):
+                pull += vectors[i, j] * values[j] * along[j]
+            if abs(vectors[i, j]) > abs(vectors[i, largest]) + 1e-9:
+                largest = j
+        gain = abs(pull) * length * per_pull - 0.5 * inner[i, i] * length * length
+        if inner[i, i] < 0.0 and gain > most:
+            most = gain
+            # Without a pull, both ways lead down: the largest component decides.
+            side = pull if abs(pull) > 1e-15 else vectors[i, largest]
+            copy(away, vectors[i], math.copysign(length, side))
+    return away
 
 
 @compiled
@@ -162,9 +235,9 @@ def _span_curvature(curvature: Floats, basis: Floats, taken: int) -> int:
 
 
 @compiled
-def least_resisted(requested: float, fraction: float) -> float:
-    """Return the stiffness above which a level resists a direction, for a request."""
-    return _RESISTED * requested / fraction + 1e-15
+def least_resisted(way: Way) -> float:
+    """Return the stiffness above which a level resists a direction."""
+    return _RESISTED * way.requested / way.fraction + 1e-15
 
 
 @compiled
@@ -181,14 +254,18 @@ def _restrict(matrix: Floats, free: Floats) -> Floats:
 
 
 @compiled
-def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, Floats]:
-    """Return the positive part of a matrix (m, m), and the directions (r, n) that it resists."""
+def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, float, Floats]:
+    """Return the positive part of a matrix (m, m), its lowest eigenvalue, and resisted directions.
+
+    The directions have shape (r, n); a row is left over if the lowest eigenvalue is negative.
+    """
     size = len(inner)
-    vectors, positive = np.empty((size, size)), np.zeros((size, size))
+    vectors, positive, lowest = np.empty((size, size)), np.zeros((size, size)), 0.0
     resisted, count = np.zeros((size, free.shape[1])), 0
     diagonalize(inner, vectors)
     for i in range(size):
         stiffness = inner[i, i]
+        lowest = min(lowest, stiffness)
         if stiffness <= 0.0:
             continue
         for j in range(size):
@@ -198,4 +275,4 @@ def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, F
             for j in range(size):
                 add(resisted[count], free[j], math.sqrt(stiffness) * vectors[i, j])
             count += 1
-    return positive, resisted[:count]
+    return positive, lowest, resisted[: count + 1 if lowest < -least else count]

@@ -46,8 +46,9 @@ class Stack:
         self.clock = np.zeros(1, dtype=np.int64)
         self.arrays = LevelArrays(
             self.clock, self.rows, self.ages, self.wanted, self.ends, np.ones(len(levels)),
-            np.zeros(len(levels), dtype=np.bool_), np.zeros((size, joints, joints)),
-            np.zeros(len(levels), dtype=np.int64), np.zeros(1, dtype=np.bool_),
+            np.zeros(len(levels)), np.zeros(len(levels), dtype=np.bool_),
+            np.zeros((size, joints, joints)), np.zeros(len(levels), dtype=np.int64),
+            np.zeros(1, dtype=np.bool_),
         )  # fmt: skip
 
     @classmethod
@@ -77,6 +78,7 @@ class Stack:
         rows[:] = level.jacobian
         self.wanted[self.starts[place] : self.ends[place]] = level.velocity
         self.arrays.fractions[place] = level.fraction
+        self.arrays.errors[place] = np.linalg.norm(level.velocity) / level.fraction
         self.arrays.curved[place] = level.hessian is not None
         if level.hessian is not None:
             self.arrays.hessians[self.starts[place] : self.ends[place]] = level.hessian

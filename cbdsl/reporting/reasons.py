@@ -93,13 +93,14 @@ def _achieved(share: float) -> str:
 def _cause(recorded: Recorded, tick: int, column: int) -> str:
     """Return the cause that kept a level from moving, as a clause."""
     arrays, names = recorded.arrays, recorded.controllers
-    # Indices of controllers are followed by two that stand for joint limits and for reach; -1 is
-    # none.
+    # Indices of controllers are followed by those of joint limits, of a local optimum and of a
+    # singular posture; -1 is none.
     holder = int(arrays["level_held_by"][tick, column])
     if holder == len(names):
         return "because joints were at their limits"
     if holder > len(names):
-        return "because its target was out of reach: it was at the nearest point"
+        place = "a local optimum" if holder == len(names) + 1 else "a singular posture"
+        return f"because it was at {place}, where no motion brought it nearer"
     if holder >= 0:
         return f"because {names[holder]} above it needed the same joints"
     if arrays["level_rank"][tick, column] == 0:

@@ -169,7 +169,7 @@ def array_faults(summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]])
             yield f"{name}: is of {array.dtype}"
     count = len(summary["controllers"])
     # The indices after the controllers stand for joint limits and reach.
-    if arrays["level_held_by"].max(initial=-1) > count + 1:
+    if arrays["level_held_by"].max(initial=-1) > count + 2:
         yield "level_held_by: names a controller that is not there"
 
 

@@ -16,11 +16,16 @@ from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.numeric.handle import bind
 from cbdsl.program.checked import NO_GUARDS, Guards
 from cbdsl.runtime.action_levels import Active
+from cbdsl.runtime.causes import BLOCKED, CREEPING, OUT_OF_REACH, Balance, RestCause
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.load_guards import LoadGuards
+from cbdsl.runtime.posture_search import least_error
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.signal_rows import Selection
 from cbdsl.types.potential import POTENTIALS
+
+# Distance from its limit, beside the law's margin, at which a joint is at it, rad and m.
+_AT_LIMIT = 0.01, 0.001
 
 # Controllers, each with the names of its peers.
 _Acting = tuple[tuple[ControllerRun, tuple[str, ...]], ...]
@@ -165,20 +170,54 @@ class Actuation:
                     batch.begin()
         return self._last
 
-    def stuck(self) -> tuple[str, ...]:
-        """Return the levels at the nearest point to their targets, highest priority first."""
-        reports = () if self.step is None else self.step.reports
-        return tuple(report.name for report in reports if report.stuck)
+    def balance(self, names: Sequence[str] = ()) -> Balance | None:
+        """Return the balance of the last tick's levels; ``None`` if no controller acted.
+
+        Args:
+            names: Names of the levels, highest priority first; their controllers' by default.
+        """
+        step, batch = self.step, self._last
+        if step is None or batch is None:
+            return None
+        levels = names or [level.name for level in step.levels]
+        joints = [self._signals.joints.names[joint] for joint in batch.joints]
+        return Balance(step, levels, joints, self._outward(step, batch.joints))
+
+    def _outward(self, step: Step, joints: Integers) -> Floats:
+        """Return 1 for a joint that its upper limit holds back, -1 for its lower one, else 0."""
+        kinematics, margin = self._signals.kinematics, self.settings.limit_margin
+        here = self._signals.positions[joints]
+        # A locked joint may still be on its way to the limit.
+        near = margin + np.where(kinematics.slides[joints], _AT_LIMIT[1], _AT_LIMIT[0])
+        upper = (here >= kinematics.upper[joints] - near).astype(float)
+        lower = (here <= kinematics.lower[joints] + near).astype(float)
+        outward: Floats = np.where(step.locked, upper - lower, 0.0)
+        return outward
+
+    def cause(self, run: ControllerRun) -> RestCause | None:
+        """Return the cause that keeps a controller at rest from its target; ``None`` if unknown."""
+        balance, batch = self.balance(), self._last
+        if balance is None or batch is None or run not in batch.runs:
+            return None
+        place = int(np.count_nonzero(balance.step.stack.ages[: batch.runs.index(run)]))
+        cause = balance.cause(place) or RestCause(CREEPING)
+        if cause.kind == CREEPING:
+            lag = np.abs(self.reference - self._signals.positions)[batch.joints]
+            behind = lag > 0.5 * self.settings.lead
+            joints = tuple(name for name, late in zip(balance.joints, behind, strict=True) if late)
+            return RestCause(BLOCKED if joints else CREEPING, joints=joints)
+        least = least_error(run, self._signals, self.settings.limit_margin)
+        if least > run.controller.arrival[0]:
+            return RestCause(OUT_OF_REACH, least=least)
+        return cause._replace(least=least)
 
     def at_limits(self) -> tuple[str, ...]:
         """Return the joints held back by their limits in the last tick."""
-        if self._last is None or self.step is None:
+        balance = self.balance()
+        if balance is None:
             return ()
-        return tuple(
-            self._signals.joints.names[joint]
-            for joint, locked in zip(self._last.joints, self.step.locked, strict=True)
-            if locked
-        )
+        sides = zip(balance.joints, balance.outward, strict=True)
+        return tuple(name for name, side in sides if side)
 
     def _bind(self, batch: ControllerBatch) -> Callable[[], int]:
         """Return a call of the tick with the current arrays of table and plan."""

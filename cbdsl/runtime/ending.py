@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
+from cbdsl.runtime.causes import BLOCKED, CREEPING, HELD, LIMITS, OUT_OF_REACH, RestCause
 from cbdsl.runtime.controllers.controller_run import NEAR_GOAL, ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
@@ -27,6 +28,9 @@ _UNITS = {
     _SLIDE: (1000.0, "mm"),
 }
 
+# Share of an error by which it is as small as another.
+_SAME = 0.02
+
 _VERDICTS = {"success": "Succeeded", "failure": "Failed"}
 
 
@@ -35,7 +39,7 @@ def describe(
     seconds: float,
     at_limits: Sequence[str],
     guards: Sequence[str] = (),
-    stuck: Sequence[str] = (),
+    causes: Mapping[str, RestCause | None] | None = None,
 ) -> str:
     """Return a sentence on how a program ended and how its controllers contributed.
 
@@ -44,7 +48,7 @@ def describe(
         seconds: Duration, s.
         at_limits: Joints held back by their limits at the end.
         guards: One clause for each guard that limited the motion.
-        stuck: Levels at the nearest point to their targets, highest priority first.
+        causes: Causes that keep stuck controllers from their targets, by name.
     """
     verdict = _VERDICTS.get(run.outcome, "Done" if run.predicate == "1" else "Not rewarded")
     if run.rewarded and not run.outcome:
@@ -52,7 +56,7 @@ def describe(
     # Intermediate rewards do not show whether the program reached its purpose.
     if run.program.success and not run.outcome and not run.program.reward_ends:
         verdict = "Neither succeeded nor failed"
-    reasons = _evidence(run, stuck)
+    reasons = _evidence(run, causes or {})
     if at_limits and not (run.rewarded or run.outcome == "success"):
         reasons.append(f"at their limits were {', '.join(at_limits)}")
     if run.predicate != "1" or run.rewarded:
@@ -94,31 +98,30 @@ def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
     return f"Failed {where}: {cause.__cause__ or cause}."
 
 
-def stayed_far(run: ProgramRun) -> tuple[str, ...]:
+def stuck_leads(run: ProgramRun) -> tuple[ControllerRun, ...]:
     """Return the last action's controllers that are stuck, highest priority first."""
     action = run.action
     if action is None:
         return ()
     if action.program is not None:
-        return stayed_far(run.children[action.name])
-    leads = run.leads(action)
-    return tuple(lead.controller.name for lead in leads if lead.stuck)
+        return stuck_leads(run.children[action.name])
+    return tuple(lead for lead in run.leads(action) if lead.stuck)
 
 
-def _evidence(run: ProgramRun, stuck: Sequence[str]) -> list[str]:
+def _evidence(run: ProgramRun, causes: Mapping[str, RestCause | None]) -> list[str]:
     """Return a clause for each member that the last action involved, highest priority first."""
     action = run.action
     if action is None:
         return []
     if action.program is not None:
         child = run.children[action.name]
-        return [*_evidence(child, stuck), child.ending]
+        return [*_evidence(child, causes), child.ending]
     lacking: dict[str, list[str]] = {}
     clauses = []
     for lead in run.leads(action):
         required = _lacked(lead, run)
         if required is None:
-            clauses.append(_clause(lead, stuck))
+            clauses.append(_clause(lead, causes.get(lead.controller.name)))
         else:
             lacking.setdefault(_absence(required), []).append(lead.controller.name)
     # Several controllers may lack the same one, such as the contact of a hand; it is described
@@ -154,7 +157,7 @@ def _absence(required: ControllerRun) -> str:
     return _clause(required)
 
 
-def _clause(lead: ControllerRun, stuck: Sequence[str] = ()) -> str:
+def _clause(lead: ControllerRun, cause: RestCause | None = None) -> str:
     controller = lead.controller
     if lead.astray:
         return f"{controller.name} felt something else than the object it sought"
@@ -166,23 +169,46 @@ def _clause(lead: ControllerRun, stuck: Sequence[str] = ()) -> str:
         return f"{controller.name} had no {_undefined_resource(controller)}"
     verb = "came to rest" if lead.predicate == "1" else "was still"
     if lead.stuck:
-        verb = "came to rest far from its goal,"
-        if controller.name in stuck:
-            verb = f"came to rest {_nearest(lead, stuck)},"
+        verb = f"is stuck{_reason(cause)},"
     if controller.reference is None:
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
-    factor, unit = _UNITS.get(_quantity(lead), (1.0, ""))
     # The residual of a field is bounded: a distant goal is farther away than the residual.
     is_field = POTENTIALS[controller.potential].field
     at_least = "at least " if is_field and lead.phi > NEAR_GOAL else ""
-    distance = f"{at_least}{factor * lead.error:.{1 if unit else 3}f} {unit}".rstrip()
-    return f"{controller.name} {verb} {distance} from {_goal(controller)}"
+    away = f"{at_least}{_measure(lead, lead.error)} from {_goal(controller)}"
+    return f"{controller.name} {verb} {away}{_at_best(lead, cause)}"
 
 
-def _nearest(lead: ControllerRun, stuck: Sequence[str]) -> str:
-    """Return the place of a level that gets no nearer to its target."""
-    is_first = lead.controller.name == stuck[0]
-    return "at the nearest point within reach" if is_first else "as near as higher levels allow"
+def _reason(cause: RestCause | None) -> str:
+    """Return the cause of a stuck controller, as words behind "is stuck"."""
+    if cause is None:
+        return ""
+    limits = f"the limit{'s' if len(cause.joints) > 1 else ''} of {_enumerated(cause.joints)}"
+    holders = [limits if holder == LIMITS else holder for holder in cause.holders]
+    return {
+        LIMITS: f" at {limits}",
+        HELD: f", held by {_enumerated(holders)}",
+        BLOCKED: f", blocked at {_enumerated(cause.joints)}",
+        CREEPING: ", still creeping",
+        OUT_OF_REACH: " out of reach",
+    }.get(cause.kind, f" at a {cause.kind}")
+
+
+def _at_best(lead: ControllerRun, cause: RestCause | None) -> str:
+    """Return the least distance from a reference out of reach, if another posture has it."""
+    if cause is None or cause.kind != OUT_OF_REACH or lead.error <= (1.0 + _SAME) * cause.least:
+        return ""
+    return f" (another posture is {_measure(lead, cause.least)} away)"
+
+
+def _enumerated(names: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
+
+
+def _measure(lead: ControllerRun, error: float) -> str:
+    """Return an error in its reported unit."""
+    factor, unit = _UNITS.get(_quantity(lead), (1.0, ""))
+    return f"{factor * error:.{1 if unit else 3}f} {unit}".rstrip()
 
 
 def _quantity(lead: ControllerRun) -> str:

@@ -22,7 +22,7 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stayed_far
+from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stuck_leads
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.policies.policy import Policy
@@ -250,6 +250,8 @@ class Runner:
         """Return the outcome so far; an empty ending is replaced by the program's."""
         run, passed = self._run, begun.passed
         guards = self._actuation.load_guards.clauses
+        stuck = () if ending else stuck_leads(run)
+        causes = {lead.controller.name: self._actuation.cause(lead) for lead in stuck}
         return EpisodeResult(
             program=self._program.name,
             stage=begun.stage,
@@ -263,12 +265,11 @@ class Runner:
             wall_seconds=time.perf_counter() - begun.time,
             renderer=self._backend.renderer,
             ending=ending
-            or describe(
-                run, self._seconds, self._actuation.at_limits(), guards, self._actuation.stuck()
-            ),
+            or describe(run, self._seconds, self._actuation.at_limits(), guards, causes),
             outcome=run.outcome,
             guards=guards,
-            far=stayed_far(run),
+            far=tuple(causes),
+            causes={name: str(cause or "unknown") for name, cause in causes.items()},
         )
 
     @property

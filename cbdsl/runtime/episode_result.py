@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,8 @@ class EpisodeResult:
         outcome: ``success`` or ``failure`` by its program's states; empty if they define none or it
             reached none.
         guards: Duration and force for each guard that limited the motion.
-        far: Controllers of the last action that came to rest far from their goals.
+        far: Controllers of the last action that are stuck: at rest beyond their tolerances.
+        causes: RestCause that keeps each of them from its target, by name.
     """
 
     program: str
@@ -41,3 +43,4 @@ class EpisodeResult:
     outcome: str = ""
     guards: tuple[str, ...] = ()
     far: tuple[str, ...] = ()
+    causes: Mapping[str, str] = field(default_factory=dict)

@@ -11,23 +11,16 @@ import numpy as np
 from cbdsl.control.law import LevelReport, Step
 from cbdsl.control.level import Level
 from cbdsl.numeric.arrays import Floats
+from cbdsl.runtime.causes import Balance
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.tick import Tick
 from cbdsl.types.potential import POTENTIALS
 
-#: Holder of a level whose freedom is taken by joints at their limits.
-LIMITS = "joint limits"
-
-#: Holder of a level whose target is out of reach.
-REACH = "reach"
-
 # Share of the requested displacement below which the blocking level is reported.
 _SMALL_SHARE = 0.5
 # Share of the requested displacement above which the pushing level is reported.
 _LARGE_SHARE = 1.5
-# Minimum response to a level's task velocity above which a higher level blocks it.
-_TAKEN = 0.1
 # Displacement of a task in a tick, in its unit, that is rounding; below it no share is defined.
 _ROUNDING = 1e-9
 
@@ -44,8 +37,8 @@ class LevelExplanation:
         predicted: Change of phi by now that the last tick's step predicts to first order; NaN if
             unknown.
         measured: Change of phi since the last tick; NaN in the first.
-        held_by: Higher level, or ``LIMITS``, that takes most of this level's freedom; ``REACH`` if
-            none does and the level is at the nearest point to its target; empty otherwise.
+        held_by: Higher level or ``causes.LIMITS`` that takes most of this level's freedom;
+            ``causes.OPTIMUM`` or ``causes.SINGULAR`` if no motion brings it nearer; else empty.
         pushed_by: Level whose motion carries this level beyond its request, if the share is far
             above 1; empty otherwise.
     """
@@ -90,7 +83,9 @@ class Explanation:
             return TickExplanation((), ())
         runs = [_run(tick.run, level.name) for level in step.levels]
         names = [name for name, _ in runs]
-        others = [_others(step, place, names) for place in range(len(names))]
+        balance = tick.actuation.balance(names)
+        assert balance is not None
+        others = [_others(balance, place) for place in range(len(names))]
         levels = tuple(
             self._level(name, run, _legible(report, level), *by)
             for (name, run), report, level, by in zip(
@@ -154,12 +149,14 @@ def _legible(report: LevelReport, level: Level) -> LevelReport:
     return replace(report, share=math.nan) if requested <= _ROUNDING else report
 
 
-def _others(step: Step, place: int, names: Sequence[str]) -> tuple[str, str]:
-    """Return the level that holds a level back and the level that pushes it, or empty names."""
+def _others(balance: Balance, place: int) -> tuple[str, str]:
+    """Return the cause that holds a level back and the level that pushes it, or empty names."""
+    step = balance.step
     share = _legible(step.reports[place], step.levels[place]).share
     if share < _SMALL_SHARE:
-        return _holder(step, place, names), ""
-    return "", _pusher(step, place, names) if share > _LARGE_SHARE else ""
+        cause = balance.cause(place)
+        return "" if cause is None else cause.holder, ""
+    return "", _pusher(step, place, balance.names) if share > _LARGE_SHARE else ""
 
 
 def _pusher(step: Step, place: int, names: Sequence[str]) -> str:
@@ -176,33 +173,3 @@ def _pusher(step: Step, place: int, names: Sequence[str]) -> str:
     }
     pusher = max(pushed, key=lambda name: pushed[name], default="")
     return pusher if pusher and pushed[pusher] > 0 else ""
-
-
-# By itself, a level with the Jacobian J and the task velocity v moves the joints by w = J+ v, with
-# the pseudoinverse J+. A higher level with the Jacobian A responds to the part A+ A w of w. Locked
-# joints take their own components of w. The share of a holder is the squared norm of its part over
-# that of w. Parts of different holders overlap, so shares do not add up to 1. The model ignores
-# damping, bounds of steps and the order among the higher levels.
-def _holder(step: Step, place: int, names: Sequence[str]) -> str:
-    """Return the higher level, or the limits, that took most of a level's own displacement."""
-    level = step.levels[place]
-    wish = np.linalg.pinv(level.jacobian) @ level.velocity
-    size = float(wish @ wish)
-    stuck = step.reports[place].stuck
-    if size == 0.0:
-        return REACH if stuck else ""
-    taken = {
-        names[above]: float(np.square(_projected(step.levels[above].jacobian, wish)).sum()) / size
-        for above in range(place)
-    }
-    taken[LIMITS] = float(np.square(wish[step.locked]).sum()) / size
-    holder = max(taken, key=lambda name: taken[name])
-    if taken[holder] > _TAKEN:
-        return holder
-    return REACH if stuck else ""
-
-
-def _projected(jacobian: Floats, displacement: Floats) -> Floats:
-    """Return the part of a displacement, shape (n,), that a task of this Jacobian responds to."""
-    part: Floats = np.linalg.pinv(jacobian) @ (jacobian @ displacement)
-    return part

@@ -19,10 +19,11 @@ from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.meshes.simplified_mesh import simplified
+from cbdsl.runtime.causes import LIMITS, OPTIMUM, SINGULAR
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.runtime.explanation import LIMITS, REACH, Explanation, LevelExplanation, named_runs
+from cbdsl.runtime.explanation import Explanation, LevelExplanation, named_runs
 from cbdsl.runtime.recording_folder import RecordingFolder
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.signals import Signals
@@ -255,7 +256,7 @@ class Recording(EpisodeObserver):
 
 def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[float, ...]:
     """Return the numbers of ``_LEVEL``; holder indices count the limits after all controllers."""
-    holders = [*names, LIMITS, REACH]
+    holders = [*names, LIMITS, OPTIMUM, SINGULAR]
     held_by = holders.index(level.held_by) if level.held_by else -1
     return (priority, level.share, level.rank, level.singular_value, level.predicted, held_by)
 

@@ -10,7 +10,7 @@ from numba import njit
 
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
-from cbdsl.control.second_order import newton_step
+from cbdsl.control.second_order import Way, newton_step
 from cbdsl.control.stack import TICKS, Stack
 from cbdsl.kinematics.rotation import exp, log
 from cbdsl.numeric.arrays import Floats
@@ -143,6 +143,48 @@ def test_planar_arm_at_the_end_of_its_reach_rests_at_the_nearest_point(share: fl
     assert outcome.error == pytest.approx(max(0.0, (share - 1.0) * 0.7), abs=1e-3)
 
 
+def straight(joints: int, share: float, stack: str) -> Stretched:
+    """Return a stretched arm with a target on its axis, at a share of its length."""
+    aim = np.array([0.7 * share, 0.0, 0.0])
+    return Stretched(Chain.planar(joints, 0.7), np.zeros(joints), aim, np.eye(3), stack, 10.0)
+
+
+@pytest.mark.parametrize("stack", ["p", "pq", "pr", "prq"])
+@pytest.mark.parametrize("share", [-0.6, 0.3, 0.9])
+@pytest.mark.parametrize("joints", [3, 6])
+def test_arm_stretched_away_from_a_target_on_its_axis_leaves_the_saddle(
+    joints: int, share: float, stack: str
+) -> None:
+    """No step of first order helps, and a lower level that pulls back to the saddle has to wait."""
+    case = straight(joints, share, stack)
+    outcome = settle(case, seconds=12.0)
+    assert outcome.error < 1e-3
+    assert outcome.motion <= STILL
+
+
+def test_arm_leaves_a_saddle_in_spite_of_rounding_encoders_and_lagging_servos() -> None:
+    case = straight(4, 0.4, "p")
+    assert follow(case, quantum=1e-4) <= STILL
+    law, q = case.law(), case.start
+    first = [law.solve(levels(case, q), q).displacement.copy() for _ in range(2)]
+    assert np.array_equal(*first) and 0.0 < np.abs(first[0]).max() <= 1.5 * PERIOD
+
+
+def test_step_from_a_saddle_is_no_faster_than_the_request() -> None:
+    """Its tip may move aside as fast as the bounds of the task allow."""
+    for speed in (0.35, 0.01):
+        case = straight(4, 0.4, "p")
+        rows, request = case.chain.pose(case.start)[2][:3], np.array([-speed * PERIOD, 0.0, 0.0])
+        level = Level("p", rows, request, case.chain.hessian(case.start)[:3], case.fraction)
+        moved = case.law().solve([level], case.start).displacement
+        assert 0.0 < np.linalg.norm(moved) * np.linalg.norm(rows, 2) <= 1.001 * speed * PERIOD
+
+
+def test_arm_at_the_end_of_its_reach_has_no_saddle_to_leave() -> None:
+    case = straight(4, 1.3, "p")
+    assert not case.law().solve(levels(case, case.start), case.start).displacement.any()
+
+
 def test_first_order_alone_swings_where_the_second_rests() -> None:
     """Otherwise the tests above would pass by themselves."""
     chain, turned = Chain.planar(3, 0.7), exp(np.array([0.0, 0.0, 0.5]))
@@ -220,7 +262,7 @@ def test_stack_with_rounding_encoders_and_lagging_servos_rests(seed: int) -> Non
 def newton_step_of(
     curvature: Floats, basis: Floats, values: Floats, along: Floats, guards: Floats
 ) -> tuple[Floats, Floats]:
-    return newton_step(curvature, basis, 2, values, along, guards, 0.0)
+    return newton_step(curvature, basis, 2, values, along, guards, Way(0.0, 1.0, 0.0))
 
 
 @pytest.mark.parametrize("bent_joints", [1, 3, 6])

@@ -9,7 +9,17 @@ from typing import Any
 import pytest
 
 from cbdsl.program.controller import Relative
-from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stayed_far
+from cbdsl.runtime.causes import (
+    BLOCKED,
+    CREEPING,
+    HELD,
+    LIMITS,
+    OPTIMUM,
+    OUT_OF_REACH,
+    SINGULAR,
+    RestCause,
+)
+from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stuck_leads
 from cbdsl.types.resource import Origin
 from cbdsl.types.resource_type import configuration
 
@@ -56,13 +66,13 @@ def told(*leads: Any, **other: Any) -> str:
         (lead(0.0149, predicate="0"), "reach was still 1.5 cm from ball.position"),
         (
             lead(0.021, stuck=True),
-            "reach came to rest far from its goal, 2.1 cm from ball.position",
+            "reach is stuck, 2.1 cm from ball.position",
         ),
         (lead(0.5), "reach came to rest 50.0 cm from"),
         (lead(0.2, task=Made(name="force")), "reach came to rest 0.2 N from"),
         (lead(0.05, task=Made(name="heading")), "reach came to rest 2.9 deg from"),
         (lead(0.0524, task=Made(name="orientation")), "came to rest 3.0 deg from"),
-        (lead(0.1, stuck=True, task=configuration(2)), "far from its goal, 5.7 deg from"),
+        (lead(0.1, stuck=True, task=configuration(2)), "reach is stuck, 5.7 deg from"),
         (lead(0.004, task=configuration(2, ["m", "m"])), "came to rest 4.0 mm from"),
         (lead(0.1, task=configuration(2, ["rad", "m"])), "to rest 0.1 (rad and m) from"),
         (lead(0.25, task=Made(name="scalar")), "reach came to rest 0.250 from"),
@@ -138,8 +148,8 @@ def test_ending_of_a_used_program_is_reported() -> None:
         parent, 1.0, ()
     )
     child.leads = lambda _: (lead(0.1, stuck=True), lead(0.01, name="other"))
-    assert stayed_far(parent) == ("reach",)
-    assert stayed_far(ended(action=None)) == ()
+    assert [each.controller.name for each in stuck_leads(parent)] == ["reach"]
+    assert stuck_leads(ended(action=None)) == ()
 
 
 def test_stops_are_reported_with_their_cause() -> None:
@@ -154,22 +164,45 @@ def test_stops_are_reported_with_their_cause() -> None:
 
 
 @pytest.mark.parametrize(
-    ("stuck", "clause"),
+    ("cause", "clause"),
     [
-        (("reach",), "reach came to rest at the nearest point within reach, 28.5 cm from"),
-        (("turn", "reach"), "reach came to rest as near as higher levels allow, 28.5 cm from"),
-        (("turn",), "reach came to rest far from its goal, 28.5 cm from"),
-        ((), "reach came to rest far from its goal, 28.5 cm from"),
+        (RestCause(LIMITS, (LIMITS,), ("elbow",)), "at the limit of elbow, 28.5 cm from"),
+        (
+            RestCause(LIMITS, (LIMITS,), ("elbow", "wrist")),
+            "at the limits of elbow and wrist, 28.5 cm",
+        ),
+        (RestCause(HELD, ("turn",)), ", held by turn, 28.5 cm from"),
+        (
+            RestCause(HELD, ("turn", LIMITS), ("a", "b", "c")),
+            ", held by turn and the limits of a, b and",
+        ),
+        (RestCause(OPTIMUM), " at a local optimum, 28.5 cm from ball.position; the time"),
+        (
+            RestCause(OPTIMUM, least=0.001),
+            " at a local optimum, 28.5 cm from ball.position; the time",
+        ),
+        (RestCause(SINGULAR), " at a singular posture, 28.5 cm from"),
+        (
+            RestCause(OUT_OF_REACH, least=0.284),
+            " out of reach, 28.5 cm from ball.position; the time",
+        ),
+        (
+            RestCause(OUT_OF_REACH, least=0.1),
+            "28.5 cm from ball.position (another posture is 10.0 cm",
+        ),
+        (RestCause(BLOCKED, joints=("elbow",)), ", blocked at elbow, 28.5 cm from"),
+        (RestCause(CREEPING), ", still creeping, 28.5 cm from"),
+        (None, "reach is stuck, 28.5 cm from"),
     ],
 )
-def test_ending_of_an_unreachable_target_names_the_nearest_point(
-    stuck: tuple[str, ...], clause: str
-) -> None:
-    assert clause in describe(ended(lead(0.285, stuck=True)), 3.24, (), (), stuck)
+def test_ending_of_a_stuck_controller_names_its_cause(cause: RestCause | None, clause: str) -> None:
+    text = describe(ended(lead(0.285, stuck=True)), 3.24, (), (), {"reach": cause})
+    assert "reach is stuck" in text and clause in text
 
 
-def test_ending_of_a_level_near_its_goal_names_no_nearest_point() -> None:
-    assert "nearest" not in describe(ended(lead(0.01)), 3.24, (), (), ("reach",))
+def test_ending_of_an_arrived_controller_names_no_cause() -> None:
+    text = describe(ended(lead(0.01)), 3.24, (), (), {"reach": RestCause(OPTIMUM)})
+    assert "optimum" not in text and "stuck" not in text
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,8 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.explanation import LIMITS, Explanation, TickExplanation
+from cbdsl.runtime.causes import LIMITS
+from cbdsl.runtime.explanation import Explanation, TickExplanation
 from cbdsl.runtime.tick import Tick
 from tests.conftest import Checked
 from tests.runtime.conftest import Play

@@ -13,9 +13,10 @@ from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
+from cbdsl.runtime.causes import LIMITS, OPTIMUM, SINGULAR
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.runtime.explanation import LIMITS, REACH, Explanation
+from cbdsl.runtime.explanation import Explanation
 from cbdsl.runtime.recording import Recording, is_place, members, triple
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.table.reading import Reading
@@ -109,7 +110,7 @@ def test_recorded_levels_equal_the_explanation(
     summary = json.loads(file.read_text("utf-8"))
     assert summary["cbdsl"] == 1
     names, joints = summary["controllers"], summary["joints"]
-    holders = ["", *names, LIMITS, REACH]
+    holders = ["", *names, LIMITS, OPTIMUM, SINGULAR]
     with np.load(file.with_suffix(".npz")) as arrays:
         kept = {key: arrays[key] for key in arrays}
     for index, tick in enumerate(told):

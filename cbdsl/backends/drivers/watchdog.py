@@ -88,7 +88,7 @@ class Watchdog:
         """Hold because of another commander, unless it holds already.
 
         Args:
-            rival: Cause as a sentence without a full stop.
+            rival: RestCause as a sentence without a full stop.
             now: Time by a monotonic clock, s.
         """
         if self.phase in (WatchdogPhase.WAITING, WatchdogPhase.REPEATING):

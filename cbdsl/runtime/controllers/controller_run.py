@@ -245,15 +245,20 @@ class ControllerRun:
         """True if it is at rest beyond its tolerance."""
         return self.predicate == "1" and not self._is_near()
 
-    def evaluate(self) -> Evaluation | None:
-        """Return the potential in this tick, in the active joints; ``None`` while undefined."""
+    def evaluate(self, joints: Integers | None = None) -> Evaluation | None:
+        """Return the potential in this tick; ``None`` while undefined.
+
+        Args:
+            joints: Indices of n joints, -1 for one that counts as fixed; by default ``columns``.
+        """
         if math.isnan(self.phi):
             return None
+        columns = self.columns if joints is None else joints
         rows = self._signals.table.rows(self.rows.feedback)
         potential = replace(self._potential, parameters=self._parameters)
         phi, residual, slope = potential.evaluate(*self._values(), len(rows))
         # Index -1 reads the last joint, and the mask replaces that number.
-        jacobian = np.where(self.columns >= 0, rows[:, self.columns], 0.0)
+        jacobian = np.where(columns >= 0, rows[:, columns], 0.0)
         return Evaluation(phi, residual, slope @ jacobian)
 
     def refuse(self) -> SignalError:
