@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 from cbdsl.reporting.link_shape import LinkShape
 from cbdsl.reporting.link_shape import Numbers as _Numbers
-from cbdsl.reporting.page_mesh import read_mesh
 from cbdsl.reporting.skeleton import skeleton
 from cbdsl.robot.meshes.mesh_file import find_mesh
+from cbdsl.robot.meshes.simplified_mesh import read_simplified
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
 from cbdsl.robot.urdf_reader import parse_urdf
 from cbdsl.yaml_text.library import shipped
@@ -142,10 +142,10 @@ def _shapes(visuals: Sequence[UrdfShape], folder: Path, is_recorded: bool) -> It
             file = find_mesh(visual.file, folder)
             if file is not None and is_recorded and not _is_nearby(file):
                 file = None
-            mesh = None if file is None else read_mesh(file, size)
+            mesh = None if file is None else read_simplified(file, size)
             if mesh is None:
                 continue
-            # The size of a mesh in URDF is its scale, which `read_mesh` has applied.
+            # The size of a mesh in URDF is its scale, which `read_simplified` has applied.
             size = ()
         # Pages draw no capsules; a cylinder lacks the rounded ends alone.
         kind = "cylinder" if kind == "capsule" else kind

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.backend import BackendError
 from cbdsl.backends.cameras import light
 from cbdsl.backends.cameras import primitive_mesh as mesh
 from cbdsl.backends.cameras.view import View
@@ -18,7 +20,9 @@ from cbdsl.backends.staging.solids import POSITION, ROTATION
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.kinematics.quaternion import rotations
 from cbdsl.numeric.arrays import Floats, Image
+from cbdsl.robot.meshes.mesh_file import find_mesh
 from cbdsl.robot.meshes.mesh_reader import Mesh
+from cbdsl.robot.meshes.simplified_mesh import read_simplified
 from cbdsl.robot.urdf import UrdfModel, UrdfShape
 
 BACKGROUND = (0.78, 0.78, 0.78)
@@ -91,19 +95,17 @@ class OpenGLRenderer:
     """Renderer of the shapes of a robot's model and of scene objects.
 
     Raises:
-        ValueError: The robot has a shape that cannot be drawn.
-        Exception: OpenGL is not available without a window.
+        BackendError: OpenGL is not available without a window.
     """
 
     def __init__(self, model: UrdfModel) -> None:
+        self._context = _context()
         self._robot = [
-            (link.name, _visible_part(shape))
+            (link.name, part)
             for link in model.bodies.values()
             for shape in link.visuals
+            for part in _visible_parts(shape, model.path.parent)
         ]
-        # The types that moderngl states lack the backend's name and the uniforms' methods.
-        create: Any = moderngl.create_context
-        self._context = create(standalone=True, backend="egl")
         self.name = f"opengl ({self._context.info['GL_RENDERER']})"
         self._context.enable(moderngl.DEPTH_TEST)
         self._program = self._context.program(_VERTEX_SHADER, _FRAGMENT_SHADER)
@@ -215,16 +217,31 @@ class OpenGLRenderer:
         self._context.release()
 
 
-def _visible_part(shape: UrdfShape) -> Part:
-    """Return a visual of the robot's model as a part.
+def _context() -> Any:
+    # The types that moderngl states lack the backend's name and the uniforms' methods.
+    create: Any = moderngl.create_context
+    try:
+        return create(standalone=True, backend="egl")
+    except Exception as error:  # moderngl raises bare exceptions
+        raise BackendError(str(error)) from error
 
-    Raises:
-        ValueError: The visual has a shape that cannot be drawn.
-    """
-    if shape.kind not in ("ball", "box", "cylinder"):
-        raise ValueError("only balls, boxes and cylinders can be drawn")
-    at = shape.origin
-    return Part(shape.kind, shape.size, at.xyz, at.quaternion, shape.color or _GREY)
+
+def _visible_parts(shape: UrdfShape, folder: Path) -> Iterator[Part]:
+    """Yield the parts of a visual of the robot's model; none for a mesh that cannot be read."""
+    at, color = shape.origin, shape.color or _GREY
+    if shape.kind == "mesh":
+        file = find_mesh(shape.file, folder)
+        triangles = None if file is None else read_simplified(file, shape.size)
+        if triangles is not None:
+            yield Part("mesh", (), at.xyz, at.quaternion, color, triangles)
+        return
+    kind = "cylinder" if shape.kind == "capsule" else shape.kind
+    yield Part(kind, shape.size, at.xyz, at.quaternion, color)
+    if shape.kind == "capsule":
+        radius, height = shape.size
+        along = rotations(np.array(at.quaternion))[:, 2] * height / 2
+        for end in (np.array(at.xyz) + along, np.array(at.xyz) - along):
+            yield Part("ball", (radius,), tuple(end.tolist()), at.quaternion, color)
 
 
 def _in_frame(part: Part) -> Floats:

@@ -59,7 +59,7 @@ def make_renderer(
 
     Args:
         kind: Renderer that the robot file requests.
-        model: URDF model of the robot; OpenGL shows no meshes.
+        model: URDF model of the robot.
         own: Factories of the engine's own renderers, if it has any.
 
     Raises:
@@ -75,17 +75,22 @@ def make_renderer(
             f"for; allowed are the renderers {allowed} and 'opengl', or ideal cameras"
         )
     try:
-        # Ideal cameras need no graphics, so they need not wait for this import.
-        from cbdsl.backends.cameras.opengl import OpenGLRenderer
-
-        return OpenGLRenderer(model)
-    # moderngl raises bare exceptions; for any of them, images are possible without it.
-    except Exception as error:
+        return _opengl(model)
+    except BackendError as error:
         software = own.get("tiny")
         if kind == "auto" and software is not None:
             return software()
         without = "the renderers 'auto' and 'tiny' do" if software else "ideal cameras do"
         raise BackendError(
-            f"OpenGL cannot make the images ({error}); on Debian and Ubuntu it needs the "
+            f"OpenGL is missing ({error}); on Debian and Ubuntu it needs the "
             f"packages libegl1, libgl1 and libgl1-mesa-dri; {without} without"
         ) from error
+
+
+def _opengl(model: UrdfModel) -> Renderer:
+    # Ideal cameras need no graphics, so they need not wait for this import.
+    try:
+        from cbdsl.backends.cameras.opengl import OpenGLRenderer
+    except ImportError as error:
+        raise BackendError(str(error)) from error
+    return OpenGLRenderer(model)

@@ -10,10 +10,12 @@ import numpy as np
 import pybullet_data
 import pytest
 
-from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.backends.cameras.view import View
+from cbdsl.backends.mujoco.backend import MujocoBackend
+from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.pose import Pose
 
 URDF = Path(pybullet_data.getDataPath()) / "kuka_iiwa" / "model.urdf"
 HOME = (0.0, 0.5, 0.0, -1.0, 0.0, 1.0, 0.0)
@@ -58,11 +60,23 @@ def test_foreign_robot_reaches_its_references() -> None:
     backend.close()
 
 
-def test_meshes_are_left_to_the_simulators_own_renderer() -> None:
-    backend = BulletBackend(make(cameras={"eye": CAMERA}), URDF)
-    backend.reset(STAGE, None, np.random.default_rng(0))
-    assert backend.renderer.startswith("tiny")
-    assert backend.observe().images["eye"].shape == (48, 64, 3)
-    backend.close()
-    with pytest.raises(BackendError, match="only balls, boxes and cylinders"):
-        BulletBackend(make(cameras={"eye": CAMERA}, vision={"renderer": "opengl"}), URDF)
+@pytest.mark.usefixtures("opengl")
+def test_robot_of_meshes_has_the_same_silhouette_in_every_renderer() -> None:
+    camera = Camera(link="lbr_iiwa_link_0", width=160, height=160, focal_length=150)
+    view = View(camera, Pose(np.array([-2.0, 0.0, 0.6]), np.eye(3)))
+    masks = {}
+    for engine, renderer in (
+        (BulletBackend, "auto"),
+        (BulletBackend, "tiny"),
+        (MujocoBackend, "auto"),
+    ):
+        robot = make(cameras={"eye": CAMERA}, vision={"renderer": renderer})
+        backend = engine(robot, URDF, cameras="rendered")
+        backend.reset(STAGE, None, np.random.default_rng(0))
+        assert backend.renderer.startswith("tiny" if renderer == "tiny" else "opengl")
+        image = backend.cameras.render({"eye": view})["eye"].astype(int)
+        masks[engine, renderer] = np.abs(image - 199).max(axis=2) > 4
+        backend.close()
+    for mask in masks.values():
+        expected = masks[BulletBackend, "tiny"]
+        assert (mask & expected).sum() > 0.94 * (mask | expected).sum() > 500

@@ -120,7 +120,7 @@ def test_a_removed_thing_is_gone_from_the_images(rendered: Simulated) -> None:
 
 
 def _fail(model: UrdfModel) -> OpenGLRenderer:
-    raise Exception("libEGL.so.1 cannot be loaded")
+    raise BackendError("libEGL.so.1 cannot be loaded")
 
 
 def test_without_opengl_auto_takes_the_simulators_own(

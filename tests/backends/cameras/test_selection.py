@@ -113,7 +113,7 @@ def test_make_cameras_without_opengl_takes_ideal_ones_only_without_a_choice(
     dexter: RobotDocument, urdf: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(model: object) -> None:
-        raise RuntimeError("no EGL")
+        raise BackendError("no EGL")
 
     monkeypatch.setattr(opengl, "OpenGLRenderer", fail)
     model = read_urdf(urdf)
