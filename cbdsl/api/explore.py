@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.documents.catalog import CatalogDocument
     from cbdsl.learning.catalogs.action_outcome import ActionOutcome
     from cbdsl.learning.catalogs.exploration import ExplorationStep
@@ -36,7 +37,7 @@ class ExplorationOutcome:
 
 
 def explore(
-    programs: Sequence[str],
+    programs: Sequence[str | RunRequest],
     stage: str | Path,
     out: str | Path,
     *,
@@ -60,7 +61,8 @@ def explore(
 
     Args:
         programs: Actions, as ``NAME``, ``NAME:key=value`` or ``LABEL=NAME:key=value``; the value
-            ``?`` stands for each channel that the run detects.
+            ``?`` stands for each channel that the run detects. Or results of ``load``, whose stages
+            do not count.
         stage: File or name of a stage with a persistent world.
         out: File for the catalog, ``NAME.yaml``.
         feature: Channel of the object, for all programs with the parameter ``feature``.
@@ -98,8 +100,7 @@ def explore(
         cameras=cameras,
         between=between,
         algorithm=algorithm,
-        # Constants are read as from the command line, where a text such as `5 s` has a unit.
-        constants={name: str(value) for name, value in (constants or {}).items()},
+        constants=dict(constants or {}),
         join=join,
     )
     run, task = request.task()

@@ -95,7 +95,7 @@ def explore_pairs(
         seed=seed,
         backend=default_engine() if backend is None else backend,
         cameras=cameras,
-        constants={name: str(value) for name, value in (constants or {}).items()},
+        constants=dict(constants or {}),
         relations=None if relations is None else str(relations),
     )
     run, task = request.task()

@@ -84,8 +84,7 @@ def learn(
         backend=backend,
         cameras=cameras,
         learner=learner,
-        # Constants are read as from the command line, where a text such as `5 s` has a unit.
-        constants={name: str(value) for name, value in (constants or {}).items()},
+        constants=dict(constants or {}),
         policy=None if policy is None else str(policy),
     )
     (outcome,) = learn_trials(request, resume=resume, on_episode=on_episode)

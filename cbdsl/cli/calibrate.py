@@ -11,6 +11,7 @@ import typer
 
 from cbdsl.api.requests.calibrate_request import CalibrateRequest
 from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.command_text import option_words
 from cbdsl.cli.arguments.options import BodyNumber, Cameras, Seed, With
 from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
 from cbdsl.cli.output.progress import Progress
@@ -108,14 +109,8 @@ def _command(context: typer.Context, robot: str, out: str) -> str:
     """Return the command that repeats the calibration."""
     # The command is a part of the journal's identity. Without a canonical spelling, the same
     # calibration would not continue its own journal.
-    given = context.params
-    words = ["cb", "calibrate", robot, "--out", out]
-    for name in ("program", "stage", "seed", "backend", "cameras", "body"):
-        if given[name] is not None:
-            words += [f"--{name}", str(given[name])]
-    for assignment in given["with_"]:
-        words += ["--with", assignment]
-    return shlex.join(words)
+    options = option_words(context, ("robot", "out", "as_json"), ("program", "seed", "backend"))
+    return shlex.join(["cb", "calibrate", robot, "--out", out, *options])
 
 
 def _as_json(document: CalibrationDocument, target: Path) -> dict[str, Any]:

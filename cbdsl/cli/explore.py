@@ -11,6 +11,7 @@ import typer
 
 from cbdsl.api.requests.explore_request import ExploreRequest
 from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.command_text import option_words
 from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Cameras, Resume, Seed, Set
 from cbdsl.cli.episodes.live import LiveOptions, live_page
@@ -185,17 +186,9 @@ def _run(task: ExplorationTask, request: RunRequest, live: LiveOptions, *, as_js
 
 def _command(context: typer.Context) -> str:
     """Return the command that repeats the exploration, in a canonical spelling."""
+    programs, actions = context.params["programs"], str(context.params["actions"])
     # Folders differ between computers. The recorded command keeps the name of the file alone.
-    given = context.params | {"out": context.params["out"].name}
-    words = ["cb", "explore", *given["programs"]]
-    for parameter in context.command.params:
-        name, value = str(parameter.name), given[str(parameter.name)]
-        if name in _NEVER:
-            continue
-        # The default backend depends on the installed packages, so that it is always written.
-        if value == parameter.default and name not in ("seed", "backend"):
-            continue
-        several = value if isinstance(value, (list, tuple)) else [value]
-        flag = parameter.opts[0]
-        words += [flag] if value is True else [w for each in several for w in (flag, str(each))]
-    return shlex.join([*words, "--actions", str(given["actions"])])
+    out = {"out": ["--out", context.params["out"].name]}
+    # The default backend depends on the installed packages, so that it is always written.
+    options = option_words(context, _NEVER, ("seed", "backend"), out)
+    return shlex.join(["cb", "explore", *programs, *options, "--actions", actions])

@@ -15,6 +15,7 @@ from cbdsl.api.requests.learn_request import LearnRequest
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.checking.rules.reward import check_rewarded
 from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.command_text import option_words
 from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Cameras, Program, Resume, Seed, Set, With
 from cbdsl.cli.arguments.workers import require_workers, warn_of_open_scheduler
@@ -296,21 +297,10 @@ def _require_here(workers: int, scheduler: str | None) -> None:
 def _command(context: typer.Context, constants: Section) -> str:
     """Return the command that repeats the learning, in a canonical spelling."""
     # Folders differ between computers. The recorded command keeps the name of the file alone.
-    given = context.params | {"out": context.params["out"].name}
-    words = ["cb", "learn", given["program"]]
-    for parameter in context.command.params:
-        name = str(parameter.name)
-        value = given[name]
-        # Constants have two spellings, `--epsilon 0.1` and `--set epsilon=0.1`. The record has one.
-        if name == "set_":
-            words += _set(constants)
-        elif name in _NEVER or (value == parameter.default and name not in _ALWAYS):
-            continue
-        else:
-            flag = parameter.opts[0]
-            several = value if isinstance(value, (list, tuple)) else [value]
-            words += [flag] if value is True else [w for each in several for w in (flag, str(each))]
-    return shlex.join(words)
+    # Constants have two spellings, `--epsilon 0.1` and `--set epsilon=0.1`. The record has one.
+    instead = {"out": ["--out", context.params["out"].name], "set_": [*_set(constants)]}
+    options = option_words(context, _NEVER, _ALWAYS, instead)
+    return shlex.join(["cb", "learn", context.params["program"], *options])
 
 
 def _set(constants: Section) -> Iterator[str]:

@@ -34,12 +34,12 @@ class AccommodateConstants(Section):
     """As how many samples the uniform density counts in them."""
 
 
-def read_constants(model: type[C], given: Mapping[str, str], learner: str) -> C:
-    """Return constants of a learner from text, in SI or with units.
+def read_constants(model: type[C], given: Mapping[str, str | float], learner: str) -> C:
+    """Return constants of a learner from numbers in SI, or from text with units.
 
     Args:
         model: Section type of the learner's constants.
-        given: Text by name; other constants keep their defaults.
+        given: Values by name; other constants keep their defaults.
         learner: Name of the learner, for messages.
 
     Raises:

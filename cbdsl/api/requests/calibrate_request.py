@@ -116,11 +116,12 @@ class CalibrateRequest:
 
     def _call(self, robot: str, out: str) -> str:
         """Return the call in Python that repeats the calibration."""
+        from cbdsl.api.requests.call_text import call_text
+
         names = ("program", "stage", "seed", "backend", "cameras", "body")
         options = {name: getattr(self, name) for name in names} | {"values": dict(self.values)}
-        given = (f"{key}={value!r}" for key, value in options.items() if value not in (None, {}))
-        words = [f"{robot!r}", f"out={out!r}", *given]
-        return f"cbdsl.calibrate({', '.join(words)})"
+        given = {name: value for name, value in options.items() if value not in (None, {})}
+        return call_text("calibrate", [f"{robot!r}", f"out={out!r}"], given)
 
 
 @dataclass(frozen=True)

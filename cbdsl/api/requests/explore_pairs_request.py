@@ -46,7 +46,7 @@ class ExplorePairsRequest:
     seed: int = 0
     backend: str | None = None
     cameras: str | None = None
-    constants: Mapping[str, str] = field(default_factory=dict)
+    constants: Mapping[str, str | float] = field(default_factory=dict)
     folder: Path | None = None
     relations: str | None = None
     command: str = ""
@@ -121,22 +121,14 @@ class ExplorePairsRequest:
 
     def _call(self) -> str:
         """Return the call in Python that repeats the exploration."""
+        from cbdsl.api.requests.call_text import call_text, chosen
+
         words = [f"{self.program!r}", f"{dict(self.things)!r}", f"{self.stage!r}"]
-        words.append(f"{self.out.name!r}")
-        for name in (
-            "relation",
-            "actions",
-            "until_habituated",
-            "seed",
-            "backend",
-            "cameras",
-            "relations",
-        ):
-            value = getattr(self, name)
-            declared = type(self).__dataclass_fields__[name].default
-            # The default backend depends on the installation, so that the call always names it.
-            if name in ("actions", "seed", "backend") or value != declared:
-                words.append(f"{name}={value!r}")
+        names = (
+            "relation", "actions", "until_habituated", "seed", "backend", "cameras", "relations",
+        )  # fmt: skip
+        # These are always written: the default backend depends on the installation.
+        options = chosen(self, names, always=("actions", "seed", "backend"))
         if self.constants:
-            words.append(f"constants={dict(self.constants)!r}")
-        return f"cbdsl.explore_pairs({', '.join(words)})"
+            options["constants"] = dict(self.constants)
+        return call_text("explore_pairs", [*words, f"{self.out.name!r}"], options)

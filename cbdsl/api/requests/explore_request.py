@@ -19,7 +19,7 @@ class ExploreRequest:
 
     Attributes:
         programs: Actions, as ``NAME``, ``NAME:key=value`` or ``LABEL=NAME:key=value``; the value
-            ``?`` stands for each channel that the run detects.
+            ``?`` stands for each channel that the run detects. Or loaded programs.
         stage: Stage with a persistent world: file or name.
         out: File for the catalog, ``NAME.yaml``.
         feature: Channel of the object, for all programs with the parameter ``feature``.
@@ -37,7 +37,7 @@ class ExploreRequest:
         command: Command that repeats the exploration, for the provenance of the catalog.
     """
 
-    programs: Sequence[str]
+    programs: Sequence[str | RunRequest]
     stage: str
     out: Path
     feature: str = "sat_10"
@@ -49,7 +49,7 @@ class ExploreRequest:
     cameras: str | None = None
     between: str = "let_go"
     algorithm: str = "explore_catalog"
-    constants: Mapping[str, str] = field(default_factory=dict)
+    constants: Mapping[str, str | float] = field(default_factory=dict)
     join: bool = False
     folder: Path | None = None
     command: str = ""
@@ -100,18 +100,20 @@ class ExploreRequest:
 
     def _call(self) -> str:
         """Return the call in Python that repeats the exploration."""
-        words = [f"{list(self.programs)!r}", f"{self.stage!r}", f"{self.out.name!r}"]
-        for name, declared in type(self).__dataclass_fields__.items():
-            value = getattr(self, name)
-            if name in ("programs", "stage", "out", "command", "join", "constants"):
-                continue
-            # These three are always written. The default backend, for example, depends on the
-            # installation.
-            if name in ("seed", "actions", "backend") or value != declared.default:
-                words.append(f"{name}={value!r}")
+        from cbdsl.api.requests.call_text import call_text, chosen, load_text
+
+        programs = (
+            repr(each) if isinstance(each, str) else load_text(each, each.values)
+            for each in self.programs
+        )
+        words = [f"[{', '.join(programs)}]", f"{self.stage!r}", f"{self.out.name!r}"]
+        left_out = ("programs", "stage", "out", "command", "join", "constants")
+        names = [name for name in type(self).__dataclass_fields__ if name not in left_out]
+        # These are always written: the default backend depends on the installation.
+        options = chosen(self, names, always=("seed", "actions", "backend"))
         if self.constants:
-            words.append(f"constants={dict(self.constants)!r}")
-        return f"cbdsl.explore({', '.join(words)})"
+            options["constants"] = dict(self.constants)
+        return call_text("explore", words, options)
 
 
 def require_persistent(stage: StageDocument) -> None:

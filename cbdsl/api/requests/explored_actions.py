@@ -28,8 +28,8 @@ class ActionText(NamedTuple):
     values: Mapping[str, str]
 
 
-def read_action(text: str) -> ActionText:
-    """Read ``NAME``, ``NAME:key=value,key=value`` or ``LABEL=NAME:...``.
+def read_action(text: str | RunRequest) -> ActionText:
+    """Read ``NAME``, ``NAME:key=value,key=value`` or ``LABEL=NAME:...``, or a loaded program.
 
     Raises:
         UsageError: The text has none of these forms.
@@ -40,6 +40,9 @@ def read_action(text: str) -> ActionText:
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.documents.document import NAME_PATTERN
 
+    if not isinstance(text, str):
+        label = "_".join([text.program_file.stem, *text.values.values()])
+        return ActionText(label, str(text.program_file), text.values)
     # The colon comes first, because values behind it have equals signs of their own. Without a
     # label, `rpartition` leaves the whole head as the program.
     head, _, tail = text.partition(":")
@@ -57,12 +60,12 @@ def read_action(text: str) -> ActionText:
 
 
 def read_actions(
-    texts: Sequence[str], feature: str, stage: str, folder: Path | None = None
+    texts: Sequence[str | RunRequest], feature: str, stage: str, folder: Path | None = None
 ) -> tuple[list[RunRequest], tuple[Explorable, ...]]:
     """Read, check and resolve the actions of an exploration.
 
     Args:
-        texts: Actions as typed.
+        texts: Actions as typed, or loaded programs.
         feature: Value of the parameter ``feature`` of actions that do not assign it.
         stage: Stage of the exploration.
         folder: Folder to search for documents by name; the working folder if ``None``.

@@ -50,7 +50,7 @@ class LearnRequest:
     backend: str | None = None
     cameras: str | None = None
     learner: str = "accommodate"
-    constants: Mapping[str, str] = field(default_factory=dict)
+    constants: Mapping[str, str | float] = field(default_factory=dict)
     policy: str | None = None
     sequential: bool = False
     transitions: int | None = None
@@ -212,16 +212,11 @@ class LearnRequest:
 
     def _call(self) -> str:
         """Return the call in Python that repeats the learning."""
-        run = self.run
-        chosen = (run.program.name, run.stage.name, dict(run.program.parameters))
-        loaded = "cbdsl.load({!r}, stage={!r}, values={!r})".format(*chosen)
-        options: dict[str, object] = {"episodes": self.episodes, "seed": self.seed}
-        options |= {"backend": self.backend, "learner": self.learner}
-        options["constants"] = dict(self.constants)
-        for name in ("trials", "policy", "sequential", "transitions", "transition_time",
-                     "idle_time", "episode_time", "cameras"):  # fmt: skip
-            value = getattr(self, name)
-            if value != type(self).__dataclass_fields__[name].default:
-                options[name] = value
-        words = ", ".join(f"{name}={value!r}" for name, value in options.items())
-        return f"cbdsl.learn({loaded}, {self.out.name!r}, {words})"
+        from cbdsl.api.requests.call_text import call_text, chosen, load_text
+
+        loaded = load_text(self.run, self.run.program.parameters)
+        always = ("episodes", "seed", "backend", "learner")
+        names = ("trials", "policy", "sequential", "transitions", "transition_time", "idle_time",
+                 "episode_time", "cameras")  # fmt: skip
+        options = chosen(self, always, always) | {"constants": dict(self.constants)}
+        return call_text("learn", [loaded, f"{self.out.name!r}"], options | chosen(self, names))
