@@ -118,6 +118,7 @@ class Judge:
         scores: Means that each condition compares.
         knowledge: Files below ``knowledge`` that the judged behaviour depends on, besides
             documents of its programs.
+        is_real_time: True if its episodes run in real time, so that one process measures them.
     """
 
     name: str
@@ -128,6 +129,7 @@ class Judge:
     episodes: int = 20
     scores: tuple[Score, ...] = ()
     knowledge: tuple[str, ...] = ()
+    is_real_time: bool = False
 
     @property
     def programs(self) -> tuple[str, ...]:

@@ -68,7 +68,7 @@ class Campaign:
 
     def _parts(self, workers: int) -> Iterator[tuple[str, int, list[EpisodeVerdict]]]:
         """Yield condition, number of seeds and verdicts of each part of the campaign."""
-        if workers == 1:
+        if workers == 1 or self.judge.is_real_time:
             for condition in self.conditions:
                 yield condition.name, self.episodes, self._measured(condition, self.seeds)
             return
