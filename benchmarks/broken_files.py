@@ -27,9 +27,9 @@ from cbdsl.documents.kinds import KINDS
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.srdf import parse_srdf
 from cbdsl.robot.urdf import UrdfError
-from cbdsl.robot.xacro.expansion import expand_xacro
 from cbdsl.yaml_text.document_folder import documents_below
 from cbdsl.yaml_text.library import Library, shipped
+from cbdsl_formats.expansion import expand_xacro
 
 PIECES = (b"*", b"[", b"- ", b"{", b'"', b" ", b"<a>", b"0", b"#", b": ", b"${", b"f 1 2 3\n")
 # Long repetitions reveal recursion without a bound and quadratic time, which short faults miss.

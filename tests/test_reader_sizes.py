@@ -79,7 +79,7 @@ def stl(count: int) -> bytes:
 
 
 def xacro(folder: Path, body: str) -> object:
-    from cbdsl.robot.xacro.expansion import expand_xacro
+    from cbdsl_formats.expansion import expand_xacro
 
     file = folder / "any.xacro"
     file.write_text(f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>')

@@ -57,15 +57,15 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_SOURCE}test_new_robot_from_groups_in_xacro_by_another_name_expands_nothing",
     ),
     "expressions are interpreted": (
-        "robot/xacro/test_xacro_expression.py:test_evaluate_any_text_returns_plain_value_or_raises",
+        "../distributions/cbdsl-formats/tests/test_xacro_expression.py:test_evaluate_any_text_returns_plain_value_or_raises",
     ),
     "they call only the functions of xacro's documentation, and reach no attribute that begins "
     "with `_`": (
-        "robot/xacro/test_xacro_expression.py:test_evaluate_anything_else_is_refused",
-        "robot/xacro/test_expansion.py:test_expand_expression_that_reaches_python_is_refused",
+        "../distributions/cbdsl-formats/tests/test_xacro_expression.py:test_evaluate_anything_else_is_refused",
+        "../distributions/cbdsl-formats/tests/test_expansion.py:test_expand_expression_that_reaches_python_is_refused",
     ),
     "the environment is not read": (
-        "robot/xacro/test_expansion.py:test_expand_unbounded_model_is_refused",
+        "../distributions/cbdsl-formats/tests/test_expansion.py:test_expand_unbounded_model_is_refused",
     ),
     "MuJoCo compiles it in a process of its own": (
         f"{_SOURCE}test_new_robot_from_mjcf_that_takes_long_ends",
@@ -139,8 +139,8 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     ),
     "5 million steps, values of 10,000 parts, texts of a million characters": (
         _BOUNDS,
-        "robot/xacro/test_expansion.py:test_expand_unbounded_model_is_refused",
-        "robot/xacro/test_xacro_expression.py:test_evaluate_large_value_is_refused_before_it_is_made",
+        "../distributions/cbdsl-formats/tests/test_expansion.py:test_expand_unbounded_model_is_refused",
+        "../distributions/cbdsl-formats/tests/test_xacro_expression.py:test_evaluate_large_value_is_refused_before_it_is_made",
     ),
     "5 s without computing, for a file that gives nothing": (
         f"{_SOURCE}test_new_robot_from_mjcf_that_names_a_pipe_ends",
@@ -437,7 +437,7 @@ def test_bounds_on_the_page_are_those_of_the_readers() -> None:
     from cbdsl.robot import robot_xml, urdf_reader
     from cbdsl.robot.meshes import mesh_damage, model_meshes, triangles
     from cbdsl.robot.mjcf import bounded_conversion
-    from cbdsl.robot.xacro import budget
+    from cbdsl_formats import budget
 
     for words in (
         f"{composer.MOST_CHARACTERS:,} characters, {composer.LONGEST_TEXT:,} in one text",
@@ -504,7 +504,7 @@ def test_dependencies_have_upper_bounds() -> None:
     import tomllib
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    users = ("kinematic", "bullet", "mujoco", "formats", "learn", "editor", "gym", "trees")
+    users = ("kinematic", "bullet", "mujoco", "learn", "editor", "gym", "trees")
     names = [*project["dependencies"]]
     for extra in users:
         names += project["optional-dependencies"][extra]

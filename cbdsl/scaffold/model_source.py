@@ -186,15 +186,15 @@ class ModelReader:
 
 def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:
     from cbdsl.diagnostics.errors import UsageError
+    from cbdsl.robot.model_format import MODEL_FORMATS
 
     try:
-        from cbdsl.robot.xacro.expansion import expand_xacro
+        return MODEL_FORMATS.get("xacro").expanded(file, arguments, packages)
     except ModuleNotFoundError as error:
         raise UsageError(
             f"{file}: xacro needs {error.name}, which is not installed: "
             "pip install 'cbdsl[formats]'"
         ) from None
-    return expand_xacro(file, arguments, packages)
 
 
 def _package_folders(file: Path, named: Mapping[str, str]) -> PackageFolders:

@@ -36,7 +36,7 @@ def _srdf(data: bytes) -> None:
 
 
 def _xacro(data: bytes) -> None:
-    from cbdsl.robot.xacro.expansion import expand_xacro
+    from cbdsl_formats.expansion import expand_xacro
 
     file = scratch() / "any.xacro"
     file.write_bytes(data)
@@ -48,9 +48,9 @@ def _xacro(data: bytes) -> None:
 
 
 def _xacro_expression(data: bytes) -> None:
-    from cbdsl.robot.xacro.budget import StepBudget
-    from cbdsl.robot.xacro.functions import ModelFunction, Namespace, functions
-    from cbdsl.robot.xacro.xacro_expression import evaluate
+    from cbdsl_formats.budget import StepBudget
+    from cbdsl_formats.functions import ModelFunction, Namespace, functions
+    from cbdsl_formats.xacro_expression import evaluate
 
     try:
         value = evaluate(data.decode("utf-8", "ignore"), functions({}), StepBudget())

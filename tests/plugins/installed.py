@@ -16,6 +16,7 @@ from cbdsl.documents.kinds import KINDS
 from cbdsl.learning.learner import LEARNERS
 from cbdsl.reporting.export_format import EXPORTS
 from cbdsl.robot.driver_kind import DRIVERS
+from cbdsl.robot.model_format import MODEL_FORMATS
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.potential import POTENTIALS
@@ -31,6 +32,7 @@ REGISTRIES: tuple[Registry[Any], ...] = (
     DRIVERS,
     COMMANDS,
     EXPORTS,
+    MODEL_FORMATS,
 )
 
 

@@ -264,7 +264,7 @@ def test_without_the_extra_its_name_is_reported(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    for module in ("cbdsl.robot.xacro.expansion", "cbdsl.robot.mjcf.conversion"):
+    for module in ("cbdsl_formats.expansion", "cbdsl.robot.mjcf.conversion"):
         monkeypatch.delitem(sys.modules, module, raising=False)
     monkeypatch.setitem(sys.modules, library, None)
     (folder / "arm.xml").write_text("<mujoco/>")

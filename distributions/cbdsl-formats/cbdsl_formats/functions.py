@@ -8,7 +8,7 @@ from functools import partial
 from itertools import islice
 from typing import Any
 
-from cbdsl.robot.xacro.budget import MOST_PARTS, require_small
+from cbdsl_formats.budget import MOST_PARTS, require_small
 
 
 class ModelFunction:

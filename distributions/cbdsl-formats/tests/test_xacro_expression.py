@@ -7,9 +7,9 @@ import xacro
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.robot.xacro.budget import BudgetError, StepBudget
-from cbdsl.robot.xacro.functions import functions
-from cbdsl.robot.xacro.xacro_expression import ExpressionError, evaluate
+from cbdsl_formats.budget import BudgetError, StepBudget
+from cbdsl_formats.functions import functions
+from cbdsl_formats.xacro_expression import ExpressionError, evaluate
 
 NAMES = {"length": 0.4, "side": "left", "flag": True, "limits": {"elbow": {"lower": -1.5}}}
 

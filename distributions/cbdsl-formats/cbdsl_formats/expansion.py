@@ -1,7 +1,7 @@
 """Expansion of xacro, a macro language of robot models.
 
 The library's macros are used. Bounded parts of this project replace the parts that run code, read
-the environment or open any file: see :mod:`cbdsl.robot.xacro.library_parts`.
+the environment or open any file: see :mod:`cbdsl_formats.library_parts`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,8 @@ from typing import Any
 
 import xacro
 
-from cbdsl.diagnostics.nearest import suggestion
-from cbdsl.robot.package_folders import PackageFolders
-from cbdsl.robot.urdf import UrdfError
-from cbdsl.robot.xacro.library_parts import LibraryParts
+from cbdsl.extend.model import PackageFolders, UrdfError, suggestion
+from cbdsl_formats.library_parts import LibraryParts
 
 
 def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:

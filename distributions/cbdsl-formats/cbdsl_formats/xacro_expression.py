@@ -13,8 +13,8 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cbdsl.robot.xacro.budget import StepBudget, require_small
-from cbdsl.robot.xacro.functions import ModelFunction, Namespace, method
+from cbdsl_formats.budget import StepBudget, require_small
+from cbdsl_formats.functions import ModelFunction, Namespace, method
 
 _Operation = Callable[[Any, Any], Any]
 

@@ -10,8 +10,8 @@ import xacro
 
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.urdf import UrdfError
-from cbdsl.robot.xacro.expansion import expand_xacro
-from cbdsl.robot.xacro.library_parts import LibraryParts
+from cbdsl_formats.expansion import expand_xacro
+from cbdsl_formats.library_parts import LibraryParts
 
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 BOMB = "".join(f'<xacro:property name="p{n + 1}" value="${{p{n}}}${{p{n}}}"/>' for n in range(40))

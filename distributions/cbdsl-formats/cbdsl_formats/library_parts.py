@@ -19,13 +19,10 @@ from xml.parsers import expat
 
 import xacro
 
-from cbdsl.robot.package_folders import PackageFolders
-from cbdsl.robot.robot_xml import MOST_BYTES, refuse_entities
-from cbdsl.robot.urdf import UrdfError
-from cbdsl.robot.xacro.budget import BudgetError, StepBudget
-from cbdsl.robot.xacro.functions import functions
-from cbdsl.robot.xacro.xacro_expression import ExpressionError, evaluate
-from cbdsl.storage.contents import contents
+from cbdsl.extend.model import MOST_BYTES, PackageFolders, UrdfError, contents, refuse_entities
+from cbdsl_formats.budget import BudgetError, StepBudget
+from cbdsl_formats.functions import functions
+from cbdsl_formats.xacro_expression import ExpressionError, evaluate
 
 _MOST_YAML_BYTES = 200_000
 _ELEMENT_STEPS = 100  # for an element, in addition to its texts

@@ -1,0 +1,27 @@
+"""Formats of robot models, for the entry-point group ``cbdsl.models``.
+
+An entry is a ``ModelFormat``, whose function returns the URDF of a file. It runs no code of the
+file, and its work is bounded. ``UrdfError`` names the file and the reason why it cannot be
+expanded. The contract test is ``cbdsl.extend.contract.test_model``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cbdsl.extend.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from cbdsl.diagnostics.nearest import suggestion
+    from cbdsl.robot.model_format import ModelFormat
+    from cbdsl.robot.package_folders import PackageFolders
+    from cbdsl.robot.robot_xml import MOST_BYTES, refuse_entities
+    from cbdsl.robot.urdf import UrdfError
+    from cbdsl.storage.contents import contents
+
+__all__ = [
+    "MOST_BYTES", "ModelFormat", "PackageFolders", "UrdfError", "contents", "refuse_entities",
+    "suggestion",
+]  # fmt: skip
+
+__getattr__ = lazy_names(__file__)
