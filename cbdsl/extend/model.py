@@ -13,10 +13,10 @@ from cbdsl.extend.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from cbdsl.diagnostics.nearest import suggestion
-    from cbdsl.robot.model_format import ModelFormat
     from cbdsl.robot.package_folders import PackageFolders
     from cbdsl.robot.robot_xml import MOST_BYTES, refuse_entities
     from cbdsl.robot.urdf import UrdfError
+    from cbdsl.scaffold.model_format import ModelFormat
     from cbdsl.storage.contents import contents
 
 __all__ = [

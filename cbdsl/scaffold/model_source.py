@@ -186,7 +186,7 @@ class ModelReader:
 
 def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:
     from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.robot.model_format import MODEL_FORMATS
+    from cbdsl.scaffold.model_format import MODEL_FORMATS
 
     try:
         return MODEL_FORMATS.get("xacro").expanded(file, arguments, packages)

@@ -16,8 +16,8 @@ from cbdsl.documents.kinds import KINDS
 from cbdsl.learning.learner import LEARNERS
 from cbdsl.reporting.export_format import EXPORTS
 from cbdsl.robot.driver_kind import DRIVERS
-from cbdsl.robot.model_format import MODEL_FORMATS
 from cbdsl.robot.source_kind import SOURCES
+from cbdsl.scaffold.model_format import MODEL_FORMATS
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.registry import Registry

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.robot.model_format import MODEL_FORMATS
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.urdf import UrdfError
+from cbdsl.scaffold.model_format import MODEL_FORMATS
 
 
 @pytest.mark.parametrize("data", [b"", b"<", b"\xff\xfe", b"<robot>" * 5_000, bytes(range(256))])
