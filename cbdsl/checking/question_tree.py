@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
+from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.documents.relations import RelationQuestion
 from cbdsl.documents.schema import ChoiceQuestion, RewardQuestion
@@ -29,6 +30,7 @@ class QuestionTrees:
         diagnostics: Diagnostics so far.
         units: SI unit of each feature that questions may compare; empty for a bare number.
         most: Features that count objects, with the largest number that can be distinguished.
+        reported: Features with a diagnostic, which questions about them do not repeat; extended.
     """
 
     def __init__(
@@ -37,8 +39,10 @@ class QuestionTrees:
         diagnostics: Diagnostics,
         units: Mapping[str, str],
         most: Mapping[str, int],
+        reported: set[str] | None = None,
     ) -> None:
         self._source, self._diagnostics = source, diagnostics
+        self._reported = set() if reported is None else reported
         self._units, self._most = units, most
 
     def read(
@@ -82,8 +86,7 @@ class QuestionTrees:
             return "", 0.0, True
         feature, sign, limit = match.groups()
         if feature not in self._units:
-            if self._units:
-                self._diagnostics.add("CB638", place, names=list(self._units), name=feature)
+            self.report_unknown(feature, place)
             return "", 0.0, True
         threshold = self._threshold(limit, self._units[feature], steps)
         self._occurs(feature, threshold, sign, steps)
@@ -91,6 +94,14 @@ class QuestionTrees:
             # A split asks for larger values: not below the threshold is above the float before it.
             return feature, math.nextafter(threshold, -math.inf), False
         return feature, threshold, True
+
+    def report_unknown(self, component: str, place: Place) -> None:
+        """Report an unknown feature, once for all its components and uses."""
+        feature = component.partition(".")[0]
+        is_known = any(name.partition(".")[0] == feature for name in self._units)
+        if self._units and (is_known or feature not in self._reported):
+            self._diagnostics.add("CB638", place, names=list(self._units), name=component)
+            self._reported.add(feature)
 
     def _occurs(self, feature: str, threshold: float, sign: str, steps: Steps) -> None:
         """Report a question about a number of objects that has only one possible answer."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from cbdsl.checking.allotments import exchangeable
 from cbdsl.checking.knowledge.policy_agreement import check_policy, with_policy
 from cbdsl.checking.lookup.document_search import find_document
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.open_members import MemberExchange
 from cbdsl.checking.prior_looks import look_of
 from cbdsl.checking.question_tree import QuestionTrees
@@ -70,6 +71,8 @@ class _SchemaCheck:
         self._dimensions: dict[str, str] = {}
         #: Features that count objects, with the number that can be distinguished.
         self._counts: dict[str, int] = {}
+        #: Features with a diagnostic, whose uses have none.
+        self._reported: set[str] = set()
 
     def check(self) -> Outcome[CheckedProgram]:
         # Diagnostics of this schema are collected apart, since earlier ones must not make it fail.
@@ -122,9 +125,11 @@ class _SchemaCheck:
                 self._diagnostics.add("CB638", place, names=names, name=name)
                 continue
             values = {
-                key: program.parameters.get(text[1:], text) if text.startswith("$") else text
+                key: self._substituted(text, program, ("look", name, "with", key))
                 for key, text in use.with_.items()
             }
+            if UNKNOWN in values.values():
+                continue
             look = look_of(use, values, self._loaded.path, self._session, self._examine)
             if isinstance(look, str):
                 place = self._source.key("look", name)
@@ -228,9 +233,10 @@ class _SchemaCheck:
         resources = {} if isinstance(body, Unknown) else body.resources
         features = {}
         for name, text in self._document.features.items():
-            wanted = text
-            for key, value in program.parameters.items():
-                wanted = wanted.replace(f"${key}", value)
+            wanted = self._substituted(text, program, ("features", name))
+            if isinstance(wanted, Unknown):
+                self._reported.add(name)
+                continue
             if wanted.startswith(AFFORDS) and self._document.catalog is not None:
                 self._dimensions[name] = ""
                 made = self._affordance(name, wanted, resources)
@@ -240,6 +246,7 @@ class _SchemaCheck:
             if wanted not in resources:
                 place = self._source.place("features", name)
                 self._diagnostics.add("CB636", place, names=list(resources), name=wanted)
+                self._reported.add(name)
                 continue
             features[name] = resources[wanted]
             is_count = resources[wanted].type == COUNT and is_visual(resources[wanted].source)
@@ -248,6 +255,11 @@ class _SchemaCheck:
             for component in components(name, resources[wanted]):
                 self._dimensions[component] = resources[wanted].type.unit
         return features
+
+    def _substituted(self, text: str, program: CheckedProgram, steps: Steps) -> Outcome[str]:
+        """Return a text with the values of the program's parameters."""
+        values = self._source.declared(program.parameters, "parameters")
+        return Scope(values, {}).substitute(text, self._source, steps, self._diagnostics)
 
     def _affordance(
         self, name: str, wanted: str, resources: Mapping[str, Resource]
@@ -277,7 +289,9 @@ class _SchemaCheck:
 
     @property
     def _trees(self) -> QuestionTrees:
-        return QuestionTrees(self._source, self._diagnostics, self._dimensions, self._counts)
+        return QuestionTrees(
+            self._source, self._diagnostics, self._dimensions, self._counts, self._reported
+        )
 
     def _ranking(self, tree: object, steps: Steps) -> Ranking:
         ranking = (tree,) if isinstance(tree, str) else tree
@@ -292,9 +306,8 @@ class _SchemaCheck:
     def _tried(self) -> Mapping[str, tuple[float, float]]:
         """Return the tried range of each component, and report unknown components."""
         for name in self._document.tried:
-            if self._dimensions and name not in self._dimensions:
-                place = self._source.key("tried", name)
-                self._diagnostics.add("CB638", place, names=list(self._dimensions), name=name)
+            if name not in self._dimensions:
+                self._trees.report_unknown(name, self._source.key("tried", name))
         return self._document.tried
 
     def _names(self, ranking: Ranking, steps: Steps) -> None:

@@ -86,16 +86,26 @@ class Library:
             sibling = beside.parent / f"{name}.yaml"
             if is_file(sibling) and is_of(kind, sibling):
                 return _shortened(sibling)
-        for root in self._roots(beside):
-            path = root / kind_of(kind).folder / f"{name}.yaml"
+        for folder in self._folders(kind, beside):
+            path = folder / f"{name}.yaml"
             if is_file(path):
                 return _shortened(path)
         return None
 
+    def _folders(self, kind: type[Document], beside: Path | None) -> Iterator[Path]:
+        """Yield the folders of a kind, the nearest to another file first."""
+        folder = Path(kind_of(kind).folder)
+        if beside is not None and len(folder.parts) > 1 and folder.name != beside.parent.name:
+            # As `cb learn` writes them: `models` beside `policies`, wherever these are.
+            yield beside.absolute().parent.parent / folder.name
+        for root in self._roots(beside):
+            yield root / folder
+
     def names(self, kind: type[Document], beside: Path | None = None) -> list[str]:
         """Return the names of all documents of a kind that ``find`` can find."""
-        folders = (root / kind_of(kind).folder for root in self._roots(beside))
-        names = {path.stem for folder in folders for path in folder.glob("*.yaml")}
+        names = {
+            path.stem for folder in self._folders(kind, beside) for path in folder.glob("*.yaml")
+        }
         if beside is not None:
             siblings = beside.parent.glob("*.yaml")
             names |= {path.stem for path in siblings if is_of(kind, path)}

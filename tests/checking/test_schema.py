@@ -98,6 +98,31 @@ def test_features_follow_the_parameters_of_the_using_program(folder: Path) -> No
     assert {action.allocation for action in pick.actions} == {"", "right", "left"}
 
 
+def test_parameter_whose_name_begins_another_is_replaced_as_a_whole(folder: Path) -> None:
+    file = folder / "knowledge" / "schemas" / "pick.yaml"
+    file.write_text(SCHEMA.replace("$feature.volume", "$feature_two.volume"))
+    (found,) = check_document(file, Session(Library(folder), {}))
+    assert (found.code, found.message) == ("CB402", "unknown parameter 'feature_two'")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ("place: stereo.$feature", "place: stereo.$featur", "CB402"),
+        ("place: stereo.$feature", "place: sterio.$feature", "CB636"),
+        ("{place: stereo", "{plase: stereo", "CB638"),
+    ],
+)
+def test_misspelled_feature_with_many_uses_is_reported_once(
+    folder: Path, old: str, new: str, code: str
+) -> None:
+    file = folder / "knowledge" / "schemas" / "pick.yaml"
+    uses = "tried: {place.x: [0, 1], place.y: [0, 1], place.z: [0, 1]}\n"
+    file.write_text((SCHEMA + uses).replace(old, new))
+    found = check_document(file, Session(Library(folder), {}))
+    assert [each.code for each in found] == [code]
+
+
 def test_digest_of_a_program_depends_on_its_schema(folder: Path) -> None:
     using, schema = folder / "programs/using.yaml", folder / "knowledge/schemas/pick.yaml"
     before = program_digest(using, Library(folder))

@@ -7,10 +7,12 @@ from pathlib import Path
 import pytest
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
 
 
 def test_shipped_documents_are_found_from_anywhere(tmp_path: Path) -> None:
@@ -54,6 +56,18 @@ def test_neighbour_of_the_right_kind_precedes_shipped_documents(tmp_path: Path) 
     assert library.find(ProgramDocument, "searchtrack", own) == neighbour
     assert library.find(RobotDocument, "dexter", own) != tmp_path / "dexter.yaml"
     assert "dexter" in library.names(ProgramDocument, own)
+
+
+def test_model_beside_the_folder_of_policies_precedes_shipped_ones(tmp_path: Path) -> None:
+    name = "searchtrack_head"
+    model = tmp_path / "any" / "models" / f"{name}.yaml"
+    model.parent.mkdir(parents=True)
+    model.write_bytes((ROOT / "knowledge" / "models" / f"{name}.yaml").read_bytes())
+    policy = tmp_path / "any" / "policies" / "x.yaml"
+    library = Library(tmp_path)
+    assert library.find(ModelDocument, name, policy) == model
+    assert name in library.names(ModelDocument, policy)
+    assert library.find(ModelDocument, name) != model
 
 
 def test_name_is_resolved_as_in_a_document_of_the_folder(tmp_path: Path) -> None:

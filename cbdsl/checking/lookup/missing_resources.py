@@ -81,7 +81,7 @@ class MissingResources:
         # The text becomes a pattern, such as ``(.+)\.position`` for ``$arm.position``. Names that
         # match it show the values that would be valid.
         others = {name: value for name, value in scope.values.items() if name != parameter}
-        written = re.escape(text).replace(rf"\${parameter}", "(.+)", 1)
+        written = re.sub(rf"\\\${parameter}\b", "(.+)", re.escape(text), count=1)
         for name, value in others.items():
             written = re.sub(rf"\\\${name}\b", re.escape(value), written)
         matches = (re.fullmatch(written, name) for name in self._known)

@@ -42,13 +42,24 @@ def text_problem(value: object) -> str | None:
 
 
 def left_out(value: object, expected: str) -> str:
-    """Return the advice to omit a sign that gives a value another type than expected."""
+    """Return the advice to omit or add a sign that gives a value another type than expected."""
     if "a mapping" in expected and isinstance(value, list) and all(map(_is_entry, value)):
         return "; leave out the '-' in front of each key" if value else ""
     is_key = isinstance(value, dict) and [child.value for child in value.values()] == [None]
     if isinstance(value, dict) and is_key and "text" in expected:
         return f"; leave out the ':' after '{next(iter(value))}'"
+    if isinstance(value, bool | int | float) and "text" in expected:
+        word = str(value).lower() if isinstance(value, bool) else value
+        return f'; a text has quotes: "{word}"'
+    is_plain = any(word in expected for word in ("number", "integer", "true or false"))
+    if is_plain and isinstance(value, str) and is_unquoted(value):
+        return "; leave out the quotes"
     return ""
+
+
+def is_unquoted(text: str) -> bool:
+    """Return whether a text would be a number or a truth value without its quotes."""
+    return bool(re.fullmatch(r"true|false|[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", text))
 
 
 def _is_entry(node: Node) -> bool:

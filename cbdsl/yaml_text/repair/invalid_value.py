@@ -14,7 +14,13 @@ from cbdsl.diagnostics.wording import diagnose
 from cbdsl.types.quantity_problem import quantity_problem
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.comma import decimal_comma
-from cbdsl.yaml_text.repair.entry_problem import key_problem, left_out, named_instead, text_problem
+from cbdsl.yaml_text.repair.entry_problem import (
+    is_unquoted,
+    key_problem,
+    left_out,
+    named_instead,
+    text_problem,
+)
 from cbdsl.yaml_text.repair.row import suggested_row
 from cbdsl.yaml_text.repair.schema_shape import SchemaShape
 from cbdsl.yaml_text.repair.sketch import form
@@ -120,6 +126,9 @@ def _row(
 
 def not_allowed(place: Place, names: Sequence[str], value: object) -> Diagnostic:
     """Return the diagnostic of a value that is not among the allowed names."""
+    if isinstance(value, str) and value in names and is_unquoted(value):
+        found = f"'{value}' in quotes; leave out the quotes"
+        return diagnose("CB204", place, names=names, given="", expected="a number", found=found)
     if isinstance(value, str):
         return diagnose("CB206", place, names=names, name=value)
     expected = "one of the allowed words"
