@@ -96,7 +96,7 @@ class Library:
         """Yield the folders of a kind, the nearest to another file first."""
         folder = Path(kind_of(kind).folder)
         if beside is not None and len(folder.parts) > 1 and folder.name != beside.parent.name:
-            # As `cb learn` writes them: `models` beside `policies`, wherever these are.
+            # As `cb learn` writes them: `models` beside any `policies`.
             yield beside.absolute().parent.parent / folder.name
         for root in self._roots(beside):
             yield root / folder

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from cbdsl.numeric.affordance_model import MEASURES, AffordanceModel
+from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.sample_statistics import SampleStatistics
 
 SAMPLES = st.integers(1, 5).flatmap(
@@ -159,3 +162,53 @@ def test_knows_nearly_all_samples_of_its_own_distribution() -> None:
 def test_model_without_features_knows_everything() -> None:
     model = AffordanceModel.fresh(np.zeros(0)).updated(None, rewarded=True)
     assert model.knows(np.zeros(0))
+
+
+def _is_near(place: float) -> float:
+    return 0.95 if place < 0.5 else 0.1
+
+
+def _is_reached(place: float) -> float:
+    return 0.95 if place < 0.75 else 0.3
+
+
+def _is_anywhere(place: float) -> float:
+    return 0.8
+
+
+@pytest.mark.parametrize("size", [1, 3])
+@pytest.mark.parametrize(
+    ("chance", "most"), [(_is_near, 0.95), (_is_reached, 0.97), (_is_anywhere, 1.2)]
+)
+def test_reward_given_of_few_trials_scores_better_than_base_rate(
+    size: int, chance: Callable[[float], float], most: float
+) -> None:
+    """Brier scores at held-out near and far places, of the models of eight trials."""
+    rng = np.random.default_rng(11)
+
+    def features() -> Floats:
+        return np.array([rng.uniform(0.2, 0.9), rng.uniform(-0.3, 0.3), rng.normal(0.02, 3e-3)])
+
+    own, base = [], []
+    for _ in range(150):
+        model = AffordanceModel.fresh(np.full(size, 0.03))
+        for _ in range(8):
+            seen = features()
+            rewarded = bool(rng.random() < chance(float(seen[0])))
+            model = model.updated(seen[:size], rewarded=rewarded)
+        for _ in range(20):
+            seen = features()
+            outcome = float(rng.random() < chance(float(seen[0])))
+            own.append((model.reward_given(seen[:size]) - outcome) ** 2)
+            base.append((model.reward_probability - outcome) ** 2)
+    # Where places do not matter, the model of few trials costs a little.
+    assert np.mean(own) < most * np.mean(base)
+
+
+def test_reward_given_of_eight_trials_is_never_certain() -> None:
+    model = AffordanceModel.fresh(np.full(3, 0.03))
+    for x in (0.30, 0.33, 0.36, 0.40, 0.44, 0.47, 0.50):
+        model = model.updated(np.array([x, 0.0, 0.0]), rewarded=True)
+    model = model.updated(np.array([0.62, 0.0, 0.0]), rewarded=False)
+    for x in np.linspace(0.2, 0.8, 61):
+        assert 0.1 < model.reward_given(np.array([x, 0.0, 0.0])) < 0.94
