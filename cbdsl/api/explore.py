@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from cbdsl.learning.catalogs.action_outcome import ActionOutcome
     from cbdsl.learning.catalogs.exploration import ExplorationStep
     from cbdsl.training.exploration.action_work import FinishedAction
+    from cbdsl.training.task_observer import ItemListener
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,6 @@ def explore(
     from cbdsl.api.open_robot import open_robot
     from cbdsl.api.requests.explore_request import ExploreRequest
     from cbdsl.backends.engines import default_engine
-    from cbdsl.training.task_observer import ItemListener
 
     request = ExploreRequest(
         programs=tuple(programs),
@@ -106,11 +106,19 @@ def explore(
     run, task = request.task()
     # Joining goes on with the journal, too, and therefore allows that it exists.
     task.require_ready(resume=resume or join)
+    with open_robot(run, backend=task.backend, cameras=cameras) as robot:
+        document = task.run(robot.backend, robot.kinematics, listener(on_action))
+    return ExplorationOutcome(task.path, task.journal, document)
+
+
+def listener(
+    on_action: Callable[[ActionOutcome, ExplorationStep], None] | None,
+) -> ItemListener[FinishedAction]:
+    """Return an observer that passes each new action to a function."""
+    from cbdsl.training.task_observer import ItemListener
 
     def note(action: FinishedAction) -> None:
         if on_action is not None:
             on_action(action.outcome, action.step)
 
-    with open_robot(run, backend=task.backend, cameras=cameras) as robot:
-        document = task.run(robot.backend, robot.kinematics, ItemListener(note))
-    return ExplorationOutcome(task.path, task.journal, document)
+    return ItemListener(note)

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from cbdsl.documents.meta_catalog import MetaCatalogDocument
     from cbdsl.learning.catalogs.action_outcome import ActionOutcome
     from cbdsl.learning.catalogs.exploration import ExplorationStep
-    from cbdsl.training.exploration.action_work import FinishedAction
 
 
 @dataclass(frozen=True)
@@ -79,10 +78,10 @@ def explore_pairs(
         UsageError: An item is missing, not installed or unsuitable, or a file is in the way.
         OSError: A file cannot be written.
     """
+    from cbdsl.api.explore import listener
     from cbdsl.api.open_robot import open_robot
     from cbdsl.api.requests.explore_pairs_request import ExplorePairsRequest
     from cbdsl.backends.engines import default_engine
-    from cbdsl.training.task_observer import ItemListener
 
     request = ExplorePairsRequest(
         program=program,
@@ -100,11 +99,6 @@ def explore_pairs(
     )
     run, task = request.task()
     task.require_ready(resume=resume)
-
-    def note(action: FinishedAction) -> None:
-        if on_action is not None:
-            on_action(action.outcome, action.step)
-
     with open_robot(run, backend=task.backend, cameras=cameras) as robot:
-        document = task.run(robot.backend, robot.kinematics, ItemListener(note))
+        document = task.run(robot.backend, robot.kinematics, listener(on_action))
     return PairExplorationOutcome(task.path, task.journal, document)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 
 
 def lazy_names(file: str) -> Callable[[str], object]:
@@ -22,7 +21,8 @@ def lazy_names(file: str) -> Callable[[str], object]:
     def homes() -> dict[str, str]:
         import ast
 
-        tree = ast.parse(Path(file).read_text("utf-8"))
+        with open(file, encoding="utf-8") as stream:
+            tree = ast.parse(stream.read())
         guarded = [node for block in tree.body if isinstance(block, ast.If) for node in block.body]
         return {
             alias.name: str(node.module)
@@ -34,7 +34,7 @@ def lazy_names(file: str) -> Callable[[str], object]:
     def read(name: str) -> object:
         # `import *` and pickle look for names such as `__path__`.
         if name.startswith("__") or name not in homes():
-            raise AttributeError(f"module '{Path(file).stem}' has no public name '{name}'")
+            raise AttributeError(f"{file} has no attribute '{name}'")
         return getattr(import_module(homes()[name]), name)
 
     return read

@@ -53,7 +53,7 @@ def test_contract_names_exist_and_are_documented(name: str) -> None:
         value = getattr(module, public)
         if (inspect.isclass(value) or inspect.isfunction(value)) and "cbdsl" in value.__module__:
             assert inspect.getdoc(value), f"{name}.{public} has no docstring"
-    with pytest.raises(AttributeError, match="has no public name 'absent'"):
+    with pytest.raises(AttributeError, match="has no attribute 'absent'"):
         module.absent  # noqa: B018
 
 
