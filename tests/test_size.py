@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 from tests.conftest import ROOT
-from tests.size import TOTAL, excess, lowered, read_limits, sizes, text
+from tests.size import excess, lowered, read_limits, sizes, text
 
 
 def test_packages_keep_within_their_ceilings() -> None:
@@ -14,9 +14,8 @@ def test_packages_keep_within_their_ceilings() -> None:
     assert excess(sizes(ROOT / "cbdsl"), read_limits()) == {}
 
 
-def test_ceilings_hold_every_package_and_stay_within_the_total() -> None:
+def test_every_package_has_a_ceiling() -> None:
     assert [*read_limits()] == [*sizes(ROOT / "cbdsl")]
-    assert sum(read_limits().values()) <= TOTAL
 
 
 def test_sizes_counts_lines_by_subpackage(tmp_path: Path) -> None:
