@@ -1,0 +1,403 @@
+"""Contract trials: a robot cell by Fast DDS, and a program that the safety contract has to hold.
+
+``CB_RCLPY=PYTHON python contract_trials.py --count 20`` runs each kind of fault 20 times at each of
+its rates, into ``build/contract.jsonl``; trials of this file are not repeated. ``--kinds`` selects
+kinds, ``--load`` keeps all processors busy, and ``--summary`` prints a table with exact 95 %
+intervals. The arm, its buttons and rivals are nodes of rclpy (``rclpy_cell.py``); the program is
+``cb run``, and the watchdog ``cb drive watchdog``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import fcntl
+import json
+import os
+import pty
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import termios
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+ROOT = Path(__file__).parents[3]
+CELL = Path(__file__).with_name("rclpy_cell.py")
+CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
+DOMAIN = os.environ.get("ROS_DOMAIN_ID", "91")
+#: Longest time until the arm is still or the program holds, s; speed of an arm that is still.
+STILL, SLOW = 0.15, 0.02
+# Longest time between two messages of a button, s.
+_SILENT = 0.25
+
+
+class Kind(NamedTuple):
+    """Fault of a trial.
+
+    Attributes:
+        rates: Control rates, Hz.
+        cause: Words of the program's last line.
+        form: Form of the driver.
+        before: True if the fault is there before the program, which is then never ready.
+        still: True if the arm has to be still after the fault, and not only the program held.
+        within: Longest time until then, s; the stopping time of the document for ``None``. It
+            begins with the fault, or with the first command of a rival. DDS may take a second to
+            announce a new button.
+    """
+
+    rates: tuple[float, ...]
+    cause: str
+    form: str = "trajectory"
+    before: bool = False
+    still: bool = False
+    within: float | None = STILL
+
+
+_INTERRUPTED = "hangup", "terminal closed"
+ALL = (30.0, 60.0, 250.0)
+KINDS = {
+    "rival of a watchdog": Kind(ALL, "another commander writes to", "positions"),
+    "rival of a watchdog before": Kind((60.0,), "another commander", "positions", before=True),
+    "rival of a trajectory": Kind(ALL, "another commander writes to /controller/joint_trajectory"),
+    "rival of a trajectory before": Kind((60.0,), "another commander writes to", before=True),
+    "deaf button before": Kind((60.0,), "is best effort, and has to be reliable", before=True),
+    "deaf button": Kind((60.0,), "is best effort, and has to be reliable", within=2.0),
+    "mute button before": Kind((60.0,), "has sent no state", before=True),
+    "pressed": Kind(ALL, "is pressed", still=True),
+    "button killed": Kind(ALL, "is silent for", still=True, within=_SILENT + STILL),
+    "button hung": Kind(ALL, "is silent for", still=True, within=_SILENT + STILL),
+    "second button killed": Kind((60.0,), "is silent", still=True, within=_SILENT + STILL),
+    "carried": Kind(ALL, "away from its references"),
+    "exchanged": Kind(ALL, "joint '", still=True),
+    "exchanged before": Kind((60.0,), "joint '", still=True),
+    "clock back": Kind(ALL, "clock", still=True),
+    "clock ahead": Kind(ALL, "clock", still=True),
+    "hangup": Kind(ALL, "", still=True),
+    "terminal closed": Kind((60.0,), "", still=True),
+    "killed": Kind((*ALL, 20.0), "", still=True, within=None),
+}
+
+
+class Outcome(NamedTuple):
+    """Outcome of a trial.
+
+    Attributes:
+        kind, rate, seed: Trial.
+        moving: True if the arm moved when the fault came.
+        time: Time from the fault until the arm was still, or until its last command, s.
+        way: Largest motion of a joint after the fault, rad.
+        commands: Commands after the fault.
+        cause: Last words of the program.
+        passed: True if the contract held.
+    """
+
+    kind: str
+    rate: float
+    seed: int
+    moving: bool
+    time: float
+    way: float
+    commands: int
+    cause: str
+    passed: bool
+
+
+class Trial:
+    """One trial in a folder of its own.
+
+    Args:
+        name: Kind.
+        rate: Control rate, Hz.
+        seed: Seed of the posture and of the time of the fault.
+    """
+
+    def __init__(self, name: str, rate: float, seed: int) -> None:
+        self._name, self._kind, self._rate, self._seed = name, KINDS[name], rate, seed
+        self._rng = np.random.default_rng([seed, list(KINDS).index(name), round(rate)])
+        self._folder = Path(tempfile.mkdtemp(prefix="contract_"))
+        self._trace = self._folder / "motion.jsonl"
+        self._environment = {
+            **os.environ,
+            "ROS_DOMAIN_ID": DOMAIN,
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        }
+
+    def run(self) -> Outcome:
+        """Run the trial."""
+        names = self._write_documents()
+        try:
+            with ExitStack() as cell:
+                return self._run(names, cell)
+        finally:
+            shutil.rmtree(self._folder)
+
+    def _write_documents(self) -> dict[str, float]:
+        """Write robot and program; return a start of the joints near the posture ``aside``."""
+        for file in (
+            "robots/sixaxis.*",
+            "programs/sixaxis_reach.yaml",
+            "programs/stages/sixaxis_*",
+        ):
+            for path in ROOT.glob(file):
+                copy = self._folder / path.relative_to(ROOT)
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(path, copy)
+        robot = self._folder / "robots" / "sixaxis.yaml"
+        topic = "commands" if self._kind.form == "positions" else "joint_trajectory"
+        driver = {
+            "kind": "ros2",
+            "moves": ["arm"],
+            "states": "/joint_states",
+            "commands": f"/controller/{topic}",
+            "form": self._kind.form,
+            "stop": "/emergency_stop",
+            "stop_deadline": f"{_SILENT} s",
+            "deadline": f"{max(0.05, 1.5 / self._rate)} s",
+        }
+        text = robot.read_text("utf-8").replace("rate: 120 Hz", f"rate: {self._rate:g} Hz")
+        text = text.replace("gain: 20 /s", "gain: 10 /s")
+        robot.write_text(f"{text}\ndrivers: {json.dumps({'arm': driver})}\n", "utf-8")
+        names = ("waist", "shoulder", "elbow", "forearm_roll", "wrist_bend", "flange_roll")
+        aside = np.array([1.2, 0.2, 0.2, 0.4, 0.8, 0.5]) + self._rng.uniform(-0.03, 0.03, 6)
+        return dict(zip(names, aside.tolist(), strict=True))
+
+    def _run(self, joints: dict[str, float], cell: ExitStack) -> Outcome:
+        name, common = self._name, {"form": self._kind.form, "joints": joints}
+        settings = {**common, "rate": self._rate, "trace": str(self._trace)}
+        settings["exchanged"] = name == "exchanged before"
+        arm = cell.enter_context(self._part("arm", settings))
+        button = cell.enter_context(self._part("button", {"period": 0.05}))
+        second = button
+        if name == "second button killed":
+            second = cell.enter_context(self._part("button", {"period": 0.05}))
+        if self._kind.form == "positions":
+            cell.enter_context(self._command("drive", "watchdog", "sixaxis"))
+        if self._kind.before:
+            self._intrude(cell, common)
+        words = ("run", "sixaxis_reach", "--backend", "ros2", "--yes", "--record", "out")
+        self._terminal = -1
+        program = cell.enter_context(self._command(*words, "--overwrite"))
+        begun = time.time()
+        if not self._kind.before:
+            if _awaits(arm, "moves", program):
+                time.sleep(0.0 if settings["exchanged"] else float(self._rng.uniform(0.2, 1.0)))
+            begun = self._fault(arm, second, program, cell, common)
+        said = program.communicate(timeout=30)[1] or ""
+        time.sleep(0.3)
+        arm.terminate()
+        arm.wait(10)
+        return self._outcome(begun, program.returncode, said.strip())
+
+    @contextmanager
+    def _part(self, part: str, settings: dict[str, object]) -> Iterator[subprocess.Popen[str]]:
+        """Run a part of the cell; it is ready."""
+        command = [os.environ["CB_RCLPY"], str(CELL), part, json.dumps(settings)]
+        process = subprocess.Popen(
+            command, env=self._environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL, text=True,
+        )  # fmt: skip
+        try:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "ready\n"
+            yield process
+        finally:
+            process.kill()
+            process.wait()
+
+    @contextmanager
+    def _command(self, *words: str) -> Iterator[subprocess.Popen[str]]:
+        out, err = subprocess.PIPE, subprocess.DEVNULL
+        if words[0] == "run":
+            out, err = subprocess.DEVNULL, subprocess.PIPE
+        options: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": out, "stderr": err}
+        if words[0] == "run" and self._name == "terminal closed":
+            self._terminal, end = pty.openpty()
+            # The program's session loses its terminal once this process closes the other end.
+            claim = lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0)  # noqa: E731
+            options = {"stdin": end, "stdout": end, "stderr": end, "preexec_fn": claim}
+            options["start_new_session"] = True
+        process = subprocess.Popen(
+            [*CB, *words], cwd=self._folder, env=self._environment, text=True, **options
+        )
+        if "preexec_fn" in options:
+            os.close(end)
+        try:
+            if words[0] == "drive":
+                assert process.stdout is not None
+                assert process.stdout.readline().startswith("guarding")
+            yield process
+        finally:
+            process.kill()
+            process.wait()
+
+    def _intrude(self, cell: ExitStack, common: dict[str, object]) -> None:
+        """Add the rival or the button that is the fault."""
+        match self._name.removesuffix(" before"):
+            case "deaf button":
+                settings = {"best_effort": True, "pressed": True}
+                cell.enter_context(self._part("button", settings))
+            case "mute button":
+                cell.enter_context(self._part("button", {"period": 1e3}))
+            case _:
+                cell.enter_context(self._part("rival", common))
+
+    def _fault(
+        self,
+        arm: subprocess.Popen[str],
+        button: subprocess.Popen[str],
+        program: subprocess.Popen[str],
+        cell: ExitStack,
+        common: dict[str, object],
+    ) -> float:
+        """Let the fault happen; return its time, s since the epoch."""
+        sign, name = self._rng.choice([-1.0, 1.0]), self._name
+        lines = {
+            "carried": f"carry {sign * self._rng.uniform(0.4, 1.2)}",
+            "exchanged": "exchange",
+            "clock back": "clock -0.3",
+            "clock ahead": "clock 0.3",
+            "pressed": "press",
+        }
+        begun = time.time()
+        if name in lines:
+            faulty = button if name == "pressed" else arm
+            assert faulty.stdin is not None
+            faulty.stdin.write(lines[name] + "\n")
+            faulty.stdin.flush()
+        elif name == "terminal closed":
+            os.close(self._terminal)
+        elif name in ("killed", "hangup"):
+            program.send_signal(signal.SIGKILL if name == "killed" else signal.SIGHUP)
+        elif "killed" in name or "hung" in name:
+            button.send_signal(signal.SIGKILL if "killed" in name else signal.SIGSTOP)
+        elif name != "exchanged before":
+            self._intrude(cell, common)
+            # Ready, it exists, and its first message follows.
+            begun = time.time()
+        return begun
+
+    def _outcome(self, begun: float, code: int, said: str) -> Outcome:
+        rows = [json.loads(line) for line in self._trace.read_text().splitlines()]
+        times = np.array([row[0] for row in rows])
+        positions = np.array([row[1] for row in rows])
+        commands = np.unique([row[2] for row in rows])
+        if rows[-1][3] and not self._kind.before:
+            begun = rows[-1][3]
+        after = commands[commands > begun]
+        speeds = np.abs(np.diff(positions, axis=0)).max(axis=1) / np.diff(times)
+        around = (times[1:] > begun - 0.1) & (times[1:] < begun + 0.02)
+        moving = bool((speeds[around] > SLOW).any())
+        late = times[1:][(times[1:] > begun) & (speeds > SLOW)]
+        ends = late if self._kind.still else after
+        elapsed = float(ends[-1] - begun) if len(ends) else 0.0
+        later = positions[times > begun]
+        way = float(np.abs(later - later[0]).max()) if len(later) else 0.0
+        cause = said.splitlines()[-1] if said else ""
+        within = self._bound() if self._kind.within is None else self._kind.within
+        if self._kind.before:
+            passed = "is not ready" in said and not len(after)
+        else:
+            held = "is held" in said or self._name in (*_INTERRUPTED, "killed")
+            passed = moving and held and elapsed <= within
+        if self._name in _INTERRUPTED:
+            passed = passed and code == 130 and any((self._folder / "out").rglob("*.npz"))
+        passed = passed and self._kind.cause in said
+        return Outcome(
+            self._name, self._rate, self._seed, moving, round(elapsed, 4), round(way, 3),
+            len(after), cause[-300:], passed,
+        )  # fmt: skip
+
+    def _bound(self) -> float:
+        from cbdsl.api.reading.robots import read_robot
+        from cbdsl.robot.stopping_time import stopping_time
+        from cbdsl.robot.urdf_reader import read_urdf
+
+        document, urdf = read_robot(self._folder / "robots" / "sixaxis.yaml")
+        return stopping_time(document, read_urdf(urdf), "arm").death
+
+
+def _awaits(process: subprocess.Popen[str], word: str, other: subprocess.Popen[str]) -> bool:
+    """Wait for a line of a process until another one ends; return whether it came."""
+    assert process.stdout is not None
+    os.set_blocking(process.stdout.fileno(), False)
+    while other.poll() is None:
+        if (process.stdout.readline() or "").strip() == word:
+            return True
+        time.sleep(0.005)
+    return False
+
+
+def summary(lines: list[str]) -> str:
+    """Return a table of outcomes: passed trials with exact intervals, and the longest times."""
+    from cbdsl.numeric.proportion import exact_interval
+
+    outcomes = [Outcome(**json.loads(line)) for line in lines]
+    rows = ["| fault | rate, Hz | passed | 95 % interval | median, ms | longest, ms |"]
+    rows.append("| --- | --- | --- | --- | --- | --- |")
+    for name, rate in dict.fromkeys((each.kind, each.rate) for each in outcomes):
+        trials = [each for each in outcomes if (each.kind, each.rate) == (name, rate)]
+        passed = sum(each.passed for each in trials)
+        low, high = exact_interval(passed, len(trials))
+        times = [1e3 * each.time for each in trials]
+        shown = f"{np.median(times):.0f} | {max(times):.0f}" if not KINDS[name].before else "- | -"
+        interval = f"{100 * low:.1f} to {100 * high:.1f} %"
+        rows.append(f"| {name} | {rate:g} | {passed} of {len(trials)} | {interval} | {shown} |")
+    return "\n".join(rows)
+
+
+@contextmanager
+def busy(count: int) -> Iterator[None]:
+    """Keep some processors busy."""
+    idlers = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for idler in idlers:
+            idler.kill()
+            idler.wait()
+
+
+def main() -> int:
+    """Run trials, or print a table of earlier ones; return 1 if one failed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=20)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--kinds", nargs="*", default=list(KINDS), choices=list(KINDS))
+    parser.add_argument("--rates", nargs="*", type=float)
+    parser.add_argument("--load", action="store_true")
+    parser.add_argument("--out", type=Path, default=Path("build/contract.jsonl"))
+    parser.add_argument("--summary", nargs="*", type=Path)
+    options = parser.parse_args()
+    if options.summary:
+        lines = [line for path in options.summary for line in path.read_text().splitlines()]
+        sys.stdout.write(summary(lines) + "\n")
+        return 0
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    lines = options.out.read_text().splitlines() if options.out.is_file() else []
+    done = {(row["kind"], row["rate"], row["seed"]) for row in map(json.loads, lines)}
+    failed = False
+    with busy(os.cpu_count() or 1 if options.load else 0):
+        for seed in range(options.first, options.first + options.count):
+            for name in options.kinds:
+                for rate in KINDS[name].rates:
+                    if (name, rate, seed) in done or (options.rates and rate not in options.rates):
+                        continue
+                    outcome = Trial(name, rate, seed).run()
+                    failed |= not outcome.passed
+                    line = json.dumps(outcome._asdict())
+                    with options.out.open("a") as file:
+                        file.write(line + "\n")
+                    sys.stdout.write(line + "\n")
+                    sys.stdout.flush()
+    return int(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

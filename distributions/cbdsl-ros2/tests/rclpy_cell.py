@@ -1,0 +1,208 @@
+"""A robot cell by rclpy: an arm, buttons of its emergency stop, and rivals of its commander.
+
+It runs under an interpreter with ``ros-jazzy-rclpy[fastrtps]``, ``ros-sensor-msgs`` and
+``ros-trajectory-msgs``, and knows nothing of this project:
+
+    python rclpy_cell.py arm '{"joints": {"waist": 0.1}, "rate": 60, "form": "trajectory"}'
+    python rclpy_cell.py button '{"period": 0.1}'
+    python rclpy_cell.py rival '{"form": "positions", "count": 6}'
+
+Each prints ``ready``. The arm prints ``moves`` once it moves, takes faults as lines of its input,
+``carry 0.8``, ``exchange`` and ``clock -0.3``, and writes its motion to the file ``trace`` at
+SIGTERM: a line of JSON for each tick, ``[time, positions, times of the newest command of the
+program and of the first one of the rival]``. A button takes ``press``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import json
+import os
+import signal
+import sys
+import threading
+import time
+from typing import Any
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64MultiArray
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+TOPICS = {
+    "trajectory": ("/controller/joint_trajectory", JointTrajectory),
+    "positions": ("/controller/commands", Float64MultiArray),
+}
+# Speed of an arm that moves, rad/s.
+_MOVES = 0.05
+
+
+def say(word: str) -> None:
+    """Print a word immediately."""
+    sys.stdout.write(f"{word}\n")
+    sys.stdout.flush()
+
+
+class Arm:
+    """Arm whose joints follow their references exactly, with a clock of its own.
+
+    Args:
+        settings: ``joints`` with start positions, ``rate``, ``form`` and ``trace``; ``exchanged``
+            if its first two joints bear each other's names.
+    """
+
+    def __init__(self, settings: dict[str, Any]) -> None:
+        self._node = rclpy.create_node("arm")
+        self._names, self._at = list(settings["joints"]), list(settings["joints"].values())
+        self._before, self._period = list(self._at), 1.0 / settings["rate"]
+        self._offset, self._speed, self._trace = 0.0, 0.0, settings["trace"]
+        self._is_exchanged, self._has_moved = bool(settings.get("exchanged")), False
+        self._leg: tuple[float, float, list[float], list[float]] | None = None
+        self._rows: list[tuple[float, list[float], float, float]] = []
+        self._commanded = self._rivalled = 0.0
+        self._states = self._node.create_publisher(JointState, "/joint_states", 10)
+        topic, message = TOPICS[settings["form"]]
+        self._node.create_subscription(message, topic, self._accept, 10)
+        self._node.create_timer(self._period, self._tick)
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self) -> None:
+        for line in sys.stdin:
+            kind, _, value = line.strip().partition(" ")
+            if kind == "carry":
+                self._speed = float(value)
+            elif kind == "clock":
+                self._offset = float(value)
+            elif kind == "exchange":
+                self._is_exchanged = True
+
+    def _now(self) -> float:
+        return time.time() + self._offset
+
+    def _accept(self, message: Any) -> None:
+        now, is_array = self._now(), isinstance(message, Float64MultiArray)
+        if any(message.data if is_array else message.points[-1].positions):
+            self._commanded = time.time()
+        else:
+            self._rivalled = self._rivalled or time.time()
+        if is_array:
+            self._leg = now, now + self._period, list(self._at), list(message.data)
+            return
+        stamp, point = message.header.stamp, message.points[-1]
+        begun = stamp.sec + 1e-9 * stamp.nanosec or now
+        ends = begun + point.time_from_start.sec + 1e-9 * point.time_from_start.nanosec
+        if ends <= now or sorted(message.joint_names) != sorted(self._names):
+            return
+        order = [list(message.joint_names).index(name) for name in self._names]
+        positions = [point.positions[i] for i in order]
+        self._leg = max(begun, now), ends, list(self._at), positions
+
+    def _tick(self) -> None:
+        now = self._now()
+        if self._leg is not None:
+            begun, ends, first, last = self._leg
+            share = min(1.0, max(0.0, (now - begun) / (ends - begun)))
+            self._at = [a + share * (b - a) for a, b in zip(first, last, strict=True)]
+        if self._speed:
+            # Another controller of the arm has taken its first joint over.
+            self._at[0] = self._before[0] + self._speed * self._period
+        moved = [(a - b) / self._period for a, b in zip(self._at, self._before, strict=True)]
+        if not self._has_moved and max(map(abs, moved)) > _MOVES:
+            self._has_moved = True
+            say("moves")
+        names = list(self._names)
+        if self._is_exchanged:
+            names[:2] = names[1::-1]
+        state = JointState(name=names, position=list(self._at), velocity=moved)
+        state.header.stamp.sec, rest = divmod(int(1e9 * now), 10**9)
+        state.header.stamp.nanosec = rest
+        self._before = list(self._at)
+        self._states.publish(state)
+        self._rows.append((time.time(), list(self._at), self._commanded, self._rivalled))
+
+    def close(self) -> None:
+        """Write the motion."""
+        with open(self._trace, "w") as file:
+            file.writelines(json.dumps(row) + "\n" for row in self._rows)
+
+
+class Button:
+    """Button of the emergency stop.
+
+    Args:
+        settings: ``period``, s; ``best_effort`` if it is not reliable; ``pressed``.
+    """
+
+    def __init__(self, settings: dict[str, Any]) -> None:
+        kinds = ReliabilityPolicy
+        reliability = kinds.BEST_EFFORT if settings.get("best_effort") else kinds.RELIABLE
+        lasting = DurabilityPolicy.TRANSIENT_LOCAL if settings.get("lasting") else None
+        profile = QoSProfile(depth=1, reliability=reliability)
+        if lasting is not None:
+            profile.durability = lasting
+        self._node = rclpy.create_node("button")
+        self._publisher = self._node.create_publisher(Bool, "/emergency_stop", profile)
+        self._pressed = bool(settings.get("pressed"))
+        self._node.create_timer(settings.get("period", 0.1), self._send)
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self) -> None:
+        for line in sys.stdin:
+            self._pressed = line.strip() == "press"
+
+    def _send(self) -> None:
+        self._publisher.publish(Bool(data=self._pressed))
+
+    def close(self) -> None:
+        """Do nothing: a button keeps nothing."""
+
+
+class Rival:
+    """Second commander of the arm, which sends it to zero.
+
+    Args:
+        settings: ``form`` and ``joints``.
+    """
+
+    def __init__(self, settings: dict[str, Any]) -> None:
+        topic, self._message = TOPICS[settings["form"]]
+        self._names = list(settings["joints"])
+        self._node = rclpy.create_node("rival")
+        self._publisher = self._node.create_publisher(self._message, topic, 10)
+        self._node.create_timer(0.02, self._send)
+
+    def _send(self) -> None:
+        zeros = [0.0] * len(self._names)
+        if self._message is Float64MultiArray:
+            self._publisher.publish(Float64MultiArray(data=zeros))
+            return
+        point = JointTrajectoryPoint(positions=zeros)
+        point.time_from_start.sec = 1
+        self._publisher.publish(JointTrajectory(joint_names=self._names, points=[point]))
+
+    def close(self) -> None:
+        """Do nothing: a rival keeps nothing."""
+
+
+def main() -> None:
+    """Run a part of the cell until SIGTERM, before other processes where that is permitted."""
+    part = {"arm": Arm, "button": Button, "rival": Rival}[sys.argv[1]](json.loads(sys.argv[2]))
+    gc.collect()
+    gc.freeze()
+    # The threads of Fast DDS receive the commands.
+    for thread in os.listdir("/proc/self/task"):
+        with contextlib.suppress(PermissionError, ProcessLookupError):
+            os.sched_setscheduler(int(thread), os.SCHED_FIFO, os.sched_param(10))
+    say("ready")
+    with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):
+        rclpy.spin(part._node)
+    part.close()
+
+
+if __name__ == "__main__":
+    rclpy.init()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    main()
