@@ -118,9 +118,10 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
     "DDS authenticates none of them": (
         "../distributions/cbdsl-ros2/tests/test_follower.py:test_follower_refuses_a_second_writer",
     ),
-    "a robot is held when another commander writes to its topic": (
+    "a robot is held when another commander writes to its topic, or moves its joints": (
         "../distributions/cbdsl-ros2/tests/test_follower.py:test_follower_refuses_a_second_writer",
         "backends/drivers/test_backend.py:test_held_robot_is_released_by_a_person_only",
+        "backends/drivers/test_backend.py:test_robot_that_another_controller_carries_is_held",
     ),
     "they are kept below the user's folder of caches": (
         "numeric/test_kernel_cache.py:test_the_folder_is_below_the_users_caches",
@@ -204,6 +205,13 @@ STATEMENTS: dict[str, tuple[str, ...]] = {
         f"{_WORKERS}test_learn_with_workers_imports_nothing_from_the_current_folder",
     ),
     "They end with the command.": (f"{_WORKERS}test_an_interrupt_while_workers_begin_is_one_line",),
+    "A dead or silent button of `stop` holds a robot after `stop_deadline`.": (
+        "backends/drivers/test_stop_watch.py:test_stop_watch_finds_a_button_that_falls_silent",
+        "backends/drivers/test_stop_watch.py:test_stop_watch_finds_a_button_that_ends",
+    ),
+    "With `stop_repeats: false` it is unnoticed for up to 20 s, and pressing it has no effect.": (
+        "backends/drivers/test_stop_watch.py:test_stop_watch_finds_a_button_that_falls_silent",
+    ),
     "`halt` is called whenever an episode cannot begin or go on.": (
         f"{_BACKEND}test_backend_that_raises_is_halted_and_named",
         f"{_BACKEND}test_backend_that_is_interrupted_is_halted",

@@ -295,8 +295,9 @@ class SafetySupervisor:
     def settle(self, now: float) -> Floats | None:
         """Return the next references of a held robot; ``None`` once it stands.
 
-        It brakes, and returns to the positions measured when it was held, unless joint states are
-        the cause. After a pause its controllers hold still already, and nothing is sent.
+        Joints that moved when it was held brake, and the others return to their measured positions,
+        unless joint states are the cause. After a pause its controllers hold still already, and
+        nothing is sent.
 
         Args:
             now: Time by a monotonic clock, s.
@@ -331,9 +332,12 @@ class SafetySupervisor:
         if blind or not active:
             self._target = None
             return
-        # A joint far from its reference should not return to its measured position: it brakes.
+        # A joint that stands presses towards its reference, and returns. One that moves brakes, and
+        # one far from its reference does, too.
         measured, references = self.joints.positions, self.limiter.positions
-        self._target = np.where(self._motion.lagging(references, measured), np.nan, measured)
+        brakes = self._motion.lagging(references, measured)
+        brakes |= np.abs(self.joints.velocities) > _STANDING
+        self._target = np.where(brakes, np.nan, measured)
 
     def _hold_if_active(self, cause: str, *, blind: bool = False) -> None:
         if self.passes:

@@ -197,9 +197,11 @@ def main() -> None:
         with contextlib.suppress(PermissionError, ProcessLookupError):
             os.sched_setscheduler(int(thread), os.SCHED_FIFO, os.sched_param(10))
     say("ready")
-    with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):
-        rclpy.spin(part._node)
-    part.close()
+    try:
+        with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):
+            rclpy.spin(part._node)
+    finally:
+        part.close()
 
 
 if __name__ == "__main__":
