@@ -145,7 +145,10 @@ class Ros2Link:
             peers = frozenset(r.key for r in remotes if not r.writes and r.topic == topic)
             rivals = self._rivals(output, remotes)
             if output.peers - peers:
-                yield FaultSample(output.driver, f"a subscriber of {topic} has ended")
+                # A watchdog ends after a hold of its own.
+                guards = any(other.source == topic for other in self._outputs)
+                what = "the watchdog, which prints its cause," if guards else "a subscriber"
+                yield FaultSample(output.driver, f"{what} of {topic} has ended")
             if new := rivals.keys() - output.rivals:
                 names = ", ".join(sorted(self._process(rivals[key]) for key in new))
                 yield FaultSample(output.driver, f"another commander writes to {topic} ({names})")

@@ -43,7 +43,7 @@ class Kind(NamedTuple):
 
     Attributes:
         rates: Control rates, Hz.
-        cause: Words of the program's last line.
+        cause: Words of the program's last line, with alternatives.
         form: Form of the driver.
         before: True if the fault is there before the program, which is then never ready.
         still: True if the arm has to be still after the fault, and not only the program held.
@@ -63,7 +63,7 @@ class Kind(NamedTuple):
 _INTERRUPTED = "hangup", "terminal closed"
 ALL = (30.0, 60.0, 250.0)
 KINDS = {
-    "rival of a watchdog": Kind(ALL, "another commander writes to", "positions"),
+    "rival of a watchdog": Kind(ALL, "another commander writes to|the watchdog", "positions"),
     "rival of a watchdog before": Kind((60.0,), "another commander", "positions", before=True),
     "rival of a trajectory": Kind(ALL, "another commander writes to /controller/joint_trajectory"),
     "rival of a trajectory before": Kind((60.0,), "another commander writes to", before=True),
@@ -308,7 +308,7 @@ class Trial:
             passed = moving and held and elapsed <= within
         if self._name in _INTERRUPTED:
             passed = passed and code == 130 and any((self._folder / "out").rglob("*.npz"))
-        passed = passed and self._kind.cause in said
+        passed = passed and any(cause in said for cause in self._kind.cause.split("|"))
         return Outcome(
             self._name, self._rate, self._seed, moving, round(elapsed, 4), round(way, 3),
             len(after), cause[-300:], passed,
