@@ -7,10 +7,11 @@ It runs under an interpreter with ``ros-jazzy-rclpy[fastrtps]``, ``ros-sensor-ms
     python rclpy_cell.py button '{"period": 0.1}'
     python rclpy_cell.py rival '{"form": "positions", "count": 6}'
 
-Each prints ``ready``. The arm prints ``moves`` once it moves, takes faults as lines of its input,
-``carry 0.8``, ``exchange`` and ``clock -0.3``, and writes its motion to the file ``trace`` at
-SIGTERM: a line of JSON for each tick, ``[time, positions, times of the newest command of the
-program and of the first one of the rival]``. A button takes ``press``.
+Each prints ``ready``. The arm prints ``moves`` once it moves. Faults are lines of its input:
+``carry 0.8``, ``exchange`` and ``clock -0.3``. A button takes ``press``.
+
+At SIGTERM the arm writes its motion to the file ``trace``, a line of JSON for each tick: ``[time,
+positions, time of the program's newest command, time of the rival's first command]``.
 """
 
 from __future__ import annotations
