@@ -6,6 +6,7 @@ change its state or show nothing are written as escapes, which are valid in JSON
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import re
@@ -41,12 +42,28 @@ class LegibleStream(io.TextIOBase):
 
     def write(self, text: str) -> int:
         """Write a text."""
-        self.raw_stream.write(_legible_lines(text, colors=self._is_terminal))
+        try:
+            self.raw_stream.write(_legible_lines(text, colors=self._is_terminal))
+        except OSError as error:
+            self._leave(error)
         return len(text)
 
     def flush(self) -> None:
         """Flush the stream."""
-        self.raw_stream.flush()
+        try:
+            self.raw_stream.flush()
+        except OSError as error:
+            self._leave(error)
+
+    def _leave(self, error: OSError) -> None:
+        """Discard output to a closed terminal, so that a command ends in order.
+
+        Raises:
+            OSError: The error has another reason.
+        """
+        if error.errno != errno.EIO or not self._is_terminal:
+            raise error
+        os.dup2(os.open(os.devnull, os.O_WRONLY), self.fileno())
 
     def isatty(self) -> bool:
         """Return whether the stream is a terminal."""

@@ -134,3 +134,13 @@ def test_command_on_a_terminal_prints_its_own_escapes_alone(
     assert printed and b"\x1b]" not in printed and b"\x1b[2J" not in printed
     assert b"\x07" not in printed and "\x9b".encode() not in printed
     assert ROOT.exists()
+
+
+def test_output_to_a_closed_terminal_is_discarded() -> None:
+    ours, theirs = os.openpty()
+    with open(theirs, "w") as terminal:
+        stream = LegibleStream(terminal)
+        os.close(ours)
+        for _ in range(2):
+            stream.write("the robot stands\n")
+            stream.flush()
