@@ -55,9 +55,30 @@ def test_workflow_has_least_permissions_and_bounded_jobs(workflow: Path) -> None
     content = read(workflow)
     assert content["permissions"] == {"contents": "read"}
     for job in content["jobs"].values():
+        if "uses" in job:
+            assert job["uses"].startswith("./.github/workflows/")
+            continue
         granted = job.get("permissions", {})
         assert "timeout-minutes" in job or "id-token" in granted
         assert "id-token" not in granted or "environment" in job
+
+
+@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.stem)
+def test_workflow_names_actions_of_others_by_digest(workflow: Path) -> None:
+    steps = [step for job in read(workflow)["jobs"].values() for step in job.get("steps", ())]
+    used = [step["uses"] for step in steps if "uses" in step]
+    for action in used:
+        assert re.fullmatch(r"[\w./-]+@[0-9a-f]{40}|docker://[\w./-]+@sha256:[0-9a-f]{64}", action)
+
+
+def test_release_publishes_only_tested_files_with_their_digests() -> None:
+    jobs = read(ROOT / ".github/workflows/release.yml")["jobs"]
+    (publish,) = [job for job in jobs.values() if "id-token" in job.get("permissions", {})]
+    assert set(publish["needs"]) == {"tests", "build"}
+    download, check, upload = publish["steps"]
+    assert download["uses"].startswith("actions/download-artifact@")
+    assert check["run"].endswith("sha256sum --check --strict")
+    assert upload["uses"].startswith("pypa/gh-action-pypi-publish@")
 
 
 def test_citation_has_the_version_of_all_distributions() -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.arguments.completion import codes
 from cbdsl.cli.output.plugin_warnings import warn_of_faults
 from cbdsl.diagnostics.entry_text import explanation, page
 from cbdsl.diagnostics.errors import UsageError
@@ -16,7 +17,10 @@ from cbdsl.documents.kinds import KINDS, entries, entry_of
 if TYPE_CHECKING:
     from cbdsl.diagnostics.entry import Entry
 
-Code = Annotated[str | None, typer.Argument(help="Code of a diagnostic, such as CB504.")]
+Code = Annotated[
+    str | None,
+    typer.Argument(help="Code of a diagnostic, such as CB504.", autocompletion=codes),
+]
 All = Annotated[bool, typer.Option("--all", help="Explain all codes.")]
 Markdown = Annotated[bool, typer.Option("--markdown", help="Print a page of documentation.")]
 

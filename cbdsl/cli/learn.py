@@ -16,6 +16,7 @@ from cbdsl.api.requests.run_request import read_request
 from cbdsl.checking.rules.reward import check_rewarded
 from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.arguments.command_text import option_words
+from cbdsl.cli.arguments.completion import names_of
 from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Cameras, Program, Resume, Seed, Set, With
 from cbdsl.cli.arguments.workers import require_workers, warn_of_open_scheduler
@@ -55,7 +56,11 @@ Out = Annotated[
 ]
 Stage = Annotated[
     str | None,
-    typer.Option("--stage", help="Training stage: file or name [the program's]."),
+    typer.Option(
+        "--stage",
+        help="Training stage: file or name [the program's].",
+        autocompletion=names_of("stage"),
+    ),
 ]
 Episodes = Annotated[int, typer.Option("--episodes", min=1, help="Total number of episodes.")]
 Trials = Annotated[

@@ -39,17 +39,24 @@ def list(kind: Kind = None, format_: PlainFormat = "text", as_json: Json = False
     if form is Format.JSON:
         print_json(rows)
     elif rows:
-        print_table("Documents", rows)
+        short = [{**row, "description": _shortened(row["description"])} for row in rows]
+        print_table("Documents", short)
     else:
         print("no documents")
 
 
 def _kind(word: str, known: dict[str, type[Document]]) -> str:
     """Return the kind of a name in the singular or the plural."""
-    plurals = {f"{name[:-1]}ies" if name.endswith("y") else f"{name}s": name for name in known}
+    plurals = {_plural(name): name for name in known}
     if word in known or word in plurals:
         return plurals.get(word, word)
     raise UsageError.unknown("kind of document", word, plurals)
+
+
+def _plural(name: str) -> str:
+    if name.endswith("y"):
+        return f"{name[:-1]}ies"
+    return name if name.endswith("s") else f"{name}s"
 
 
 def _rows(kind: str, model: type[Document], library: Library) -> Iterator[dict[str, str]]:
@@ -67,11 +74,13 @@ def _rows(kind: str, model: type[Document], library: Library) -> Iterator[dict[s
 
 
 def _robot_and_description(file: Path, model: type[Document], library: Library) -> tuple[str, str]:
-    """Return the robot and the beginning of the description of a document, if readable."""
+    """Return the robot and the description of a document, if readable."""
     try:
         document = library.read_sound_parts(file, model).document
     except DiagnosticsError:
         return "", "(has errors: cb validate lists them)"
-    text = " ".join((document.description or "").split())
-    short = text if len(text) <= _LONGEST else f"{text[:_LONGEST].rpartition(' ')[0]} …"
-    return str(getattr(document, "robot", "")), short
+    return str(getattr(document, "robot", "")), " ".join((document.description or "").split())
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST].rpartition(' ')[0]} …"

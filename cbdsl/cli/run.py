@@ -13,6 +13,7 @@ import typer
 
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.cli.arguments.assignments import read_assignments
+from cbdsl.cli.arguments.completion import names_of
 from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import BodyNumber, Cameras, Policy, Program, Rate, With
 from cbdsl.cli.episodes.attendance import Interface, Yes, attend
@@ -40,7 +41,9 @@ if TYPE_CHECKING:
 
 Stage = Annotated[
     str | None,
-    typer.Option("--stage", help="Stage: file or name [the program's]."),
+    typer.Option(
+        "--stage", help="Stage: file or name [the program's].", autocompletion=names_of("stage")
+    ),
 ]
 Context = Annotated[
     str | None, typer.Option("--context", help="Context of the stage [drawn by share].")
@@ -51,7 +54,11 @@ Episodes = Annotated[
 ]
 Schema = Annotated[
     str | None,
-    typer.Option("--schema", help="Schema that chooses the resources: file or name."),
+    typer.Option(
+        "--schema",
+        help="Schema that chooses the resources: file or name.",
+        autocompletion=names_of("schema"),
+    ),
 ]
 Calibration = Annotated[
     str | None,

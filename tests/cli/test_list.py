@@ -74,3 +74,9 @@ def test_shells_complete_commands_and_options(shell: str) -> None:
 
     assert all(name in completed("") for name in main_names())
     assert "--record" in completed("run", "--rec")
+    for words, name in (
+        (("run", "reacht"), "reachtouch"),
+        (("run", "reachtouch", "--stage", "table_r"), "table_right"),
+        (("explain", "CB50"), "CB504"),
+    ):
+        assert name in completed(*words)

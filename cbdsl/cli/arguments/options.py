@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from cbdsl.cli.arguments.completion import names_of
+
 Above = Annotated[
     float,
     typer.Option(
@@ -34,9 +36,15 @@ Paths = Annotated[
 ]
 Policy = Annotated[
     str | None,
-    typer.Option("--policy", help="Policy: file or name [the program's]."),
+    typer.Option(
+        "--policy",
+        help="Policy: file or name [the program's].",
+        autocompletion=names_of("policy"),
+    ),
 ]
-Program = Annotated[str, typer.Argument(help="Program: file or name.")]
+Program = Annotated[
+    str, typer.Argument(help="Program: file or name.", autocompletion=names_of("program"))
+]
 Rate = Annotated[
     float | None,
     typer.Option("--rate", help="Control rate, Hz [the robot document's].", show_default=False),
@@ -55,7 +63,12 @@ Set = Annotated[
     list[str],
     typer.Option("--set", help="Constant of the learner, such as epsilon=0.1; may be repeated."),
 ]
-ShownProgram = Annotated[str, typer.Argument(metavar="NAME", help="Program: file or name.")]
+ShownProgram = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME", help="Program: file or name.", autocompletion=names_of("program")
+    ),
+]
 With = Annotated[
     list[str],
     typer.Option("--with", help="Parameter of the program, such as arm=left_arm; may be repeated."),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.arguments.completion import names_of
 from cbdsl.cli.output.plugin_warnings import warn_of_faults
 from cbdsl.cli.output.terminal import print_json, print_table
 from cbdsl.cli.show.allocations import show_allocations
@@ -27,6 +28,7 @@ from cbdsl.cli.show.program import show_program
 from cbdsl.cli.show.relations import show_relations
 from cbdsl.cli.show.schema import show_schema
 from cbdsl.cli.show.substitutes import show_substitutes
+from cbdsl.diagnostics.errors import UsageError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.resources import resources
 from cbdsl.robot.urdf_reader import read_urdf_if_sound
@@ -45,7 +47,13 @@ show = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-Robot = Annotated[str, typer.Option("--robot", help="Robot: file or name.")]
+Robot = Annotated[
+    str,
+    typer.Option("--robot", help="Robot: file or name.", autocompletion=names_of("robot")),
+]
+Like = Annotated[
+    str, typer.Option("--like", help="Part of the names to list, such as stereo [all].")
+]
 
 
 @show.command("types")
@@ -90,7 +98,7 @@ def show_potentials(format_: PlainFormat = "text", as_json: Json = False) -> Non
 
 @show.command("resources")
 def show_resources(
-    robot: Robot = "dexter", format_: PlainFormat = "text", as_json: Json = False
+    robot: Robot = "dexter", like: Like = "", format_: PlainFormat = "text", as_json: Json = False
 ) -> None:
     """List the resources that programs can name on a robot."""
     form, library = read_format(format_, as_json, PLAIN), Library()
@@ -106,7 +114,10 @@ def show_resources(
             "movable": resource.movable,
         }
         for resource in resources(document, model).values()
+        if like in resource.name
     ]
+    if not rows:
+        raise UsageError(f"--like {like}: no resource of '{document.name}' has this in its name")
     if form is Format.JSON:
         print_json(rows)
     else:
