@@ -11,7 +11,9 @@ from cbdsl.robot.urdf import Numbers, UrdfError, UrdfJoint, UrdfModel, UrdfShape
 
 # Name patterns of acting frames, the best first, and of frames that do not act.
 _ACTING = (
-    re.compile(r"grasp|tcp|(^|_)(tool|tool0|eef|ee|ee_link|end_effector)($|_)", re.IGNORECASE),
+    re.compile(r"grasp|tcp", re.IGNORECASE),
+    re.compile(r"(^|_)tool0($|_)", re.IGNORECASE),
+    re.compile(r"(^|_)(tool|eef|ee|ee_link|end_effector)($|_)", re.IGNORECASE),
     re.compile(r"tip$|foot|toe|sole", re.IGNORECASE),
 )
 _SENSING = re.compile(
@@ -22,23 +24,26 @@ _DEEPEST = 200  # joints in series; bounds the walk if a model has a loop
 _NEAR = 0.01
 
 
-def acting_link(branches: Mapping[str, Sequence[UrdfJoint]], link: str) -> str:
-    """Return the acting link among those fixed to a link, by its name or its distance.
+def acting_links(
+    branches: Mapping[str, Sequence[UrdfJoint]], link: str, end: str = ""
+) -> tuple[str, tuple[str, ...]]:
+    """Return the acting link among those fixed to a link, and others with names of acting links.
+
+    The acting link has the best name, or else the largest distance.
 
     Args:
         branches: Joints by their parent link.
         link: Link that the last joint moves.
+        end: Link fixed to it that carries other moving joints, such as the base of a hand.
     """
     attached = list(_attached(branches, link, 0))
-    for pattern in _ACTING:
-        named = [each for each in attached if pattern.search(each)]
-        if named:
-            # The outermost frame of a series comes last, as the tool centre point behind the
-            # flange.
-            return named[-1]
+    # The outermost frame of a series comes last, as the tool centre point behind the flange.
+    named = [each for name in _ACTING for each in reversed(attached) if name.search(each)]
+    if named:
+        return named[0], tuple(dict.fromkeys(each for each in named[1:] if each != named[0]))
     if any(not joint.fixed for each in (link, *attached) for joint in branches.get(each, [])):
-        return link  # base of a hand with joints of its own
-    return _end(branches, link)
+        return end or link, ()
+    return _end(branches, link), ()
 
 
 # Models of simple robots often end at the last joint, without a frame at the far end. Its position
@@ -68,6 +73,18 @@ def tip_offset(model: UrdfModel, joint: UrdfJoint, link: str) -> Numbers:
     if abs(end) < _NEAR or abs(sum(ends[axis])) < _NEAR:
         return nothing
     x, y, z = (round(end, 3) if each == axis else 0.0 for each in range(3))
+    return x, y, z
+
+
+def shape_centre(model: UrdfModel, link: str) -> Numbers:
+    """Return the centre of the box around a link's collision shapes, in its frame, m."""
+    boxes = [box for box in (_box(model, each) for each in model.bodies[link].collisions) if box]
+    if not boxes:
+        return (0.0, 0.0, 0.0)
+    x, y, z = (
+        (min(box[axis][0] for box in boxes) + max(box[axis][1] for box in boxes)) / 2
+        for axis in range(3)
+    )
     return x, y, z
 
 

@@ -7,6 +7,7 @@
 #     groups       groups of an SRDF, or else pairs of effectors whose names differ in left and
 #                  right, or else similar limbs
 #     couplings    mimic joints whose leader is in an effector
+#     load_cells   pads of hands, with surfaces and bounded efforts (``scaffold.hand``)
 #     no_contact   pairs of an SRDF, and links that touch in all sampled postures or at the start
 # The document is a draft for people. It lists omitted joints in comments, with cures if there are
 # any. The rules see kinematics and names only.
@@ -26,11 +27,12 @@ from cbdsl.diagnostics.counting import count, some
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.legible_text import legible, seen
 from cbdsl.kinematics.ready_posture import ReadyPosture, at_first
-from cbdsl.robot.chains import chains, root
+from cbdsl.robot.chains import Chain, chains, root
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
 from cbdsl.robot.tip_frame import tip_offset
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported, unsupported_joints
-from cbdsl.robot.urdf import Mimic, Numbers, UrdfJoint, UrdfModel
+from cbdsl.robot.urdf import Mimic, Numbers, UrdfError, UrdfJoint, UrdfModel
+from cbdsl.scaffold.hand import DAMPING, FORCE, STIFFNESS, ProposedHand
 from cbdsl.scaffold.start_contacts import Postures, StartContacts, start_contacts
 
 _COMMENT = TextWrapper(
@@ -83,7 +85,8 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
     Raises:
         UsageError: The model has no movable joint.
     """
-    effectors = _rows(model) if semantics is None else semantics.effectors
+    limbs = {chain.name: chain for chain in chains(model)} if semantics is None else {}
+    effectors = _rows(limbs) if semantics is None else semantics.effectors
     if not effectors:
         grouped = "" if semantics is None else "; the SRDF has no group of joints that they could"
         raise UsageError(_nothing_to_move(model) + grouped)
@@ -91,8 +94,10 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
     description = f"A robot with {count(joints, 'joint')} that programs can move."
     idle = _left_out(model, effectors)
     tips = {name: _offset(model, effector) for name, effector in effectors.items()}
+    hands = _hands(model, limbs)
     postures = {
-        name: dict(each.postures) or _proposed(model, each, tips[name])
+        name: dict(each.postures)
+        or (hands[name].postures if name in hands else _proposed(model, each, tips[name]))
         for name, each in effectors.items()
     }
     # Contacts depend on all effectors together: two arms may touch each other, and not themselves.
@@ -107,17 +112,89 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
         ),
         "groups": _groups(_alike(effectors) if semantics is None else semantics.groups),
         "couplings": _couplings(model, effectors),
-        "simulation": _simulation(() if semantics is None else semantics.separated, contacts),
+        "load_cells": _load_cells(hands),
+        "stiffness": _stiffness(hands),
+        "force": _force(hands),
+        "simulation": _simulation(
+            () if semantics is None else semantics.separated, contacts, _materials(model, hands)
+        ),
         "left_out": _comment(idle),
         "limit_margin": f"{_margin(effectors):.2g} rad",
     }
     counts = [f"{len(joints)} {_word(why)}" for why, joints in idle.items()]
-    return Proposal(values, ", ".join(counts), tuple(_remarks(contacts)))
+    return Proposal(values, ", ".join(counts), (*_tip_remarks(limbs), *_remarks(contacts)))
 
 
-def _rows(model: UrdfModel) -> dict[str, SemanticGroup]:
+def _rows(limbs: Mapping[str, Chain]) -> dict[str, SemanticGroup]:
     """Return the chains of joints as effectors, for a model without named groups."""
-    return {chain.name: SemanticGroup(chain.joints, chain.tip, {}) for chain in chains(model)}
+    return {name: SemanticGroup(chain.joints, chain.tip, {}) for name, chain in limbs.items()}
+
+
+def _hands(model: UrdfModel, limbs: Mapping[str, Chain]) -> dict[str, ProposedHand]:
+    """Return the hands that have pads."""
+    try:
+        hands = {
+            n: ProposedHand(model, each.joints) for n, each in limbs.items() if each.tip is None
+        }
+    except UrdfError:
+        return {}  # the document gets a diagnostic for it
+    return {name: hand for name, hand in hands.items() if hand.pads}
+
+
+def _tip_remarks(limbs: Mapping[str, Chain]) -> Iterator[str]:
+    """Yield sentences on tips that were chosen among several frames."""
+    for name, chain in limbs.items():
+        if chain.others:
+            yield f"the tip of '{name}' is '{chain.tip}'; there are also {some([*chain.others])}"
+
+
+def _load_cells(hands: Mapping[str, ProposedHand]) -> str:
+    lines = []
+    for name, hand in hands.items():
+        lines.append(f"  {name}:\n")
+        for pad in hand.pads:
+            normal = ", ".join(f"{each:g}" for each in pad.normal)
+            finger = re.sub(r"\W+", "_", pad.link, flags=re.ASCII)
+            finger = finger if finger[:1].isalpha() else f"pad_{finger}"
+            lines.append(
+                f"    {finger}: {{link: {_scalar(pad.link)}, joint: {_scalar(pad.joint)}, "
+                f"normal: [{normal}]}}\n"
+            )
+    head = "\n# Pads that feel forces, and the directions in which they press.\nload_cells:\n"
+    return "".join((head, *lines)) if lines else ""
+
+
+def _force(hands: Mapping[str, ProposedHand]) -> str:
+    """Return the settings of controllers of force: the speed is that of the fingers."""
+    if not hands:
+        return ""
+    slides = any(pad.lever == 1.0 for hand in hands.values() for pad in hand.pads)
+    speed = "0.05" if slides else "1"
+    rest = "{rate: 0.5, window: 0.25 s, within: 0.2}"
+    return f"\n    force: {{gain: 4 /s, speed: {speed}, quiescence: {rest}}}"
+
+
+def _stiffness(hands: Mapping[str, ProposedHand]) -> str:
+    """Return the force of a pad per motion of its joint, of two pads in series."""
+    levers = [pad.lever for hand in hands.values() for pad in hand.pads if pad.lever < 1.0]
+    if not levers:
+        return ""
+    return f"\n  stiffness: {STIFFNESS / 2 * min(levers):.2g}  # of the pads, N/rad"
+
+
+def _materials(model: UrdfModel, hands: Mapping[str, ProposedHand]) -> str:
+    """Return the surfaces of pads, and efforts of fingers that would crush objects."""
+    pads = [pad for hand in hands.values() for pad in hand.pads]
+    if not pads:
+        return ""
+    efforts = {pad.joint: 2 * FORCE * pad.lever for pad in pads}
+    strong = {name: most for name, most in efforts.items() if model.joints[name].effort > most}
+    lines = [f"    {_scalar(name)}: {most:.2g}\n" for name, most in strong.items()]
+    if lines:
+        lines.insert(0, f"  # Fingers press with at most {FORCE} N.\n  efforts:\n")
+    links = ", ".join(_scalar(pad.link) for pad in pads)
+    surface = f"friction: 1, stiffness: {STIFFNESS}, damping: {DAMPING}, friction_anchor: true"
+    return "".join((*lines, f"  surfaces:\n    - {{links: [{links}], {surface}}}\n"))
 
 
 _TIP = "  # The frame that has a position and an orientation; its offset is in the link's frame."
@@ -227,8 +304,10 @@ def _groups(groups: Mapping[str, Sequence[str]]) -> str:
     )
 
 
-def _simulation(separated: Sequence[tuple[str, str]], contacts: StartContacts) -> str:
-    """Return the lines of links whose contacts are ignored."""
+def _simulation(
+    separated: Sequence[tuple[str, str]], contacts: StartContacts, materials: str
+) -> str:
+    """Return the lines of materials, and of links whose contacts are ignored."""
     known = {frozenset(pair) for pair in separated}
     sections = {
         "as the SRDF says": separated,
@@ -242,10 +321,10 @@ def _simulation(separated: Sequence[tuple[str, str]], contacts: StartContacts) -
         if pairs:
             lines += [f"    # {where}\n"]
             lines += [f"    - [{_scalar(one)}, {_scalar(other)}]\n" for one, other in pairs]
-    if not lines:
-        return ""
-    head = "\nsimulation:\n  # Links whose mutual contacts are ignored, since they touch\n"
-    return "".join((head, "  no_contact:\n", *lines))
+    if lines:
+        head = "  # Links whose mutual contacts are ignored, since they touch\n  no_contact:\n"
+        lines.insert(0, head)
+    return "".join(("\nsimulation:\n", materials, *lines)) if materials or lines else ""
 
 
 def _remarks(contacts: StartContacts) -> Iterator[str]:

@@ -37,6 +37,8 @@ def _written(folder: Path, fixed: dict[str, str], shape: str = "") -> Path:
         ({"flange": "wrist"}, "flange"),
         ({"flange": "wrist", "tool0": "flange"}, "tool0"),
         ({"camera": "wrist", "tcp": "wrist", "screw": "wrist"}, "tcp"),
+        ({"tcp": "wrist", "tool0": "tcp"}, "tcp"),
+        ({"tool0": "wrist", "tool": "wrist"}, "tool0"),
         ({"camera_link": "wrist", "flange": "wrist"}, "flange"),
         ({"left_screw": "wrist", "right_screw": "wrist"}, "wrist"),
     ],
@@ -46,6 +48,19 @@ def test_tip_is_the_frame_with_a_usual_name(
 ) -> None:
     (chain,) = chains(read_urdf(_written(tmp_path, fixed)))
     assert chain.tip == tip
+
+
+def test_tip_is_a_frame_beside_the_link_that_carries_the_fingers(tmp_path: Path) -> None:
+    path = _written(tmp_path, {"tool0": "wrist", "tcp": "tool0", "palm_body": "tool0"})
+    fingers = "".join(
+        f'<link name="{side}_finger"/><joint name="{side}" type="prismatic"><parent '
+        f'link="palm_body"/><child link="{side}_finger"/>{LIMIT}</joint>'
+        for side in ("left", "right")
+    )
+    path.write_text(path.read_text().replace("</robot>", f"{fingers}</robot>"))
+    arm, hand = chains(read_urdf(path))
+    assert (arm.tip, arm.others, hand.tip) == ("tcp", ("tool0",), None)
+    assert [joint.name for joint in hand.joints] == ["left", "right"]
 
 
 @pytest.mark.parametrize(
