@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -36,6 +37,8 @@ from cbdsl_ros2.regions_text import read_regions
 from cbdsl_ros2.ros_node import Remote, RosNode, guarded
 from cbdsl_ros2.stage_requests import StageAsker
 
+# Requests of goals, which clients of an action write.
+_GOAL = re.compile(r"(?P<action>(?P<controller>.*)/[^/]+)/_action/send_goalRequest")
 # Messages per poll.
 _MOST = 64
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
@@ -150,7 +153,7 @@ class Ros2Link:
                 what = "the watchdog, which prints its cause," if guards else "a subscriber"
                 yield FaultSample(output.driver, f"{what} of {topic} has ended")
             if new := rivals.keys() - output.rivals:
-                names = ", ".join(sorted(self._process(rivals[key]) for key in new))
+                names = ", ".join(sorted(self._commander(rivals[key]) for key in new))
                 yield FaultSample(output.driver, f"another commander writes to {topic} ({names})")
             output.peers, output.rivals = peers, frozenset(rivals)
 
@@ -177,7 +180,18 @@ class Ros2Link:
             dogs = {r.participant for r in remotes if not r.writes and r.topic == output.source}
             dog = next((writer for writer in writers if writer.participant in dogs), None)
             writers = [writer for writer in writers if writer is not dog]
+        # A controller of ros2_control has an action beside its topic, and a goal moves it, too.
+        controller = output.topic.rpartition("/")[0]
+        for remote in remotes:
+            goal = _GOAL.fullmatch(remote.topic)
+            if remote.writes and goal is not None and goal["controller"] == controller:
+                writers.append(remote)
         return {writer.key: writer for writer in writers}
+
+    def _commander(self, remote: Remote) -> str:
+        """Return the process of another commander, and its action if it sends goals."""
+        goal, process = _GOAL.fullmatch(remote.topic), self._process(remote)
+        return f"{process} by action {goal['action']}" if goal else process
 
     def _refusal(self, each: _Input, writer: Remote) -> str:
         """Return the reason why the readers of a stream get no message of a writer."""
@@ -253,7 +267,7 @@ class Ros2Link:
             rivals = self._rivals(output, remotes).values()
             yield Endpoint(
                 output.driver, "commands", output.topic, msg.type_name(output.message),
-                outgoing=True, peers=len(peers), rivals=tuple(map(self._process, rivals)),
+                outgoing=True, peers=len(peers), rivals=tuple(map(self._commander, rivals)),
                 foreign_types=_foreign(peers, output.message),
                 candidates=_candidates(remotes, output.message, writes=False),
             )  # fmt: skip

@@ -212,8 +212,9 @@ class _Endpoints:
         self._reader.take(_MOST_ENDPOINTS, self._gone)
         # Reading leaves no news.
         for endpoint in self._reader.read(_MOST_ENDPOINTS, self._alive):
-            if endpoint.topic_name.startswith("rt/"):
-                topic = endpoint.topic_name.removeprefix("rt")
+            # Topics, and requests of services, of which actions consist.
+            if endpoint.topic_name.startswith(("rt/", "rq/")):
+                topic = endpoint.topic_name[2:]
                 yield Remote(
                     endpoint.key, topic, endpoint.type_name, self._writes,
                     endpoint.participant_key, endpoint.sample_info.instance_handle, endpoint.qos,

@@ -11,6 +11,9 @@ import pytest
 
 pytest.importorskip("cyclonedds")
 
+from cyclonedds.pub import DataWriter
+from cyclonedds.topic import Topic
+
 from cbdsl.backends.drivers.sample import FaultSample, PublishersSample, Sample, StopSample
 from cbdsl.backends.drivers.survey import survey_problems
 from cbdsl_ros2 import dds_types as msg
@@ -167,6 +170,33 @@ def rivals(link: Ros2Link, topic: str, count: int) -> tuple[str, ...]:
             return found
         time.sleep(0.005)
     raise AssertionError(f"{found} instead of {count} rivals of {topic}")
+
+
+@pytest.mark.parametrize("form", ["trajectory", "positions"])
+@pytest.mark.parametrize("name", ["follow_joint_trajectory", "gripper_cmd"])
+def test_client_of_an_action_of_the_controller_is_another_commander(
+    form: str, name: str, node: RosNode
+) -> None:
+    document = robot(form=form, commands="/hand/commands")
+    link = Ros2Link(document, document.drivers, None)
+
+    def client(controller: str) -> DataWriter[msg.Text]:
+        topic = f"rq/{controller}/{name}/_action/send_goalRequest"
+        return DataWriter(node._participant, Topic(node._participant, topic, msg.Text))
+
+    try:
+        link.claim()
+        rivals(link, "/hand/commands", 0)
+        other = client("arm")
+        own = client("hand")
+        fault = polled(link, FaultSample)
+        commander = f"process {os.getpid()} by action /hand/{name}"
+        assert fault.cause == f"another commander writes to /hand/commands ({commander})"
+        assert rivals(link, "/hand/commands", 1) == (commander,)
+        del own, other
+        rivals(link, "/hand/commands", 0)
+    finally:
+        link.close()
 
 
 @pytest.mark.parametrize("form", ["trajectory", "positions"])
