@@ -144,8 +144,7 @@ def newton_step(
     rank = len(values) + _span_curvature(curvature, basis, taken + len(values))
     free, damping, threshold = basis[taken : taken + rank], guards[0], guards[1]
     size = len(free)
-    inner = _restrict(curvature, free)
-    positive, lowest, resisted = _positive_part(inner.copy(), free, least)
+    positive, lowest, resisted = _positive_part(_restrict(curvature, free), free, least)
     for i in range(len(values)):
         positive[i, i] += values[i] * values[i]
     vectors = np.empty((size, size))
@@ -162,7 +161,8 @@ def newton_step(
             add(change, free[j], step * vectors[i, j])
     if way.requested == 0.0 or not lowest < -least:
         return change, resisted
-    longest, farther = threshold, max(way.error * way.fraction / way.requested, 1.0)
+    inner, longest = _restrict(curvature, free), threshold
+    farther = max(way.error * way.fraction / way.requested, 1.0)
     for i in range(size):
         scale(inner[i], farther)
     for i in range(len(values)):

@@ -8,9 +8,16 @@ import numpy as np
 import pytest
 from numba import njit
 
+from cbdsl.control.basis import Basis, empty_basis, pin_joints, span
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
-from cbdsl.control.second_order import Way, newton_step
+from cbdsl.control.second_order import (
+    Way,
+    add_curvature,
+    balance,
+    least_resisted,
+    newton_step,
+)
 from cbdsl.control.stack import TICKS, Stack
 from cbdsl.kinematics.rotation import exp, log
 from cbdsl.numeric.arrays import Floats
@@ -288,3 +295,132 @@ def test_newton_step_equals_that_in_all_free_directions(
         np.testing.assert_allclose(
             resisted.T @ resisted, free.T @ free @ curvature @ free.T @ free, atol=1e-9
         )
+
+
+@njit
+def balance_of(rows: Floats, pull: Floats, pinned: int) -> tuple[Floats, Basis, int]:
+    basis, taken, sizes = empty_basis(rows.shape[1], len(rows)), 0, np.zeros(len(rows))
+    taken += len(span(rows[:2], basis, taken, 0, sizes[:2]))
+    if pinned >= 0:
+        locked = np.zeros(rows.shape[1], dtype=np.bool_)
+        locked[pinned] = True
+        taken = pin_joints(locked, basis, taken)
+    taken += len(span(rows[2:], basis, taken, 2, sizes[2:]))
+    return balance(pull, basis, taken, rows), basis, taken
+
+
+@pytest.mark.parametrize("pinned", [-1, 0, 4])
+def test_multipliers_balance_a_pull_in_the_span_of_the_levels_above(
+    pinned: int, rng: np.random.Generator
+) -> None:
+    rows, weights = rng.normal(size=(4, 7)), rng.normal(size=4)
+    pull = rows.T @ weights
+    if pinned >= 0:
+        pull[pinned] += 2.0
+    left = pull.copy()
+    multipliers, _, taken = balance_of(rows, left, pinned)
+    assert taken == 4 + (pinned >= 0)
+    np.testing.assert_allclose(multipliers, weights, rtol=1e-6)
+    np.testing.assert_allclose(left, 0.0, atol=1e-6)
+
+
+def test_multipliers_of_a_free_pull_leave_its_free_part(rng: np.random.Generator) -> None:
+    rows, pull = rng.normal(size=(4, 7)), rng.normal(size=7)
+    left = pull.copy()
+    multipliers, _, _ = balance_of(rows, left, -1)
+    np.testing.assert_allclose(multipliers, np.linalg.lstsq(rows.T, pull)[0], rtol=1e-6)
+    np.testing.assert_allclose(rows @ left, 0.0, atol=1e-6)
+
+
+@njit
+def add_curvature_of(hessians: Floats, weights: Floats, factor: float, curvature: Floats) -> None:
+    add_curvature(hessians, weights, factor, curvature)
+
+
+@njit
+def least_resisted_of(way: Way) -> float:
+    return least_resisted(way)
+
+
+def test_curvature_is_the_weighted_sum_of_hessians(rng: np.random.Generator) -> None:
+    hessians, weights, before = rng.normal(size=(3, 4, 4)), np.array([0.5, 0.0, -2.0]), np.eye(4)
+    found = before.copy()
+    add_curvature_of(hessians, weights, -3.0, found)
+    np.testing.assert_allclose(found, before - 3.0 * np.tensordot(weights, hessians, 1))
+
+
+def test_least_resisted_stiffness_is_a_share_of_the_bounded_error() -> None:
+    assert least_resisted_of(Way(0.004, 0.05, 9.0)) == pytest.approx(0.08e-3)
+    assert 0.0 < least_resisted_of(Way(0.0, 0.5, 0.0)) < 1e-12
+
+
+@njit
+def step_of(
+    curvature: Floats, values: Floats, along: Floats, guards: Floats, way: Way
+) -> tuple[Floats, Floats]:
+    return newton_step(curvature, np.eye(len(curvature)), 0, values, along, guards, way)
+
+
+@pytest.mark.parametrize("value", [0.01, 0.039, 0.041, 0.5])
+def test_newton_step_is_damped_below_the_threshold_alone(value: float) -> None:
+    """Without curvature, it is the damped step of first order."""
+    damping, threshold = 0.01, 0.04
+    guards, along = np.array([damping, threshold, 1.0]), np.array([0.3])
+    step, _ = step_of(np.zeros((2, 2)), np.array([value]), along, guards, Way(0.01, 0.1, 0.1))
+    divisor = value**2 + damping * max(0.0, 1.0 - value**2 / threshold**2)
+    np.testing.assert_allclose(step, [value * 0.3 / divisor, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("stiffness", [0.4, 0.6])
+def test_direction_counts_as_resisted_from_half_of_the_least_stiffness(stiffness: float) -> None:
+    way = Way(0.01, 0.1, 0.1)
+    curvature = np.diag([0.0, stiffness * least_resisted_of(way)])
+    guards, none = np.array([0.01, 0.04, 1.0]), np.zeros(1)
+    _, resisted = step_of(curvature, np.ones(1), none, guards, way)
+    assert len(resisted) == (stiffness > 0.5)
+    np.testing.assert_allclose(resisted.T @ resisted, curvature * (stiffness > 0.5), atol=1e-15)
+
+
+@pytest.mark.parametrize("farther", [1.0, 5.0])
+def test_step_down_a_curvature_is_as_long_as_the_request(farther: float) -> None:
+    """The whole error bends the rows more than its bounded part, by the ratio of both."""
+    requested, fraction, guards = 0.005, 0.1, np.array([0.01, 0.04, 1.0])
+    way = Way(requested, fraction, farther * requested / fraction)
+    steep = np.array([0.6, -0.8])
+    curvature = np.zeros((3, 3))
+    curvature[1:, 1:] = -0.02 * np.outer(steep, steep)
+    values = np.array([0.5])
+    step, resisted = step_of(curvature, values, np.zeros(1), guards, way)
+    side = np.sign(step[1])
+    np.testing.assert_allclose(step, side * requested / 0.5 * np.array([0, *steep]), atol=1e-9)
+    np.testing.assert_allclose(resisted.T @ resisted, -curvature, atol=1e-12)
+
+
+@pytest.mark.parametrize(("bend", "leaves"), [(-0.2, False), (-0.3, True)])
+def test_step_down_a_curvature_needs_more_than_the_rows_of_the_level(
+    bend: float, leaves: bool
+) -> None:
+    """A row of 0.5 outweighs a curvature of -0.2, not one of -0.3."""
+    guards, way = np.array([0.01, 0.04, 1.0]), Way(0.005, 0.1, 0.05)
+    step, _ = step_of(np.diag([bend, 0.0]), np.array([0.5]), np.zeros(1), guards, way)
+    assert bool(step.any()) is leaves
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("pull", "added"), [(1e-4, True), (0.05, False)])
+def test_step_down_a_curvature_is_added_if_the_ordinary_step_gains_less(
+    side: float, pull: float, added: bool
+) -> None:
+    """A second row of 0.01 has a pull along the direction whose curvature is negative."""
+    damping, requested, fraction = 0.01, 0.005, 0.1
+    guards, values = np.array([damping, 0.04, 1.0]), np.array([0.5, 0.01])
+    along = np.array([0.0, side * pull])
+    curvature = np.diag([0.0, -0.02])
+    way = Way(requested, fraction, requested / fraction)
+    step, _ = step_of(curvature, values, along, guards, way)
+    ordinary = values[1] * along[1] / (1e-4 + damping * (1.0 - 1e-4 / 0.04**2))
+    gained = values[1] * along[1] * ordinary / fraction
+    length = requested / 0.5
+    more = abs(values[1] * along[1]) * length / fraction + 0.5 * (0.02 - 1e-4) * length**2
+    assert bool(more > gained) is added
+    np.testing.assert_allclose(step[1], ordinary + added * side * length, rtol=1e-6)
