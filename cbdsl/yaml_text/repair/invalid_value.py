@@ -127,8 +127,8 @@ def _row(
 def not_allowed(place: Place, names: Sequence[str], value: object) -> Diagnostic:
     """Return the diagnostic of a value that is not among the allowed names."""
     if isinstance(value, str) and value in names and is_unquoted(value):
-        problem = {"expected": "a number", "found": f"'{value}' in quotes; leave out the quotes"}
-        return diagnose("CB204", place, names=names, given="", **problem)
+        given = f"'{value}' in quotes; leave out the quotes"
+        return diagnose("CB204", place, names=names, given="", expected="a number", found=given)
     if isinstance(value, str):
         return diagnose("CB206", place, names=names, name=value)
     expected = "one of the allowed words"
