@@ -162,7 +162,9 @@ class Trial:
             "deadline": f"{max(0.05, 1.5 / self._rate)} s",
         }
         text = robot.read_text("utf-8").replace("rate: 120 Hz", f"rate: {self._rate:g} Hz")
-        text = text.replace("gain: 20 /s", "gain: 10 /s")
+        # Physics steps are a multiple of control ticks.
+        physics = self._rate * -(-240 // self._rate)
+        text = text.replace("simulation:\n", f"simulation:\n  physics_rate: {physics:g} Hz\n")
         robot.write_text(f"{text}\ndrivers: {json.dumps({'arm': driver})}\n", "utf-8")
         names = ("waist", "shoulder", "elbow", "forearm_roll", "wrist_bend", "flange_roll")
         aside = np.array([1.2, 0.2, 0.2, 0.4, 0.8, 0.5]) + self._rng.uniform(-0.03, 0.03, 6)
