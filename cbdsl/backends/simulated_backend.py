@@ -91,6 +91,10 @@ class SimulatedBackend(Generic[SomeEngine]):
             raise BackendError("ideal cameras make no images; 'rendered' ones do")
         return self._cameras
 
+    def colors_in_view(self) -> tuple[str, ...]:
+        """Return the named colours that any camera sees now, without noise."""
+        return () if self._is_dark() else self._cameras.colors()
+
     def reset(
         self,
         stage: StageDocument,
@@ -215,8 +219,11 @@ class SimulatedBackend(Generic[SomeEngine]):
             exposed=None if taken is None else (taken - self._began) * self.control_period,
         )
 
+    def _is_dark(self) -> bool:
+        return self._tick * self.control_period >= self._dark
+
     def _expose(self) -> Exposure:
-        if self._tick * self.control_period >= self._dark:
+        if self._is_dark():
             return self._cameras.take_in_the_dark()
         return self._cameras.take()
 

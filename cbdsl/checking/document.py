@@ -12,7 +12,7 @@ from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostic import Diagnostic
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError
-from cbdsl.diagnostics.outcome import UNKNOWN
+from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
 from cbdsl.storage.contents import is_file
@@ -60,10 +60,13 @@ def check_program(
 ) -> None:
     """Check a program with the session's values of its parameters."""
     from cbdsl.checking.program import examine_program  # robots and stages do without
+    from cbdsl.checking.rules.stage_colors import check_colors
 
     parameters = loaded.document.parameters
     values = {key: value for key, value in session.values.items() if key in parameters}
-    examine_program(loaded.path, values, session, diagnostics)
+    program = examine_program(loaded.path, values, session, diagnostics)
+    if not isinstance(program, Unknown) and not diagnostics.failed:
+        check_colors(loaded, program, session, diagnostics)
 
 
 def check_schema(

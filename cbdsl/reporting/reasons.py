@@ -49,7 +49,8 @@ def _missing(recorded: Recorded) -> Iterator[str]:
         if gone:
             yield f"{name} had no {' and no '.join(gone)}{_last_seen(recorded, gone[0])}."
         else:
-            yield f"{name} was undefined: its effector did not move its feedback."
+            alone = "without a held object its effector does not move its feedback"
+            yield f"{name} was undefined: {alone}."
 
 
 def _last_seen(recorded: Recorded, signal: str) -> str:

@@ -10,7 +10,8 @@ from cbdsl.runtime.causes import BLOCKED, CREEPING, HELD, LIMITS, OUT_OF_REACH, 
 from cbdsl.runtime.controllers.controller_run import NEAR_GOAL, ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import Origin
+from cbdsl.types.resource import Origin, Resource
+from cbdsl.types.source_record import channel_of
 
 # Keys for the configurations of prismatic joints, and of joints of both kinds.
 _SLIDE, _MIXED = "slide", "configuration of both kinds"
@@ -40,6 +41,7 @@ def describe(
     at_limits: Sequence[str],
     guards: Sequence[str] = (),
     causes: Mapping[str, RestCause | None] | None = None,
+    colors: Sequence[str] | None = None,
 ) -> str:
     """Return a sentence on how a program ended and how its controllers contributed.
 
@@ -49,6 +51,7 @@ def describe(
         at_limits: Joints held back by their limits at the end.
         guards: One clause for each guard that limited the motion.
         causes: Causes that keep stuck controllers from their targets, by name.
+        colors: Named colours that the cameras see; ``None`` if that explains nothing.
     """
     verdict = _VERDICTS.get(run.outcome, "Done" if run.predicate == "1" else "Not rewarded")
     if run.rewarded and not run.outcome:
@@ -57,6 +60,8 @@ def describe(
     if run.program.success and not run.outcome and not run.program.reward_ends:
         verdict = "Neither succeeded nor failed"
     reasons = _evidence(run, causes or {})
+    if colors is not None:
+        reasons.append(f"the cameras see {' and '.join(colors) or 'no named colour'}")
     if at_limits and not (run.rewarded or run.outcome == "success"):
         reasons.append(f"at their limits were {', '.join(at_limits)}")
     if run.predicate != "1" or run.rewarded:
@@ -106,6 +111,21 @@ def stuck_leads(run: ProgramRun) -> tuple[ControllerRun, ...]:
     if action.program is not None:
         return stuck_leads(run.children[action.name])
     return tuple(lead for lead in run.leads(action) if lead.stuck)
+
+
+def lacks_color(run: ProgramRun) -> bool:
+    """Return whether a controller of the last action had no signal of a named colour."""
+    action = run.action
+    if action is None:
+        return False
+    if action.program is not None:
+        return lacks_color(run.children[action.name])
+    return any(
+        math.isnan(lead.error)
+        and not lead.lacks_hold
+        and channel_of(_undefined_resource(lead.controller).source) in run.colors
+        for lead in run.leads(action)
+    )
 
 
 def _evidence(run: ProgramRun, causes: Mapping[str, RestCause | None]) -> list[str]:
@@ -165,8 +185,10 @@ def _clause(lead: ControllerRun, cause: RestCause | None = None) -> str:
         return f"{controller.name} closed on nothing"
     if lead.preparation.no_path:
         return f"{controller.name} had no way: {lead.preparation.no_path}"
+    if lead.lacks_hold:
+        return f"{controller.name} moves a held object, and no hand holds one"
     if math.isnan(lead.error):
-        return f"{controller.name} had no {_undefined_resource(controller)}"
+        return f"{controller.name} had no {_undefined_resource(controller).name}"
     verb = "came to rest" if lead.predicate == "1" else "was still"
     if lead.stuck:
         verb = f"is stuck{_reason(cause)},"
@@ -231,8 +253,10 @@ def _goal(controller: Controller) -> str:
     return reference.name
 
 
-def _undefined_resource(controller: Controller) -> str:
-    is_constant = isinstance(controller.reference, (Literal, AlongNormals))
-    if is_constant or controller.feedback.origin is Origin.ENVIRONMENT:
-        return controller.feedback.name
-    return _goal(controller)
+def _undefined_resource(controller: Controller) -> Resource:
+    """Return the input that an undefined controller lacks."""
+    reference = controller.reference
+    base = reference.base if isinstance(reference, Relative) else reference
+    if base is None or isinstance(base, (Literal, AlongNormals)):
+        return controller.feedback
+    return controller.feedback if controller.feedback.origin is Origin.ENVIRONMENT else base

@@ -22,7 +22,13 @@ from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stuck_leads
+from cbdsl.runtime.ending import (
+    describe,
+    describe_lateness,
+    describe_stop,
+    lacks_color,
+    stuck_leads,
+)
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.policies.policy import Policy
@@ -252,6 +258,9 @@ class Runner:
         guards = self._actuation.load_guards.clauses
         stuck = () if ending else stuck_leads(run)
         causes = {lead.controller.name: self._actuation.cause(lead) for lead in stuck}
+        # Only simulated cameras look again for colours that the program does not look for.
+        look = getattr(self._backend, "colors_in_view", None)
+        colors = look() if look is not None and not ending and lacks_color(run) else None
         return EpisodeResult(
             program=self._program.name,
             stage=begun.stage,
@@ -265,7 +274,7 @@ class Runner:
             wall_seconds=time.perf_counter() - begun.time,
             renderer=self._backend.renderer,
             ending=ending
-            or describe(run, self._seconds, self._actuation.at_limits(), guards, causes),
+            or describe(run, self._seconds, self._actuation.at_limits(), guards, causes, colors),
             outcome=run.outcome,
             guards=guards,
             far=tuple(causes),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
 import numpy as np
@@ -12,6 +12,7 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition, title_of
+from cbdsl.robot.channel_names import named_colors
 from cbdsl.runtime.action_clock import ActionClock
 from cbdsl.runtime.action_levels import ActionLevels, Active
 from cbdsl.runtime.action_switch import ActionSwitch
@@ -217,6 +218,11 @@ class ProgramRun:
         """Return the run of a program that is used under a name."""
         use = f"{self._use}.{name}" if self._use else name
         return ProgramRun(program, signals, plan, self._period, self._depth + 1, use)
+
+    @property
+    def colors(self) -> Collection[str]:
+        """Named colours of the robot."""
+        return named_colors(self._signals.robot.vision.channels)
 
     @property
     def losses(self) -> tuple[str, ...]:

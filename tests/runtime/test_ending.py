@@ -36,7 +36,7 @@ def lead(error: float, **other: Any) -> Any:
     controller = Made(**own | {name: other.pop(name) for name in own if name in other})
     runs = {
         "error": error, "predicate": "1", "phi": 0.5, "stuck": False, "exhausted": False,
-        "astray": False,
+        "astray": False, "lacks_hold": False,
         "engaged": False, "preparation": Made(no_path=""),
     }  # fmt: skip
     return Made(controller=controller, **runs | other)
@@ -91,6 +91,15 @@ def told(*leads: Any, **other: Any) -> str:
 )
 def test_each_controller_has_a_clause(run: Any, clause: str) -> None:
     assert clause in told(run)
+
+
+def test_ending_names_a_missing_hold_and_the_colours_that_are_seen() -> None:
+    assert "reach moves a held object, and no hand holds one" in told(
+        lead(math.nan, lacks_hold=True, predicate="-")
+    )
+    run = ended(lead(math.nan, predicate="-"))
+    assert "; the cameras see red and blue;" in describe(run, 3.0, (), colors=["red", "blue"])
+    assert "the cameras see no named colour" in describe(run, 3.0, (), colors=[])
 
 
 def test_a_sentence_has_verdict_time_state_and_reasons() -> None:

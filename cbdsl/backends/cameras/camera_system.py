@@ -67,6 +67,10 @@ class CameraSystem(ABC):
         """Look for regions of other channels from now on; all of them when ``None``."""
 
     @abstractmethod
+    def colors(self) -> tuple[str, ...]:
+        """Return the named colours that any camera sees now, without noise."""
+
+    @abstractmethod
     def take(self) -> Exposure:
         """Expose all cameras now."""
 

@@ -26,7 +26,7 @@ from cbdsl.documents.stage import Disturbance
 from cbdsl.kinematics.pose import Pose
 from cbdsl.numeric.arrays import Floats, Rows
 from cbdsl.numeric.compiled import compiled_once
-from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.channel_names import channel_names, named_colors
 from cbdsl.robot.channel_spans import channels_of_color
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.channels import FILLING, MOST_REGIONS, Extent, Moments, Region, Regions
@@ -175,6 +175,38 @@ class IdealCameras(CameraSystem):
         """Return no regions."""
         return self._nothing
 
+    def colors(self) -> tuple[str, ...]:
+        """Return the named colours of all visible surfaces."""
+        vision = self._robot.vision
+        names = tuple(named_colors(vision.channels))
+        scene = _Scene(self._engine, vision.channels, names, len(self._rows))
+        self._project(scene, scene.placed(), self._misplaced(self._engine.placements))
+        seen = {
+            channel
+            for shapes in scene.shapes.tolist()
+            for surface, shape in scene.whole(shapes)
+            if shape[0] >= vision.regions.least_area
+            for channel in surface.channels
+        }
+        return tuple(name for name in names if name in seen)
+
+    def _project(self, scene: _Scene, placed: Floats, cameras: Floats) -> bool:
+        """Write the silhouettes of a scene's surfaces; return whether there is any."""
+        return bool(
+            silhouettes(
+                placed,
+                self._limbs.parts,
+                self._carriers,
+                self._engine.placements,
+                scene.targets,
+                scene.patches,
+                cameras,
+                self._rows,
+                self._lenses,
+                scene.shapes,
+            )
+        )
+
     def take(self) -> Exposure:
         """Return the regions of each channel that is looked for, by camera and channel."""
         engine, scene = self._engine, self._scene
@@ -186,18 +218,7 @@ class IdealCameras(CameraSystem):
                 engine, self._robot.vision.channels, self._channels, len(self._rows)
             )
         placed, cameras = scene.placed(), self._misplaced(placements)
-        seen = silhouettes(
-            placed,
-            self._limbs.parts,
-            self._carriers,
-            placements,
-            scene.targets,
-            scene.patches,
-            cameras,
-            self._rows,
-            self._lenses,
-            scene.shapes,
-        )
+        seen = self._project(scene, placed, cameras)
         # The call also stores the positions for the next image. So it precedes the return without
         # regions.
         moved = scene.moved()

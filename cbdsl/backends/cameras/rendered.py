@@ -15,6 +15,8 @@ from cbdsl.backends.staging.engine import Engine
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
 from cbdsl.numeric.arrays import Image
+from cbdsl.robot.channel_names import named_colors
+from cbdsl.sensing.channels import ChannelFilter
 
 
 class RenderedCameras(CameraSystem):
@@ -49,6 +51,15 @@ class RenderedCameras(CameraSystem):
             pose, error = self._engine.link_pose(camera.link), self._errors.get(name)
             views[name] = View(camera, pose if error is None else pose @ error)
         return views
+
+    def colors(self) -> tuple[str, ...]:
+        """Return the named colours of the images, without noise."""
+        vision = self._robot.vision
+        names = tuple(named_colors(vision.channels))
+        detector = ChannelFilter(vision.channels, names, vision.regions.least_area)
+        images = self.render(self.views()).values()
+        seen = {name for image in images for name in detector.regions(image)}
+        return tuple(name for name in names if name in seen)
 
     def take(self) -> Exposure:
         """Return an image of every camera."""

@@ -22,8 +22,10 @@ from cbdsl.runtime.controllers.preparation import Preparation
 from cbdsl.runtime.controllers.slot_setting import SlotSetting, modified
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.reading import Reading
+from cbdsl.types.casts import RIGID_HOLD
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.source_record import record_of
+from cbdsl.types.resource import Resource
+from cbdsl.types.source_record import chains_of, record_of
 from cbdsl.types.state import Predicate
 
 #: Potential of a field below which its displacement leads to its goal directly.
@@ -155,6 +157,19 @@ class ControllerRun:
         """Norm of the residual in the unit of the feedback, NaN while undefined."""
         error: float = self._plan.slots["error"].item(self.slot)
         return error
+
+    @property
+    def lacks_hold(self) -> bool:
+        """True if it is undefined although its signals are not: only a held object changes them."""
+        controller = self.controller
+        reference = controller.reference
+        base = reference.base if isinstance(reference, Relative) else reference
+        inputs = [each for each in (controller.feedback, base) if isinstance(each, Resource)]
+        return (
+            math.isnan(self.error)
+            and any(RIGID_HOLD in chain for chain in chains_of(controller.feedback))
+            and all(self._signals.read(each) is not None for each in inputs)
+        )
 
     @property
     def seeking(self) -> bool:
