@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from cbdsl.checking.rules.flow import automaton_of
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.language.exit import LETTERS, WORDS
+from cbdsl.language.exit import LETTERS, when_text
 from cbdsl.language.parser import parse
 from cbdsl.program.automaton import Automaton, Box, ProgramStep, To
 from cbdsl.program.checked import CheckedProgram
@@ -106,15 +106,10 @@ class _StepText:
         return self._names[to.step] if to.step else str(to)
 
     def _when(self, box: Box) -> str:
-        parts = []
-        for member, letters, values in zip(self._step.members, box, self._step.values, strict=True):
-            if set(values) <= set(letters):
-                continue
-            words = {v: k for k, v in WORDS[kind_of_member(member, self._document)].items()}
-            other = set(LETTERS).difference(letters)
-            word = words[letters] if len(letters) == 1 else f"not {words[other.pop()]}"
-            parts.append(f"{member} {word}")
-        return " and ".join(parts) or "otherwise"
+        step = self._step
+        kinds = {member: kind_of_member(member, self._document) for member in step.members}
+        programs = {member for member, kind in kinds.items() if kind == "program"}
+        return when_text(step.members, box, step.values, programs)
 
 
 def _scalar(text: str, *, flow: bool = False) -> str:

@@ -10,7 +10,7 @@ to: STEP | "succeed" | "end" | "fail" [REASON]
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -129,6 +129,29 @@ def _part(scanner: Scanner) -> Clause:
             raise scanner.error(*(f"'{word}'" for word in WORDS["controller"]))
         word = " ".join(match[0].split()) if match else ""
     return Clause(term, word, is_not, Span(start + 1, scanner.read + 1))
+
+
+def when_text(
+    members: Sequence[str], box: Sequence[str], values: Sequence[str], programs: Container[str]
+) -> str:
+    """Return the condition that members have some of their letters.
+
+    Args:
+        members: Members of a step.
+        box: Letters of each of them.
+        values: Letters that each of them can have at all.
+        programs: Members that are programs; the others are controllers.
+    """
+    parts = []
+    for member, letters, possible in zip(members, box, values, strict=True):
+        if set(possible) <= set(letters):
+            continue
+        kind = "program" if member in programs else "controller"
+        words = {letter: word for word, letter in WORDS[kind].items()}
+        other = set(LETTERS).difference(letters)
+        word = words[letters] if len(letters) == 1 else f"not {words[other.pop()]}"
+        parts.append(f"{member} {word}")
+    return " and ".join(parts) or OTHERWISE
 
 
 def parse_target(text: str) -> Target:

@@ -13,7 +13,13 @@ from cbdsl.cli.output.terminal import print_json
 from cbdsl.cli.show.formats import Format, Json, drawing, read_format
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
 from cbdsl.reporting.drawing.program_graph import program_graph
-from cbdsl.reporting.text.program_text import casts_text, claims, program_text, reference_text
+from cbdsl.reporting.text.program_text import (
+    automaton_data,
+    casts_text,
+    claims,
+    program_text,
+    reference_text,
+)
 
 if TYPE_CHECKING:
     from cbdsl.program.checked import Action, CheckedProgram
@@ -81,6 +87,7 @@ def program_data(program: CheckedProgram) -> dict[str, object]:
         "actions": [_action(program, action) for action in program.actions],
         "background": str(program.background) if program.background else None,
         "policy": dict(program.policy),
+        "automaton": automaton_data(program),
         "states": {
             "all": shares.states,
             "decided": dict(shares.decided),

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from textwrap import wrap
+from typing import Any
 
+from cbdsl.checking.rules.flow import automaton_of
 from cbdsl.diagnostics.counting import count
+from cbdsl.language.exit import when_text
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Reference, Relative
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
+from cbdsl.program.exit_list import with_short_exits
 from cbdsl.types.casts import Chain
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
@@ -25,16 +29,46 @@ def program_text(program: CheckedProgram) -> str:
 
 def claims(program: CheckedProgram) -> dict[str, str]:
     """Return the conditions under which a program succeeds and fails, each as a phrase."""
+    by_exits = "by exits of its steps" if program.steps else ""
     if program.success:
-        success = f"in state {' or '.join(program.success)}"
+        success = by_exits or f"in state {' or '.join(program.success)}"
     elif earning := [name for name, each in program.primitives.items() if each.rewarded]:
         success = f"when {' or '.join(earning)} is rewarded"
     else:
         success = "when its last action comes to rest"
-    failure = f"in state {' or '.join(program.failure)}" if program.failure else "by no state"
+    failure = "by no state"
+    if program.failure:
+        failure = by_exits or f"in state {' or '.join(program.failure)}"
     if program.lost_time is not None:
         failure += f", or when an object is lost for {program.lost_time:g} s"
     return {"success": success, "failure": failure}
+
+
+def automaton_data(program: CheckedProgram) -> dict[str, Any] | None:
+    """Return the steps of a program with their exits; without steps, its actions are steps."""
+    automaton = automaton_of(program)
+    if automaton is None:
+        return None
+    names = {action: program.steps.get(action, action) for action in automaton.steps}
+    programs = {action.name for action in program.actions if action.program is not None}
+    return {
+        "start": names[automaton.start],
+        "steps": [
+            {
+                "step": names[step.action],
+                "action": step.action,
+                "exits": [
+                    {
+                        "when": when_text(step.members, box, step.values, programs),
+                        "to": names[exit_.to.step] if exit_.to.step else str(exit_.to),
+                    }
+                    for exit_ in step.exits
+                    for box in exit_.boxes
+                ],
+            }
+            for step in map(with_short_exits, automaton.steps.values())
+        ],
+    }
 
 
 def reference_text(reference: Reference | None, unit: str) -> str:
@@ -171,6 +205,9 @@ def _policy(program: CheckedProgram) -> Iterator[str]:
     if not program.policy:
         yield "\nPolicy: none; it needs one to run"
         return
+    if program.steps:
+        yield from _steps(automaton_data(program) or {"steps": ()})
+        return
     shares = coverage(program)
     yield ""
     yield from wrap(
@@ -192,6 +229,16 @@ def _policy(program: CheckedProgram) -> Iterator[str]:
         lines = [*above, f"{last:{actions}}  {decided:{numbers}}"]
         for place, line in enumerate(lines):
             yield f"  {'' if place else pattern:{width}}  {line}"
+
+
+def _steps(data: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the steps of a program with their exits; the first one starts."""
+    yield "\nSteps, each with its exits in order"
+    for step in sorted(data["steps"], key=lambda step: step["step"] != data["start"]):
+        yield from _note(f"{step['step']}: {step['action']}")
+        for each in step["exits"]:
+            line = f"{each['when']}: {each['to']}"
+            yield from wrap(line, _WIDTH, initial_indent="    ", subsequent_indent="      ")
 
 
 def _item(key: str, text: str, indent: int = 2) -> Iterator[str]:

@@ -83,3 +83,15 @@ def test_a_backend_without_a_name_lists_the_known_ones(
 ) -> None:
     assert cb(monkeypatch, "run", "reach", "--backend") == 2
     assert "--backend is given no name (known: bullet, " in capsys.readouterr().err
+
+
+def test_program_data_has_the_automaton_of_a_program(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "show", "program", "take", "--json") == 0
+    automaton = json.loads(capsys.readouterr().out)["automaton"]
+    assert automaton["start"] == "survey"
+    survey = next(step for step in automaton["steps"] if step["step"] == "survey")
+    assert {"when": "survey failed", "to": "fail"} in survey["exits"]
+    assert cb(monkeypatch, "show", "program", "take") == 0
+    assert "    survey failed: fail\n" in capsys.readouterr().out

@@ -8,9 +8,13 @@ from xml.etree import ElementTree
 
 import pytest
 
+from cbdsl.documents.program import ProgramDocument
 from cbdsl.types.potential import POTENTIALS
+from cbdsl.yaml_text.library import Library, shipped
 from tests.cli.test_main import cb
 from tests.program.test_dry_run import PROGRAMS
+
+SHIPPED = Library(shipped())
 
 
 def printed(
@@ -49,7 +53,13 @@ def test_text_of_show_program_contains_the_values_of_its_json(
         assert not action["rewarding"] or f"when {' or '.join(action['rewarding'])} comes" in text
     for key, claim in data["claims"].items():
         assert f"{key} {claim}" in text
-    for state, action in data["policy"].items():
+    has_steps = bool(
+        SHIPPED.read(SHIPPED.locate(ProgramDocument, name), ProgramDocument).document.steps
+    )
+    for step in data["automaton"]["steps"] if has_steps else ():
+        assert f" {step['step']}: {step['action']} " in text
+        assert all(f" {exit_['when']}: {exit_['to']} " in text for exit_ in step["exits"])
+    for state, action in () if has_steps else data["policy"].items():
         assert f"{state} {action} {data['states']['decided'][state]}" in text
     decided = sum(data["states"]["decided"].values())
     assert decided + data["states"]["undecided"] == data["states"]["all"]
