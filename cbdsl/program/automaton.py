@@ -119,13 +119,17 @@ class Automaton(NamedTuple):
         """Return the patterns of states that choose the same targets."""
         return _Compiler(self).tables()
 
-    def paths(self) -> dict[str, tuple[str, ...]]:
+    def targets(self) -> dict[str, tuple[To, ...]]:
+        """Return the targets that some values lead to, by step."""
+        return {name: tuple(to for to, _ in step.targets) for name, step in self.steps.items()}
+
+    def paths(self, targets: Mapping[str, tuple[To, ...]]) -> dict[str, tuple[str, ...]]:
         """Return a shortest path of steps to each step that is reached, which ends there."""
         paths: dict[str, tuple[str, ...]] = {self.start: (self.start,)}
         waiting = deque([self.start])
         while waiting:
             name = waiting.popleft()
-            for to, _ in self.steps[name].targets:
+            for to in targets[name]:
                 if to.step in self.steps and to.step not in paths:
                     paths[to.step] = (*paths[name], to.step)
                     waiting.append(to.step)

@@ -101,7 +101,7 @@ def test_paths_lead_to_the_steps_that_an_explicit_search_reaches(automaton: Auto
             own = dict(zip(active[name], letters, strict=True))
             to = decide(automaton, "".join(own.get(member, "X") for member in MEMBERS))
             waiting += [to.step] if to.step else []
-    paths = automaton.paths()
+    paths = automaton.paths(automaton.targets())
     assert paths.keys() == reached
     for name, path in paths.items():
         assert path[0] == automaton.start and path[-1] == name

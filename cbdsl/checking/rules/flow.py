@@ -68,7 +68,8 @@ class _FlowCheck:
         self, context: ProgramContext, program: CheckedProgram, automaton: Automaton
     ) -> None:
         self._context, self._program, self._automaton = context, program, automaton
-        self._paths = automaton.paths()
+        self._targets = automaton.targets()
+        self._paths = automaton.paths(self._targets)
         self._has_steps = bool(context.document.steps)
 
     def all(self) -> None:
@@ -118,21 +119,20 @@ class _FlowCheck:
 
     def _traps(self) -> list[str]:
         """Return the reached steps from which no path leads to an end or a reward."""
-        tos = {to for step in self._automaton.steps.values() for to, _ in step.targets}
+        tos = {to for targets in self._targets.values() for to in targets}
         # A program without any end, such as one that follows an object, goes on by design.
         if self._program.episode_time is not None or not any(to.end for to in tos):
             return []
         leaving = {
             name
             for name in self._paths
-            if self._is_rewarded(name)
-            or any(to.end for to, _ in self._automaton.steps[name].targets)
+            if self._is_rewarded(name) or any(to.end for to in self._targets[name])
         }
         before = -1
         while len(leaving) != before:
             before = len(leaving)
             for name in self._paths:
-                if any(to.step in leaving for to, _ in self._automaton.steps[name].targets):
+                if any(to.step in leaving for to in self._targets[name]):
                     leaving.add(name)
         return [name for name in self._paths if name not in leaving]
 
