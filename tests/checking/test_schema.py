@@ -109,8 +109,8 @@ def test_parameter_whose_name_begins_another_is_replaced_as_a_whole(folder: Path
     ("old", "new", "code"),
     [
         ("place: stereo.$feature", "place: stereo.$featur", "CB402"),
-        ("place: stereo.$feature", "place: sterio.$feature", "CB636"),
-        ("{place: stereo", "{plase: stereo", "CB638"),
+        ("place: stereo.$feature", "place: stereoo.$feature", "CB636"),
+        ("{place: stereo", "{placee: stereo", "CB638"),
     ],
 )
 def test_misspelled_feature_with_many_uses_is_reported_once(

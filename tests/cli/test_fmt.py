@@ -129,7 +129,7 @@ def test_steps_replace_the_policy_of_programs_only(
 ) -> None:
     push = (ROOT / "programs" / "push.yaml").read_text("utf-8")
     (here / "push.yaml").write_text(push, encoding="utf-8")
-    (here / "broken.yaml").write_text(push.replace("potential", "potentail"), encoding="utf-8")
+    (here / "broken.yaml").write_text(push.replace("potential", "potentiall"), encoding="utf-8")
     assert cb(monkeypatch, "fmt", "--steps", "push.yaml", "broken.yaml") == 1
     out = capsys.readouterr().out
     assert out.startswith("formatted push.yaml\nbroken.yaml:")
