@@ -153,7 +153,7 @@ SPOILED: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "a joint too many": (
         lambda file: rewrite(file, lambda s: s["joints"].append("tail")),
-        r"damaged \((positions|at_limits): has the shape",
+        r"damaged \((positions|velocities|references|at_limits): has the shape",
     ),
     "held by nobody": (
         lambda file: changed(file.with_suffix(".npz"), level_held_by=lambda a: a + 99),
