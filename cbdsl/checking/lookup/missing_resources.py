@@ -114,7 +114,7 @@ class MissingResources:
             hint = "; other colours are declared by the robot's 'vision: channels: colors'"
             self._add(place, names=siblings, given="", hint=hint, **details)
         elif siblings:
-            self._add(place, names=siblings, candidates=list(self._known), **details)
+            self._add(place, names=siblings, candidates=[*siblings, *self._known], **details)
         else:
             # Report all names with the same unknown first part as one mistake.
             firsts = [*(("here",) if steps[-1:] == ("reference",) else ()), *self._firsts()]
