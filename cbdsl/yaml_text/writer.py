@@ -64,7 +64,10 @@ _Dumper.add_representer(str, _Dumper.text)
 
 def dump(document: Document) -> str:
     """Return a document as YAML, without values that equal their defaults."""
-    return dump_plain(document.model_dump(mode="json", by_alias=True, exclude_defaults=True))
+    data = document.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+    # An empty key that another one replaces is as good as absent, and might be invalid.
+    others = document.alternatives
+    return dump_plain({k: value for k, value in data.items() if value or others.get(k) not in data})
 
 
 def dump_plain(data: Mapping[str, Any]) -> str:
