@@ -25,7 +25,7 @@ from cbdsl.checking.substitution import Examine
 from cbdsl.checking.used_programs import Budget, UsedPrograms
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
-from cbdsl.diagnostics.nearest import suggestion
+from cbdsl.diagnostics.nearest import nearest_name, suggestion
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.automaton import Automaton, Tables
@@ -175,11 +175,10 @@ class _ProgramCheck:
         are_complete = actions.are_complete
         are_shown = not (are_complete and actions.only_composed())
         tables = self._tables()
-        policy = tables.policy
         is_known = actions.are_read and are_shown and not actions.lack_a_member
         members = actions.members if is_known else UNKNOWN
         if not self._document.steps:
-            check_states(policy, members, context.source, context.diagnostics)
+            check_states(tables.policy, members, context.source, context.diagnostics)
         ends = read_ends(context, members)
         # Taken before all controllers are checked, because this visits unused ones as well.
         used = frozenset(context.used)
@@ -187,8 +186,7 @@ class _ProgramCheck:
         self._compositions.check_rewards()
         check_allotments(context)
         running = _running(checked, background)
-        is_sound = UNKNOWN not in (background, *checked)
-        complete = are_complete and are_shown and is_sound
+        complete = are_complete and are_shown and UNKNOWN not in (background, *checked)
         # A background with a fault may run the controllers that seem to be missing.
         if context.source.known(self._document.background, "background") is not UNKNOWN:
             self._conditions(running, complete)
@@ -217,20 +215,22 @@ class _ProgramCheck:
                 self._context.add("CB627", source.key(key), key=key)
         reader = StepReader(document, self._steps, self._report)
         automaton = self._automaton = reader.automaton(self._actions.members)
-        is_complete = source.known(document.steps, "steps") is not UNKNOWN
-        if not is_complete or self._context.diagnostics.failed:
+        if source.known(document.steps, "steps") is UNKNOWN or self._context.diagnostics.failed:
             return Tables({}, (), {})
         return automaton.tables()
 
     def _report(self, code: str, spot: DocumentSpot, details: dict[str, Any]) -> None:
         """Add a diagnostic of the steps."""
         source, path = self._context.source, spot.path
+        # A step without `do` that has a misspelt name is already reported as a missing controller.
+        missing = self._compositions.missing.intersection(self._document.steps)
+        if code == "CB620" and nearest_name(details["name"], missing):
+            return
         place = source.key(*path) if spot.is_key else source.place(*path)
         if spot.span is not None:
             inside = source.inside_key if spot.is_key else source.inside
             place = inside(path, spot.span.start, spot.span.end)
-        other = details.pop("related", None)
-        if other is not None:
+        if (other := details.pop("related", None)) is not None:
             details["related"] = [(source.key(*other), "the other step")]
         self._context.add(code, place, **details)
 

@@ -94,7 +94,7 @@ class _Salvage(Generic[D]):
                 document = document.model_copy(update=self._unknown)
                 source = self._source._replace(broken=self._broken)
                 return Loaded(document, source, tuple(self._faults))
-        raise self._hopeless()
+        raise DiagnosticsError(self._faults)
 
     def _validated(self) -> D:
         return self._model.model_validate(self._source.root.plain(), context=self._context)
@@ -118,9 +118,7 @@ class _Salvage(Generic[D]):
             if path in wrong and node.place in words:
                 node.faulty = False
                 places.add(node.place)
-        self._faults = [
-            each for each in self._faults if each.code != _WORD or each.place not in places
-        ]
+        self._faults = [f for f in self._faults if f.code != _WORD or f.place not in places]
         return errors
 
     def _errors(self) -> list[ErrorDetails]:
@@ -132,6 +130,10 @@ class _Salvage(Generic[D]):
 
     def _mend(self, errors: Sequence[ErrorDetails]) -> None:
         """Report the faults, and remove the faulty parts."""
+        # A misspelt key may replace a missing one, as `steps` replaces `actions`.
+        keys = [str(each["loc"][-1]) for each in errors if each["type"] == "extra_forbidden"]
+        replaced = {(k,) for k, by in self._model.alternatives.items() if nearest_name(by, keys)}
+        errors = [e for e in errors if e["type"] != "missing" or e["loc"] not in replaced]
         located = [(path_of(error, self._source), error) for error in errors]
         if moves := find_moves(self._source, self._model, [path for path, _ in located]):
             # Other faults are found in the next round, with these keys in their places.
@@ -166,10 +168,8 @@ class _Salvage(Generic[D]):
         new = shape.renamed.get(key)
         suggestion = nearest_name(key, free) if new is None else new if new in free else None
         if suggestion is not None:
-            parent.value[suggestion], parent.keys[suggestion] = (
-                parent.value.pop(key),
-                parent.keys.pop(key),
-            )
+            parent.value[suggestion] = parent.value.pop(key)
+            parent.keys[suggestion] = parent.keys.pop(key)
             self._respelt.add((*path[:-1], suggestion))
         return suggestion is not None
 
@@ -180,7 +180,7 @@ class _Salvage(Generic[D]):
         # Indices are padded, because 10 would otherwise sort before 9.
         for part in sorted(parts, key=lambda part: [str(step).zfill(9) for step in part])[::-1]:
             if not part:
-                raise self._hopeless()
+                raise DiagnosticsError(self._faults)
             self._drop(part)
         for part in parts:
             self._complete(part)
@@ -228,16 +228,13 @@ class _Salvage(Generic[D]):
     def _stand_in(self, key: str) -> None:
         root, stand_ins = self._source.root, self._stand_ins
         if key not in stand_ins or not isinstance(root.value, dict):
-            raise self._hopeless()
+            raise DiagnosticsError(self._faults)
         root.value[key] = _node(stand_ins[key], root.place)
         self._broken.add([(key,)])
         if stand_ins[key] == "unknown":
             self._unknown[key] = UNKNOWN
         elif stand_ins[key] == ["unknown"]:
             self._unknown[key] = ()
-
-    def _hopeless(self) -> DiagnosticsError:
-        return DiagnosticsError(self._faults)
 
 
 def _faulty(node: Node, path: Steps) -> Iterator[Steps]:
