@@ -14,6 +14,27 @@ from tests.conftest import ROOT
 
 UNEVEN = "cbdsl:   1  # version\nkind: program\n\n\nname:  uneven\n"
 EVEN = "cbdsl: 1  # version\nkind: program\n\nname: uneven\n"
+POSITIONAL = """\
+cbdsl: 1
+kind: program
+name: push
+robot: dexter
+
+controllers:
+  search: {potential: spring, reference: head.ahead, feedback: head, effector: head}
+  track: {potential: spring, reference: [0 deg, 0 deg], feedback: cyclopean.sat_10, effector: head}
+
+actions: [search, track]
+
+policy:
+  XX: search
+  0X: search
+  1X: track
+  X0: track
+  X-: search
+
+success: [X1]
+"""
 
 
 @pytest.fixture
@@ -127,13 +148,14 @@ def test_shipped_documents_are_found_by_name(
 def test_steps_replace_the_policy_of_programs_only(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    push = (ROOT / "programs" / "push.yaml").read_text("utf-8")
-    (here / "push.yaml").write_text(push, encoding="utf-8")
-    (here / "broken.yaml").write_text(push.replace("potential", "potentiall"), encoding="utf-8")
+    (here / "push.yaml").write_text(POSITIONAL, encoding="utf-8")
+    (here / "broken.yaml").write_text(
+        POSITIONAL.replace("potential", "potentiall"), encoding="utf-8"
+    )
     assert cb(monkeypatch, "fmt", "--steps", "push.yaml", "broken.yaml") == 1
     out = capsys.readouterr().out
     assert out.startswith("formatted push.yaml\nbroken.yaml:")
-    assert "unknown key 'potentail'" in out
+    assert "unknown key 'potentiall'" in out
     text = (here / "push.yaml").read_text("utf-8")
     assert "\nsteps:\n" in text
     assert "\npolicy:" not in text

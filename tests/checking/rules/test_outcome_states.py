@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import yaml
@@ -12,6 +11,34 @@ from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
+
+LOOKING = """\
+cbdsl: 1
+kind: program
+name: looking
+robot: dexter
+stage: table_right
+
+controllers:
+  home: {potential: spring, reference: right_arm.home, feedback: right_arm, effector: right_arm}
+  search: {potential: spring, reference: head.ahead, feedback: head, effector: head}
+  track: {potential: spring, reference: [0 deg, 0 deg], feedback: cyclopean.sat_10, effector: head}
+
+actions: [home, search, track]
+
+policy:
+  XXX: home
+  0XX: home
+  1XX: search
+  X0X: search
+  X1X: track
+  XX0: track
+
+success: [XX1]
+failure:
+  XX-: out of view
+limits: {reward_ends: false}
+"""
 
 
 def codes(folder: Path, members: int, pattern: str) -> list[str]:
@@ -55,12 +82,13 @@ def test_the_check_ends_for_any_number_of_members(tmp_path: Path) -> None:
 
 
 def test_validate_points_at_a_pattern_of_failure_that_has_a_reason(tmp_path: Path) -> None:
-    text = (ROOT / "programs" / "survey.yaml").read_text(encoding="utf-8")
-    wrong = re.sub(r"  XX\*1\**: wider than the hand", "  XX*1: wider than the hand", text)
-    path = tmp_path / "survey.yaml"
+    path = tmp_path / "looking.yaml"
+    path.write_text(LOOKING, encoding="utf-8")
+    assert not check_document(path, session=Session(Library(ROOT)))
+    wrong = LOOKING.replace("  XX-: out of view", "  X-: out of view")
     path.write_text(wrong, encoding="utf-8")
     (diagnostic,) = check_document(path, session=Session(Library(ROOT)))
-    assert wrong.splitlines()[diagnostic.place.line - 1].startswith("  XX*1:")
+    assert wrong.splitlines()[diagnostic.place.line - 1].startswith("  X-:")
 
 
 def test_check_keeps_the_reasons_of_failures_by_pattern() -> None:
