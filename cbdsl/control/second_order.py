@@ -16,14 +16,12 @@ null spaces alone would let a lower level move along it, and the level above wou
 would oscillate for ever.
 
 At a saddle of the error, such as an arm stretched away from its target, J' v vanishes and S has a
-negative part: no step of first order helps, and S+ resists none. The level then takes a step d
-along the direction in which J' J + S has the most negative value m. Half the square of the error
-falls by p d + |m| d^2 / 2, with the part p of J' e. The step is added if y gains less. It is as
-long as the request, so that the bounds of the task hold.
+negative part: no step of first order helps. The level then takes a step d along the direction in
+which J' J + S has the most negative value m. Half the square of the error falls by p d + |m| d^2 /
+2, with the part p of J' e. The step is added if y gains less. It is as long as the request.
 
 Source: the hierarchical Newton method of Pfeiffer, Escande, Gergondet and Kheddar (2023,
-arXiv 2303.04428), with the displacement
-of one tick in place of the whole error. If a level achieves its request, nothing changes.
+arXiv 2303.04428), with the displacement of one tick in place of the whole error.
 """
 
 from __future__ import annotations
@@ -42,6 +40,8 @@ from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
 # A level resists a direction if its curvature, relative to the remaining displacement, is above
 # this, m or rad: far below a link's length, and far above the effect of an encoder's resolution.
 _RESISTED = 1e-3
+# Multiple of it beyond which a negative curvature is worth leaving; weak ones would only swing.
+_SADDLE = 100.0
 
 # Added to squared singular values that multipliers are divided by. They grow at a singularity, and
 # with them the stiffness of the levels below: bounded multipliers would let these swing.
@@ -159,7 +159,7 @@ def newton_step(
         gained += pull * step
         for j in range(size):
             add(change, free[j], step * vectors[i, j])
-    if way.requested == 0.0 or not lowest < -least:
+    if way.requested == 0.0 or not lowest < -_SADDLE * least:
         return change, resisted
     inner, longest = _restrict(curvature, free), threshold
     farther = max(way.error * way.fraction / way.requested, 1.0)
@@ -257,7 +257,7 @@ def _restrict(matrix: Floats, free: Floats) -> Floats:
 def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, float, Floats]:
     """Return the positive part of a matrix (m, m), its lowest eigenvalue, and resisted directions.
 
-    The directions have shape (r, n); a row is left over if the lowest eigenvalue is negative.
+    The directions have shape (r, n); a row is left over if the lowest eigenvalue is a saddle's.
     """
     size = len(inner)
     vectors, positive, lowest = np.empty((size, size)), np.zeros((size, size)), 0.0
@@ -275,4 +275,4 @@ def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, f
             for j in range(size):
                 add(resisted[count], free[j], math.sqrt(stiffness) * vectors[i, j])
             count += 1
-    return positive, lowest, resisted[: count + 1 if lowest < -least else count]
+    return positive, lowest, resisted[: count + 1 if lowest < -_SADDLE * least else count]
