@@ -219,7 +219,7 @@ def test_new_robot_from_mjcf_that_takes_long_ends(
     [
         '<mujoco><include file="pipe"/></mujoco>',
         '<mujoco><asset><mesh name="m" file="pipe.stl"/></asset></mujoco>',
-        '<mujoco><asset><hfield name="h" file="pipe.png"/></asset></mujoco>',
+        '<mujoco><asset><hfield name="h" size="1 1 1 1" file="pipe.png"/></asset></mujoco>',
     ],
 )
 def test_new_robot_from_mjcf_that_names_a_pipe_ends(
