@@ -59,6 +59,18 @@ class LateWork(event.Listener):
             finally:
                 recorder._moves = lambda: False
 
+        set_up = RobotServer._set_up_next
+
+        @functools.wraps(set_up)
+        def set_up_at_rest(self: RobotServer, setup: Any) -> None:
+            # The program sends no references until the stage is set up.
+            moves, recorder._moves = recorder._moves, lambda: False
+            try:
+                set_up(self, setup)
+            finally:
+                recorder._moves = moves
+
+        RobotServer._set_up_next = set_up_at_rest  # type: ignore[method-assign]
         DrivenBackend.__init__ = begin_driving  # type: ignore[method-assign]
         RobotServer.serve = begin_serving  # type: ignore[method-assign]
         sys.meta_path.insert(0, self)  # type: ignore[arg-type]
