@@ -172,7 +172,7 @@ def _xacro(folder: Path, data: bytes) -> bool:
     file = folder / "any.xacro"
     file.write_bytes(data)
     with suppress(UsageError, UrdfError):
-        expand_xacro(file, {}, PackageFolders({}, [], file))
+        expand_xacro(file, "any", {}, PackageFolders({}, [], file))
         return False
     return True
 

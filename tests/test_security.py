@@ -444,8 +444,8 @@ def test_bounds_on_the_page_are_those_of_the_readers() -> None:
     from cbdsl.reporting import recorded
     from cbdsl.robot import robot_xml, urdf_reader
     from cbdsl.robot.meshes import mesh_damage, model_meshes, triangles
-    from cbdsl.robot.mjcf import bounded_conversion
     from cbdsl_formats import budget
+    from cbdsl_formats.mjcf import bounded_conversion
 
     for words in (
         f"{composer.MOST_CHARACTERS:,} characters, {composer.LONGEST_TEXT:,} in one text",

@@ -63,7 +63,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
     if root.tag == "mujoco":
         raise UrdfError(
             f"{path}: it is MJCF; cb new robot NAME --urdf {path.name} makes URDF of it, with "
-            "the extra mujoco: pip install 'cbdsl[mujoco]'"
+            "the extra formats: pip install 'cbdsl[formats]'"
         )
     require_robot(root, path)
     if isinstance(text, bytes):

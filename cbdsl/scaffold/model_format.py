@@ -1,4 +1,4 @@
-"""Formats of robot models from packages, which are expanded to URDF."""
+"""Formats of robot models from packages, which are converted to URDF."""
 
 from __future__ import annotations
 
@@ -11,37 +11,58 @@ from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.types.registry import PluginError, Registry
 
 
+class ConvertedModel(NamedTuple):
+    """Model in URDF.
+
+    Attributes:
+        urdf: Text of the URDF.
+        meshes: Contents of mesh files, by their names in the text.
+        remarks: Sentences about parts of the model that have no counterpart in URDF.
+    """
+
+    urdf: str
+    meshes: Mapping[str, bytes] = {}
+    remarks: tuple[str, ...] = ()
+
+
 class ModelFormat(NamedTuple):
     """Format of robot models.
 
     Attributes:
         summary: Format, as a phrase.
-        expand: ``module:function`` of (path, arguments, packages) -> text: the URDF of a file, for
-            values of its arguments by name, and the folders of packages. It raises UrdfError for a
-            file that it cannot expand, and reads no other files than the model names.
+        convert: ``module:function`` of (path, name, arguments, packages) -> ConvertedModel: the
+            URDF of a file, for the name of the robot, values of the file's arguments by name, and
+            the folders of packages. It raises UrdfError for a file that it cannot convert, and
+            reads no other files than the model names.
     """
 
     summary: str
-    expand: str
+    convert: str
 
-    def expanded(self, path: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:
-        """Return the URDF text of a file.
+    def converted(
+        self, path: Path, name: str, arguments: Mapping[str, str], packages: PackageFolders
+    ) -> ConvertedModel:
+        """Return the model in URDF.
 
         Raises:
-            UrdfError: The file cannot be expanded.
+            UrdfError: The file cannot be converted.
             ModuleNotFoundError: A package of the format is not installed.
         """
-        module, _, name = self.expand.partition(":")
-        expand: Callable[..., str] = getattr(import_module(module), name)
-        return expand(path, arguments, packages)
+        module, _, function = self.convert.partition(":")
+        convert: Callable[..., ConvertedModel] = getattr(import_module(module), function)
+        return convert(path, name, arguments, packages)
 
 
 def _validate(_: str, entry: object) -> ModelFormat:
-    if not isinstance(entry, ModelFormat) or entry.expand.count(":") != 1:
+    if not isinstance(entry, ModelFormat) or entry.convert.count(":") != 1:
         raise PluginError("is no ModelFormat with 'module:function'")
     return entry
 
 
 MODEL_FORMATS: Registry[ModelFormat] = Registry(
-    "format of models", "cbdsl.models", {}, _validate, providers={"xacro": "cbdsl[formats]"}
+    "format of models",
+    "cbdsl.models",
+    {},
+    _validate,
+    providers=dict.fromkeys(("mjcf", "xacro"), "cbdsl[formats]"),
 )

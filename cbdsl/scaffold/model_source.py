@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from cbdsl.robot.package_folders import PackageFolders
     from cbdsl.robot.srdf import SrdfModel
     from cbdsl.robot.urdf import UrdfModel
+    from cbdsl.scaffold.model_format import ConvertedModel
 
 
 class ModelSource(NamedTuple):
@@ -78,7 +79,7 @@ class ModelReader:
 
         try:
             if self._format(file) == "xacro":
-                return parse_srdf(_expand(file, {}, self._packages), file)
+                return parse_srdf(self._converted(file, "xacro", "", {}).urdf, file)
             return read_srdf(file)
         except UrdfError as error:
             raise UsageError(f"srdf {error}") from None
@@ -92,10 +93,14 @@ class ModelReader:
         kind = self._format(self._file)
         if self._arguments and kind != "xacro":
             raise UsageError(f"--xacro-arg is for xacro, and {self._file} is none")
-        if kind == "mujoco":
-            return self._read_mjcf(name, folder)
+        if kind == "mjcf":
+            model = self._converted(self._file, kind, name)
+            how = "converted from MJCF as MuJoCo compiles it"
+            return self._written(model.urdf, how, name, folder, model.meshes, model.remarks)
         if kind == "xacro":
-            return self._read_xacro(name, folder)
+            text = self._converted(self._file, kind, name).urdf
+            values = "".join(f" {key}:={value}" for key, value in self._arguments.items())
+            return self._local(text, f"expanded by xacro{values}", name, folder)
         if kind == "nameless":
             return self._local(self._contents(), "copied, and given a name", name, folder)
         if self._given:
@@ -103,7 +108,7 @@ class ModelReader:
         return ModelSource(read_urdf(self._file), {}, ())
 
     def _format(self, file: Path) -> str:
-        """Return ``xacro``, ``mujoco``, ``robot`` or, for a robot without name, ``nameless``.
+        """Return ``xacro``, ``mjcf``, ``robot`` or, for a robot without name, ``nameless``.
 
         The file's name or the user determines whether it is xacro; the contents do not.
         Files that the readers will refuse are ``robot``, too.
@@ -120,40 +125,33 @@ class ModelReader:
             return "robot"
         if root.tag == "robot" and not root.get("name"):
             return "nameless"  # as some public models are, which no engine reads
-        return "mujoco" if root.tag == "mujoco" else "robot"
+        return "mjcf" if root.tag == "mujoco" else "robot"
+
+    def _converted(
+        self, file: Path, kind: str, name: str, arguments: Mapping[str, str] | None = None
+    ) -> ConvertedModel:
+        from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.scaffold.model_format import MODEL_FORMATS
+
+        values = self._arguments if arguments is None else arguments
+        try:
+            return MODEL_FORMATS.get(kind).converted(file, name, values, self._packages)
+        except ModuleNotFoundError as error:
+            raise UsageError(
+                f"{file}: {kind} needs {error.name}, which is not installed: "
+                "pip install 'cbdsl[formats]'"
+            ) from None
 
     def _contents(self) -> bytes:
         from cbdsl.robot.robot_xml import robot_text
 
         return robot_text(self._file)
 
-    def _read_xacro(self, name: str, folder: Path) -> ModelSource:
-        text = _expand(self._file, self._arguments, self._packages)
-        values = "".join(f" {key}:={value}" for key, value in self._arguments.items())
-        return self._local(text, f"expanded by xacro{values}", name, folder)
-
     def _local(self, text: str | bytes, how: str, name: str, folder: Path) -> ModelSource:
         from cbdsl.robot.local_urdf import localized
 
         urdf = localized(text, self._file, folder, self._packages, name)
         return self._written(urdf, how, name, folder, {}, ())
-
-    def _read_mjcf(self, name: str, folder: Path) -> ModelSource:
-        from importlib.util import find_spec
-
-        from cbdsl.backends.distributions import require_unmixed
-        from cbdsl.diagnostics.errors import UsageError
-        from cbdsl.robot.mjcf.bounded_conversion import convert_bounded
-
-        require_unmixed("mujoco")
-        if find_spec("mujoco") is None:
-            raise UsageError(
-                f"--urdf {self._file}: MJCF needs mujoco, which is not installed: "
-                "pip install 'cbdsl[mujoco]'"
-            )
-        converted = convert_bounded(self._file, name)
-        how = "converted from MJCF as MuJoCo compiles it"
-        return self._written(converted.urdf, how, name, folder, converted.meshes, converted.remarks)
 
     def _written(
         self,
@@ -182,19 +180,6 @@ class ModelReader:
         model = parse_urdf(text, path)
         len(model.bodies)  # reads the numbers of all links, before anything is written
         return ModelSource(model, files, remarks)
-
-
-def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:
-    from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.scaffold.model_format import MODEL_FORMATS
-
-    try:
-        return MODEL_FORMATS.get("xacro").expanded(file, arguments, packages)
-    except ModuleNotFoundError as error:
-        raise UsageError(
-            f"{file}: xacro needs {error.name}, which is not installed: "
-            "pip install 'cbdsl[formats]'"
-        ) from None
 
 
 def _package_folders(file: Path, named: Mapping[str, str]) -> PackageFolders:

@@ -41,7 +41,7 @@ def _xacro(data: bytes) -> None:
     file = scratch() / "any.xacro"
     file.write_bytes(data)
     try:
-        text = expand_xacro(file, {"side": "left"}, PackageFolders({}, [], file))
+        text = expand_xacro(file, "any", {"side": "left"}, PackageFolders({}, [], file)).urdf
         parse_urdf(text, file)
     except UrdfError as error:
         assert "any.xacro" in str(error)
@@ -73,7 +73,7 @@ def _xacro_expression(data: bytes) -> None:
 
 
 def _mjcf(data: bytes) -> None:
-    from cbdsl.robot.mjcf.conversion import convert_mjcf
+    from cbdsl_formats.mjcf.conversion import convert_mjcf
 
     file = scratch() / "any.xml"
     file.write_bytes(data)

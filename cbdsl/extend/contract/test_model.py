@@ -17,4 +17,4 @@ def test_file_that_is_no_model_is_refused_by_name(name: str, data: bytes, tmp_pa
     file = tmp_path / "any.model"
     file.write_bytes(data)
     with pytest.raises(UrdfError, match=r"any\.model"):
-        MODEL_FORMATS.get(name).expanded(file, {}, PackageFolders({}, [], file))
+        MODEL_FORMATS.get(name).converted(file, "any", {}, PackageFolders({}, [], file))

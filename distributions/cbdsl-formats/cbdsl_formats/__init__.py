@@ -1,1 +1,1 @@
-"""Expansion of xacro, a macro language of robot models."""
+"""Robot models in xacro and MJCF, converted to URDF."""

@@ -14,15 +14,18 @@ from typing import Any
 
 import xacro
 
-from cbdsl.extend.model import PackageFolders, UrdfError, suggestion
+from cbdsl.extend.model import ConvertedModel, PackageFolders, UrdfError, suggestion
 from cbdsl_formats.library_parts import LibraryParts
 
 
-def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:
-    """Return the URDF text of a xacro file.
+def expand_xacro(
+    path: Path, name: str, arguments: Mapping[str, str], packages: PackageFolders
+) -> ConvertedModel:
+    """Return the URDF of a xacro file.
 
     Args:
         path: Xacro file.
+        name: Unused; the robot's name is in the file.
         arguments: Values by name, in the form of ``name:=value`` in xacro.
         packages: Folders of packages, for ``$(find NAME)``.
 
@@ -55,7 +58,7 @@ def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFold
             f"{suggestion(unknown, known.asked)} (known: {names})"
         )
     _drop_repeated_materials(document.documentElement)
-    return str(document.documentElement.toxml())
+    return ConvertedModel(str(document.documentElement.toxml()))
 
 
 def _drop_repeated_materials(robot: Any) -> None:

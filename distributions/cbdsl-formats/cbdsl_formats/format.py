@@ -1,5 +1,6 @@
-"""Format ``xacro`` of robot models."""
+"""Formats ``xacro`` and ``mjcf`` of robot models."""
 
 from cbdsl.extend.model import ModelFormat
 
 XACRO = ModelFormat("macro language of robot models", "cbdsl_formats.expansion:expand_xacro")
+MJCF = ModelFormat("models of MuJoCo", "cbdsl_formats.mjcf.bounded_conversion:convert_bounded")

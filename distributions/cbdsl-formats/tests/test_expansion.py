@@ -23,7 +23,7 @@ CALLS = "".join(
 def expand(folder: Path, body: str, **arguments: str) -> str:
     file = folder / "any.xacro"
     file.write_text(f"{HEAD}{body}</robot>")
-    return expand_xacro(file, arguments, PackageFolders({}, [], file))
+    return expand_xacro(file, "any", arguments, PackageFolders({}, [], file)).urdf
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_expand_entities_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "any.xacro"
     file.write_text(f'<!DOCTYPE r [<!ENTITY a "x">]>{HEAD}<a b="&a;"/></robot>')
     with pytest.raises(UrdfError, match="entities"):
-        expand_xacro(file, {}, PackageFolders({}, [], file))
+        expand_xacro(file, "any", {}, PackageFolders({}, [], file))
 
 
 def test_expand_substitutions_return_arguments_and_defaults(tmp_path: Path) -> None:

@@ -11,9 +11,10 @@ import numpy as np
 import pinocchio
 import pytest
 
-from cbdsl.robot.mjcf.conversion import LEAST_MASS, MjcfConversion, convert_mjcf
+from cbdsl.extend.model import ConvertedModel
 from cbdsl.robot.urdf import UrdfError, UrdfModel
 from cbdsl.robot.urdf_reader import parse_urdf
+from cbdsl_formats.mjcf.conversion import LEAST_MASS, convert_mjcf
 
 ASSETS = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets"
 SEED = 5_250_000
@@ -71,11 +72,11 @@ def odd(tmp_path: Path) -> Path:
     return path
 
 
-def urdf_of(conversion: MjcfConversion) -> UrdfModel:
+def urdf_of(conversion: ConvertedModel) -> UrdfModel:
     return parse_urdf(conversion.urdf, Path("odd.urdf"))
 
 
-def farthest(path: Path, conversion: MjcfConversion, postures: int = 100) -> float:
+def farthest(path: Path, conversion: ConvertedModel, postures: int = 100) -> float:
     """Return the largest difference of placements between MuJoCo and the URDF."""
     model = mujoco.MjModel.from_xml_path(str(path))
     data, rng = mujoco.MjData(model), np.random.default_rng(SEED)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import mujoco as mj
 import numpy as np
 
-from cbdsl.numeric.arrays import Floats
+from cbdsl.extend.backend import Floats
 
 
 class BodyFrame(NamedTuple):

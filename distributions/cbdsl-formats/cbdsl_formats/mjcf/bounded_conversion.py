@@ -14,10 +14,11 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
 
-from cbdsl.robot.urdf import UrdfError
+from cbdsl.extend.model import ConvertedModel, PackageFolders, UrdfError, require_unmixed
 
 _MOST_SECONDS = 10
 # Time without computing, s: even on a busy machine, the process gets some of each second.
@@ -25,31 +26,30 @@ _MOST_IDLE_SECONDS = 5
 _MOST_BYTES = 3_000_000_000
 _BEGIN = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
-    "from cbdsl.robot.mjcf.bounded_conversion import main; main()"
+    "from cbdsl_formats.mjcf.bounded_conversion import main; main()"
 )
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
-class ConvertedModel(NamedTuple):
-    """Model in URDF.
-
-    Attributes:
-        urdf: Text of the URDF.
-        meshes: Contents of STL files, by their names in the text.
-        remarks: Sentences about parts of the model that have no counterpart in URDF.
-    """
-
-    urdf: str
-    meshes: dict[str, bytes]
-    remarks: tuple[str, ...]
-
-
-def convert_bounded(path: Path, name: str) -> ConvertedModel:
+def convert_bounded(
+    path: Path, name: str, arguments: Mapping[str, str], packages: PackageFolders
+) -> ConvertedModel:
     """Return the URDF of an MJCF model; see ``convert_mjcf``.
+
+    Args:
+        path: Path of the model.
+        name: Name of the robot.
+        arguments: Unused; MJCF has none.
+        packages: Unused; MuJoCo finds the files of a model.
 
     Raises:
         UrdfError: If the model is refused, or takes too much time or memory.
+        UsageError: If files of MuJoCo are damaged.
+        ModuleNotFoundError: If MuJoCo is not installed.
     """
+    require_unmixed("mujoco")
+    if find_spec("mujoco") is None:
+        raise ModuleNotFoundError(name="mujoco")
     # The process imports from the same folders as this one. An empty entry is left out, because it
     # stands for the working folder, whose modules could shadow the library's.
     paths = json.dumps([folder for folder in sys.path if folder])
@@ -87,7 +87,7 @@ def main() -> None:
     os.dup2(2, 1)  # warnings of native code must not mix with the answer
     answer: dict[str, object]
     try:
-        from cbdsl.robot.mjcf.conversion import convert_mjcf
+        from cbdsl_formats.mjcf.conversion import convert_mjcf
 
         converted = convert_mjcf(Path(sys.argv[2]), sys.argv[3])
         meshes = {file: base64.b64encode(data).decode() for file, data in converted.meshes.items()}

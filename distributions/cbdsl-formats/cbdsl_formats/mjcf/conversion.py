@@ -11,18 +11,16 @@ import math
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import mujoco as mj
 import numpy as np
 
-from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.mjcf.body_frame import BodyFrame, moved, placed, turned
-from cbdsl.robot.mjcf.mjcf_model import MjcfJoint, MjcfModel
-from cbdsl.robot.robot_xml import MOST_BYTES, xml_root
-from cbdsl.robot.urdf import UrdfError
-from cbdsl.storage.contents import contents
+from cbdsl.extend.backend import Floats
+from cbdsl.extend.model import MOST_BYTES, ConvertedModel, UrdfError, contents, xml_root
+from cbdsl_formats.mjcf.body_frame import BodyFrame, moved, placed, turned
+from cbdsl_formats.mjcf.mjcf_model import MjcfJoint, MjcfModel
 
 # Mass, kg, and inertia, kg m^2, of the additional links for sites and for bodies with several
 # joints. Some simulators assume 1 kg for a link without mass.
@@ -35,21 +33,7 @@ _MOST_COPIES, _MOST_PIXELS = 10_000, 100_000_000
 _UNWRITABLE = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-class MjcfConversion(NamedTuple):
-    """Model in URDF.
-
-    Attributes:
-        urdf: Text of the URDF.
-        meshes: Contents of STL files, by their names in the text.
-        remarks: Sentences about parts of the model that have no counterpart in URDF.
-    """
-
-    urdf: str
-    meshes: dict[str, bytes]
-    remarks: tuple[str, ...]
-
-
-def convert_mjcf(path: Path, name: str) -> MjcfConversion:
+def convert_mjcf(path: Path, name: str) -> ConvertedModel:
     """Return the URDF of an MJCF model.
 
     Args:
@@ -99,11 +83,11 @@ def _require_few_copies(path: Path) -> None:
         waiting += [(child, copies) for child in element]
 
 
-def _converted(model: MjcfModel, name: str) -> MjcfConversion:
+def _converted(model: MjcfModel, name: str) -> ConvertedModel:
     writer = _Writer(model, name)
     meshes = {file: model.stl(mesh) for file, mesh in writer.meshes.items()}
     indent(writer.robot)
-    return MjcfConversion(
+    return ConvertedModel(
         tostring(writer.robot, encoding="unicode"), meshes, tuple(model.remarks())
     )
 

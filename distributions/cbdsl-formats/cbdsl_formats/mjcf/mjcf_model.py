@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 import mujoco as mj
 import numpy as np
 
-from cbdsl.diagnostics.counting import count
-from cbdsl.numeric.arrays import Floats
-from cbdsl.robot.mjcf.body_frame import BodyFrame, placed
-from cbdsl.robot.urdf import UrdfError
+from cbdsl.extend.backend import Floats
+from cbdsl.extend.model import UrdfError
+from cbdsl_formats.mjcf.body_frame import BodyFrame, placed
 
 # Gravity of stages, and the largest difference without a remark, m/s^2.
 _GRAVITY, _GRAVITY_TOLERANCE = 9.81, 0.05
@@ -157,7 +156,8 @@ class MjcfModel:
         yield from _remark(held, "can move freely in the model, and is fixed in space here")
         yield from _remark(things, "is a thing beside the robot, which belongs on a stage")
         if scenery:
-            yield f"left out {count(scenery, 'geom')} of the world, which belong on a stage"
+            plural = "s" if scenery > 1 else ""
+            yield f"left out {scenery} geom{plural} of the world, which belong on a stage"
         yield from _remark(self.unknown_geoms, "has a form that URDF does not know")
         yield from _remark(self.unmatched_equalities, "is an equality that URDF cannot state")
         yield from _remark(tendons, "is a tendon, which URDF does not know")
