@@ -1,8 +1,8 @@
 """Formats of robot models, for the entry-point group ``cbdsl.models``.
 
 An entry is a ``ModelFormat``, whose function returns the URDF of a file. It runs no code of the
-file, and its work is bounded. ``UrdfError`` names the file and the reason why it cannot be
-converted. The contract test is ``cbdsl.extend.contract.test_model``.
+file, and its work is bounded. ``UrdfError`` names the file and the reason of a refusal. The
+contract test is ``cbdsl.extend.contract.test_model``.
 """
 
 from __future__ import annotations

@@ -59,10 +59,7 @@ def _validate(_: str, entry: object) -> ModelFormat:
     return entry
 
 
+_PROVIDERS = dict.fromkeys(("mjcf", "xacro"), "cbdsl[formats]")
 MODEL_FORMATS: Registry[ModelFormat] = Registry(
-    "format of models",
-    "cbdsl.models",
-    {},
-    _validate,
-    providers=dict.fromkeys(("mjcf", "xacro"), "cbdsl[formats]"),
+    "format of models", "cbdsl.models", {}, _validate, providers=_PROVIDERS
 )

@@ -86,6 +86,7 @@ class ModelReader:
 
     def _read(self, name: str, folder: Path) -> ModelSource:
         from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.robot.robot_xml import robot_text
         from cbdsl.robot.urdf_reader import read_urdf
 
         # Order: formats that need a conversion come first. A plain URDF is copied only if it lacks
@@ -94,17 +95,19 @@ class ModelReader:
         if self._arguments and kind != "xacro":
             raise UsageError(f"--xacro-arg is for xacro, and {self._file} is none")
         if kind == "mjcf":
-            model = self._converted(self._file, kind, name)
+            model = self._converted(self._file, kind, name, self._arguments)
             how = "converted from MJCF as MuJoCo compiles it"
             return self._written(model.urdf, how, name, folder, model.meshes, model.remarks)
         if kind == "xacro":
-            text = self._converted(self._file, kind, name).urdf
+            text = self._converted(self._file, kind, name, self._arguments).urdf
             values = "".join(f" {key}:={value}" for key, value in self._arguments.items())
             return self._local(text, f"expanded by xacro{values}", name, folder)
         if kind == "nameless":
-            return self._local(self._contents(), "copied, and given a name", name, folder)
+            how = "copied, and given a name"
+            return self._local(robot_text(self._file), how, name, folder)
         if self._given:
-            return self._local(self._contents(), "copied, with its meshes found", name, folder)
+            how = "copied, with its meshes found"
+            return self._local(robot_text(self._file), how, name, folder)
         return ModelSource(read_urdf(self._file), {}, ())
 
     def _format(self, file: Path) -> str:
@@ -128,24 +131,18 @@ class ModelReader:
         return "mjcf" if root.tag == "mujoco" else "robot"
 
     def _converted(
-        self, file: Path, kind: str, name: str, arguments: Mapping[str, str] | None = None
+        self, file: Path, kind: str, name: str, arguments: Mapping[str, str]
     ) -> ConvertedModel:
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.scaffold.model_format import MODEL_FORMATS
 
-        values = self._arguments if arguments is None else arguments
         try:
-            return MODEL_FORMATS.get(kind).converted(file, name, values, self._packages)
+            return MODEL_FORMATS.get(kind).converted(file, name, arguments, self._packages)
         except ModuleNotFoundError as error:
             raise UsageError(
                 f"{file}: {kind} needs {error.name}, which is not installed: "
                 "pip install 'cbdsl[formats]'"
             ) from None
-
-    def _contents(self) -> bytes:
-        from cbdsl.robot.robot_xml import robot_text
-
-        return robot_text(self._file)
 
     def _local(self, text: str | bytes, how: str, name: str, folder: Path) -> ModelSource:
         from cbdsl.robot.local_urdf import localized
