@@ -20,13 +20,31 @@ from cbdsl.backends.staging.episode_start import draw_start
 from cbdsl.backends.staging.experimenter import Experimenter
 from cbdsl.backends.staging.load_cells import LoadCells
 from cbdsl.backends.staging.sampler import ScenarioSampler
-from cbdsl.backends.staging.shutter import Shutter
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.sensing.observation import Loads, Observation
+
+
+class Shutter:
+    """Shutter that opens at the cameras' rate, which need not divide the control rate.
+
+    Args:
+        rate: Image rate, Hz.
+        period: Control period, s.
+    """
+
+    def __init__(self, rate: float, period: float) -> None:
+        self._per_tick = rate * period
+
+    def opens(self, tick: int) -> bool:
+        """Return whether an image became due within the last tick; the first is due at tick 0."""
+        # Number of images due by then; a small share keeps rounding from delaying one.
+        due = tick * self._per_tick + 1e-6
+        return tick == 0 or int(due) > int(due - self._per_tick)
+
 
 SomeEngine = TypeVar("SomeEngine", bound=Engine)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cbdsl.checking.knowledge.model import model_resources
-from cbdsl.checking.knowledge.pair_likeness import likeness_resource
 from cbdsl.checking.lookup.document_search import find_document, first_stage, for_robot
 from cbdsl.checking.program_context import Steps
 from cbdsl.checking.robot.checked_robot import CheckedRobot
@@ -19,9 +20,60 @@ from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.pair_names import pair_resource
 from cbdsl.robot.resources import NOVEL
-from cbdsl.types.resource import LIKENESS_OF, Resource
+from cbdsl.types.resource import LIKENESS_OF, Origin, PairLikeness, Resource
+from cbdsl.types.resource_type import LIKENESS
 from cbdsl.yaml_text.loaded import Loaded
+
+if TYPE_CHECKING:
+    from cbdsl.numeric.affordance_model import AffordanceModel
+
+
+class _PairModel:
+    """Model of a pair of a meta-catalog, computed at its first use.
+
+    Args:
+        catalog: Meta-catalog with the pair.
+        pair: Name of the pair.
+    """
+
+    def __init__(self, catalog: MetaCatalogDocument, pair: str) -> None:
+        self._catalog, self._pair = catalog, pair
+
+    def __call__(self) -> AffordanceModel:
+        """Return the model."""
+        return self._model
+
+    @cached_property
+    def _model(self) -> AffordanceModel:
+        # Validation needs no model, and starts without numpy.
+        from cbdsl.program.catalog_models import model_of
+
+        return model_of(self._catalog.pairs[self._pair], self._catalog)
+
+
+def likeness_resource(
+    catalog: MetaCatalogDocument, pair: str, resources: Mapping[str, Resource]
+) -> Resource | None:
+    """Return the resource ``likeness.<pair>`` of a pair of a meta-catalog.
+
+    Args:
+        catalog: Meta-catalog with the pair.
+        pair: Name of the pair.
+        resources: Resources of the robot, by name.
+
+    Returns:
+        Resource, or ``None`` if the pair never stayed, or the robot lacks a feature of its model.
+    """
+    own = catalog.pairs[pair]
+    signals = [pair_resource(each.signal, resources) for each in own.features.values()]
+    features = tuple(each for each in signals if each is not None)
+    if own.with_reward is None or not features or len(features) < len(signals):
+        return None
+    source = PairLikeness(catalog.name, pair, _PairModel(catalog, pair), features)
+    return Resource(f"{LIKENESS_OF}{pair}", LIKENESS, Origin.ENVIRONMENT, source)
+
 
 _KINDS: dict[str, type[Document]] = {
     "stage": StageDocument,

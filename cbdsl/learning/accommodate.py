@@ -9,19 +9,66 @@ import numpy as np
 
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import Gaussian, Kernel
-from cbdsl.learning.constants import AccommodateConstants
+from cbdsl.learning.constants import AccommodateConstants, Form
 from cbdsl.learning.decisions import Decisions
-from cbdsl.learning.epsilon_greedy import choose
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.knowledge_documents import model_documents, policy_document
 from cbdsl.learning.learner import TrialSummary
-from cbdsl.learning.prior import learned_density
 from cbdsl.learning.q_learning import QLearning
 from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.policies.policy import Choice, Policy
 from cbdsl.types.state import ANY
+
+
+def learned_density(
+    samples: Sequence[Sequence[float]], form: Form, bandwidth: float, prior: float
+) -> Kernel | Gaussian:
+    """Return the density of rewarded configurations, mixed with the initial uniform density.
+
+    Configurations without reward stay possible, and become less likely with more samples.
+
+    Args:
+        samples: Configurations, rad, shape (n, joints), n >= 1.
+        form: ``kernel`` for a Gaussian around each configuration, ``gaussian`` for one per joint.
+        bandwidth: Standard deviation of the kernels, smallest one of a Gaussian, rad.
+        prior: Weight of the uniform density, in samples.
+    """
+    # Model: with n samples tau_i, bandwidth b and prior weight p,
+    #     Pr(tau | sigma, reward) = u U(tau) + (1 - u) / n sum_i N(tau; tau_i, b^2),
+    # where U is the uniform density over the joint ranges, and u = p / (p + n) its share.
+    uniform = prior / (prior + len(samples))
+    angles = np.array(samples, dtype=float)
+    joints = angles.shape[1]
+    if form == "kernel":
+        rows = tuple(_rounded(row) for row in angles)
+        return Kernel(form="kernel", samples=rows, bandwidth=(bandwidth,) * joints, uniform=uniform)
+    # A single sample has a deviation of 0.
+    deviation = np.maximum(angles.std(axis=0), bandwidth)
+    mean = _rounded(angles.mean(axis=0))
+    return Gaussian(form="gaussian", mean=mean, deviation=_rounded(deviation), uniform=uniform)
+
+
+def _rounded(angles: Sequence[float] | np.ndarray) -> tuple[float, ...]:
+    """Round to microradians, so that written and sampled densities agree."""
+    return tuple(round(float(angle), 6) for angle in angles)
+
+
+def choose(
+    best: Sequence[str], actions: Sequence[str], epsilon: float, rng: np.random.Generator
+) -> str:
+    """Return a uniform choice among the best actions, or with probability ``epsilon`` among all.
+
+    Args:
+        best: Actions of the largest value.
+        actions: All actions, including the best ones.
+        epsilon: Probability of exploration, in [0, 1].
+        rng: Random generator.
+    """
+    among = actions if rng.random() < epsilon else best
+    return among[int(rng.integers(len(among)))]
+
 
 # Decimals of learned values; further ones are not significant.
 _DECIMALS = 6

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import stat
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from io import FileIO
@@ -18,7 +18,34 @@ from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.legible_text import encoded
 from cbdsl.storage.contents import KINDS, json_of
 from cbdsl.storage.file_lock import LockedError, lock
-from cbdsl.storage.identity import differences
+
+
+def differences(known: Mapping[str, Any], requested: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the differences between two identities, in words."""
+    for key in {**known, **requested}:
+        old, new = known.get(key), requested.get(key)
+        if old == new:
+            continue
+        if isinstance(old, dict) and isinstance(new, dict):
+            # Documents are identified by name and digest. Another name is another document, and
+            # another digest the same document with changed contents.
+            if old.get("name") != new.get("name"):
+                yield f"{key} was {old.get('name')}, is {new.get('name')}"
+            elif "sha256" in old:
+                yield f"{key} '{old.get('name')}' has changed since"
+            else:
+                yield from differences(old, new)
+        else:
+            yield f"{key} was {_shown(old)}, is {_shown(new)}"
+
+
+def _shown(value: object) -> str:
+    if value is None:
+        return "nothing"
+    if isinstance(value, dict):
+        return str(value.get("name", value))
+    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+
 
 Row = TypeVar("Row")
 

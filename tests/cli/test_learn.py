@@ -11,7 +11,7 @@ import pytest
 
 from cbdsl.cli import main as command
 from cbdsl.control.potentials import multigrid
-from cbdsl.training.knowledge_files import learned_documents
+from cbdsl.training.trial_work import learned_documents
 from cbdsl.yaml_text.writer import write
 from tests.cli.test_run import STUCK
 from tests.conftest import ROOT

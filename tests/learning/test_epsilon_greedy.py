@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.learning.epsilon_greedy import choose
+from cbdsl.learning.accommodate import choose
 
 ACTIONS = ("a", "b", "c", "d")
 

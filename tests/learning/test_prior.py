@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.model import Gaussian, Kernel
-from cbdsl.learning.prior import Form, learned_density
+from cbdsl.learning.accommodate import learned_density
+from cbdsl.learning.constants import Form
 from cbdsl.program.binding import density_source
 from cbdsl.sensing.density import DensitySampler
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cbdsl.sensing.uniform import UniformSampler
+from cbdsl.sensing.density import UniformSampler
 
 LOWER, UPPER = np.array([-1.7, -1.0]), np.array([1.7, 1.5])
 

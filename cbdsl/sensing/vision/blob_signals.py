@@ -12,8 +12,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.arrays import Floats
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.table.reading import Reading
-from cbdsl.sensing.vision.blob import blob_of
-from cbdsl.sensing.vision.constellation import constellation_of
+from cbdsl.sensing.vision.blob import Blob, blob_of
 from cbdsl.sensing.vision.vision import Vision
 from cbdsl.sensing.vision.visual_signals import VisualSignals
 from cbdsl.types.resource import (
@@ -25,6 +24,41 @@ from cbdsl.types.resource import (
     StereoSignal,
 )
 from cbdsl.types.source_record import sources_of
+
+
+class Constellation(NamedTuple):
+    """Relative scales of two blobs, and their relative orientation.
+
+    Their relative position is not included, as in the dissertation.
+
+    Attributes:
+        longer: Ratio of du of the first blob to that of the second.
+        shorter: Ratio of dv of the first blob to that of the second.
+        turn: Angle psi of the first blob's longer axis from that of the second, rad, above -pi/2 up
+            to pi/2; 0 if either blob is round and so has no longer axis.
+    """
+
+    longer: float
+    shorter: float
+    turn: float
+
+    @property
+    def value(self) -> Floats:
+        """Longer and shorter ratio and turn, shape (3,)."""
+        return np.array(self)
+
+
+def constellation_of(first: Blob, second: Blob) -> Constellation:
+    """Return the constellation of two blobs."""
+    longer, shorter = (first.extent / second.extent).tolist()
+    axes = first.orientation, second.orientation
+    turn = 0.0 if axes[0] is None or axes[1] is None else half_turn(axes[0] - axes[1])
+    return Constellation(longer, shorter, turn)
+
+
+def half_turn(angle: float) -> float:
+    """Return an angle modulo half a turn, rad, above -pi/2 up to pi/2."""
+    return angle - math.pi * math.ceil(angle / math.pi - 0.5)
 
 
 class _Motion(NamedTuple):

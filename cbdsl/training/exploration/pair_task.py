@@ -7,25 +7,87 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from cbdsl.backends.backend import Backend, BackendError
 from cbdsl.documents.catalog import CatalogProvenance
-from cbdsl.documents.meta_catalog import ImpedanceSection, KnownThing, MetaCatalogDocument
+from cbdsl.documents.meta_catalog import (
+    ImpedanceSection,
+    KnownThing,
+    MetaCatalogDocument,
+    PairSection,
+)
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.learning.catalogs.action_outcome import ACTIONS, NOOP, ActionOutcome
-from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
-from cbdsl.learning.catalogs.pair_exploration import PairExploration
+from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants, CatalogExploration
+from cbdsl.learning.catalogs.exploration import Exploration
 from cbdsl.runtime.episode import EpisodeError, Runner
 from cbdsl.storage.journal import Journal
 from cbdsl.training.exploration.action_work import ActionWork, FinishedAction
 from cbdsl.training.exploration.catalog_provenance import catalog_provenance, identity_of
 from cbdsl.training.exploration.catalog_task import CatalogTask
+from cbdsl.training.exploration.catalog_writing import affordance_values, step_columns
 from cbdsl.training.exploration.explorable_pair import ExplorablePair
-from cbdsl.training.exploration.meta_catalog_writing import meta_catalog_document
 from cbdsl.training.impedance_gauge import ImpedanceGauge
 from cbdsl.training.known_relations import KnownRelations, impedance_section
 from cbdsl.training.task_observer import TaskObserver
+
+
+def meta_catalog_document(
+    name: str,
+    things: Mapping[str, KnownThing],
+    relation: str,
+    pairs: Mapping[str, ExplorablePair],
+    exploration: Exploration,
+    impedances: Mapping[str, ImpedanceSection],
+    provenance: CatalogProvenance,
+) -> MetaCatalogDocument:
+    """Return the meta-catalog of an exploration.
+
+    Args:
+        name: Name of the document.
+        things: Objects, by name.
+        relation: Relation that the program of the pairs brings about.
+        pairs: Explorable pairs by name.
+        exploration: Exploration at its end.
+        impedances: Measured impedances by name of the pair.
+        provenance: Provenance of the meta-catalog.
+    """
+    sections = {}
+    for key, pair in pairs.items():
+        known = affordance_values(key, exploration, pair.program, pair.features)
+        ends = {"upper": pair.upper, "lower": pair.lower, "relation": relation}
+        sections[key] = PairSection(**ends, **known, impedance=impedances.get(key))
+    return MetaCatalogDocument(
+        cbdsl=1,
+        kind="meta_catalog",
+        name=name,
+        robot=next(iter(pairs.values())).program.robot,
+        things=dict(things),
+        pairs=sections,
+        over=tuple(dict.fromkeys(t.meta_catalog for t in things.values() if t.meta_catalog)),
+        steps=step_columns(exploration),
+        provenance=provenance,
+    )
+
+
+class PairExploration(CatalogExploration):
+    """EXPLORECATALOG over pairs, where the least-tried pairs come first.
+
+    A pair that never stood changes no model and has no value. Without this rule, only chance would
+    decide whether it is ever tried.
+    """
+
+    def choose(self, rng: np.random.Generator) -> str:
+        """Return the next action (see ``Exploration.choose``)."""
+        tried = {name: self.affordances[name].tried for name in self.actions if name != NOOP}
+        least = min(tried.values(), default=self.constants.least)
+        if least >= self.constants.least:
+            return super().choose(rng)
+        fewest = [name for name, count in tried.items() if count == least]
+        return fewest[int(rng.integers(len(fewest)))]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from cbdsl.backends.cameras.pixel_noise import PixelNoise
+from cbdsl.backends.cameras.rendered import PixelNoise
 
 GREY = np.full((120, 160, 3), 100, np.uint8)
 

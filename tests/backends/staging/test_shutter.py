@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.backends.staging.shutter import Shutter
+from cbdsl.backends.simulated_backend import Shutter
 
 
 @given(st.integers(1, 120), st.integers(10, 500))

@@ -12,11 +12,11 @@ import pytest
 from cbdsl.documents.meta_catalog import MetaCatalogDocument, PairSection, Relation
 from cbdsl.learning.catalogs.action_outcome import ActionOutcome, FeatureForm
 from cbdsl.learning.catalogs.catalog_exploration import CatalogConstants
-from cbdsl.learning.catalogs.pair_exploration import PairExploration
 from cbdsl.learning.catalogs.pair_recognition import recognise
 from cbdsl.learning.catalogs.stack_plan import pairs_of, plan_stack, plan_stacks
 from cbdsl.learning.catalogs.thing_graph import support_graph, thing_graph
 from cbdsl.numeric.affordance_model import AffordanceModel
+from cbdsl.training.exploration.pair_task import PairExploration
 
 
 def support(pairs: Mapping[tuple[str, str], float]) -> Any:

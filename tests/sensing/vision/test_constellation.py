@@ -14,7 +14,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.pair_names import pair_resource, parse_pair
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.vision.blob import Blob
-from cbdsl.sensing.vision.constellation import Constellation, constellation_of, half_turn
+from cbdsl.sensing.vision.blob_signals import Constellation, constellation_of, half_turn
 from cbdsl.types.resource import ConstellationSignal, StereoOffset
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cbdsl.sensing.vision.posture_history import PostureHistory
+from cbdsl.sensing.vision.vision import PostureHistory
 
 
 def test_the_posture_is_that_of_the_tick_of_the_exposure() -> None:
