@@ -46,6 +46,7 @@ class ActingArrays(NamedTuple):
         columns: Joint index of each of the stack's n joints for each level, -1 for a joint that its
             slot does not move, shape (levels, n).
         joints: Joint index of each of the stack's n joints, shape (n,).
+        steps: Steps of their encoders, rad or m, shape (n,).
     """
 
     needed: Integers
@@ -53,6 +54,7 @@ class ActingArrays(NamedTuple):
     order: Integers
     columns: Integers
     joints: Integers
+    steps: Floats
 
 
 class TickArrays(NamedTuple):
@@ -94,7 +96,7 @@ def tick(arrays: Handle) -> int:
     levels.clock[0] = (levels.clock[0] + 1) % TICKS
     active = False
     for number in range(len(acting.order)):
-        if not _write_level(acting.order[number], acting.columns, signals, plan, levels, law):
+        if not _write_level(number, acting, signals, plan, levels, law):
             return int(acting.order[number, 3])
         active |= levels.ages[acting.order[number, 3]] > 0
     if not active:
@@ -113,8 +115,8 @@ def tick(arrays: Handle) -> int:
 
 @compiled
 def _write_level(
-    who: Integers,
-    columns: Integers,
+    number: int,
+    acting: ActingArrays,
     signals: SignalArrays,
     plan: PlanArrays,
     levels: LevelArrays,
@@ -123,10 +125,11 @@ def _write_level(
     """Decide a slot's mode, and write its level if it acts; return whether its numbers are finite.
 
     Args:
-        who: Row of ``ActingArrays.order``, shape (4,).
-        columns: Joints of all levels, as in ``ActingArrays``.
+        number: Row of the slot in ``acting.order``.
+        acting: Controllers that act.
         signals, plan, levels, law: Arrays of the tick.
     """
+    who, columns = acting.order[number], acting.columns
     slot, place = plan.slots[who[0]], who[3]
     newest, ages, end = levels.clock[0], levels.ages, levels.ends[place]
     first = end - slot.size
@@ -142,6 +145,7 @@ def _write_level(
         levels.rows[newest, first:end],
         levels.rows[newest - 1, first:end],
         displacement,
+        acting.steps,
     )
     again = ages[place] > 0
     if not write_level(slot, signals.table, plan.parameters, task, law.displacement, again):
@@ -165,7 +169,7 @@ def _note(slot: Any, required: int, plan: PlanArrays, table: TableArrays) -> Non
     if slot.reference >= 0:
         measured = max(measured, table.records[slot.reference].stamp)
     window = plan.windows[slot.window : slot.window + slot.notes[5]]
-    note(slot.phi, measured, slot.settings, window, slot.notes)
+    note(slot.phi, slot.ripple, measured, slot.settings, window, slot.notes)
     is_held = not slot.requires or plan.slots[required].mode == TRACK
     bound = error_bound(slot, table.records, table.value) if is_held else -math.inf
     require_settled(slot.error, bound, slot.notes)

@@ -33,6 +33,7 @@ SLOT = np.dtype(
         ("size", np.int64),
         ("phi", np.float64),
         ("error", np.float64),  # norm of the residual
+        ("ripple", np.float64),  # change of phi if each joint moves by a step of its encoder
         ("bounds", np.float64, 6),  # of ``rate.displace``
         # Predicate in the form of ``predicate.note``.
         ("window", np.int64),

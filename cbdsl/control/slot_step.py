@@ -30,12 +30,14 @@ class TaskArrays(NamedTuple):
         last: Level of the preceding tick, shape (k, n).
         before: Displacement of the task coordinates in the preceding tick, shape (k,); becomes this
             tick's.
+        steps: Steps of the joints' encoders, rad or m, shape (n,).
     """
 
     columns: Integers
     level: Floats
     last: Floats
     before: Floats
+    steps: Floats
 
 
 @compiled
@@ -71,12 +73,13 @@ def write_level(
     _select(jacobian, slope, slot.identity, task.columns, level)
     step = np.empty(size)
     if slot.rule == _RESIDUAL:
-        error, unit = norm(residual), 1.0
+        error, unit, ripple = norm(residual), 1.0, _ripple(residual, level, task.steps)
         if slot.funnel[0] > 0.0:
             residual[2] += _height(here, there, slot.funnel)
         copy(step, residual, 0.5)
     else:
         error, unit = _follow_gradient(slot.rule, residual, level[0])
+        ripple = _ripple(np.ones(1), level, task.steps) / unit if unit > 0.0 else 0.0
         slot.stride = _stride(slot.stride, task.last[0], level[0], total) if again else 1.0
         step[0] = slot.stride * residual[0]
     if not (math.isfinite(phi) and _is_finite(level)):
@@ -84,7 +87,7 @@ def write_level(
     if not displace(step, residual, level, unit, slot.bounds, task.before):
         return False
     if slot.mode == TRACK:
-        slot.phi, slot.error = phi, error
+        slot.phi, slot.error, slot.ripple = phi, error, ripple
     return True
 
 
@@ -104,6 +107,24 @@ def _follow_gradient(rule: int, residual: Floats, gradient: Floats) -> tuple[flo
     unit = 1.0 / length if length > 0.0 else 0.0
     scale(gradient, unit)
     return abs(residual[0]), unit
+
+
+@compiled
+def _ripple(residual: Floats, level: Floats, steps: Floats) -> float:
+    """Return the change of half the squared residual if each joint moves by a step, to first order.
+
+    Args:
+        residual: Residual, shape (k,).
+        level: Task coordinates per joint, shape (k, n).
+        steps: Steps of the joints' encoders, rad or m, shape (n,).
+    """
+    ripple = 0.0
+    for joint in range(len(steps)):
+        slope = 0.0
+        for i in range(len(residual)):
+            slope += residual[i] * level[i, joint]
+        ripple += abs(slope) * steps[joint]
+    return ripple
 
 
 @compiled

@@ -102,6 +102,7 @@ class Actuation:
             limit_margin=control.limit_margin,
             lead=control.lead,
         )
+        self._steps = _encoder_steps(robot, signals.joints.names)
         self.reference: Floats = np.zeros(len(signals.joints))
         self.load_guards = LoadGuards(guards, signals, period)
         self._batches: dict[_Acting, ControllerBatch] = {}
@@ -226,7 +227,10 @@ class Actuation:
         arrays = TickArrays(
             signals.arrays,
             self._plan.arrays,
-            ActingArrays(needed, signals.clock, batch.acting, batch.columns, batch.joints),
+            ActingArrays(
+                needed, signals.clock, batch.acting, batch.columns, batch.joints,
+                self._steps[batch.joints],
+            ),
             step.stack.arrays,
             batch.law.arrays(step),
             self.reference,
@@ -266,6 +270,12 @@ class Actuation:
             tuple([run for run in runs if run.preparation.is_needed]),
             any([run.preparation.computes for run in runs]),
         )
+
+
+def _encoder_steps(robot: RobotDocument, joints: Sequence[str]) -> Floats:
+    """Return the steps of the joints' encoders, rad or m, shape (n,)."""
+    of = {name: each.resolution for each in robot.effectors.values() for name in each.joints}
+    return np.array([of.get(name, 0.0) for name in joints])
 
 
 def _fault_of(runs: Sequence[ControllerRun], error: Exception) -> Exception | None:

@@ -112,6 +112,7 @@ class Bench:
         self.columns = np.where(mine, JOINTS, -1)
         self.acting = np.array([(slot, -1, -1, slot) for slot in range(len(cases))])
         self.positions, self.references = np.zeros(ALL), np.zeros(ALL)
+        self.steps = np.zeros(len(JOINTS))
         self.law = Law(np.full(5, -1e3), np.full(5, 1e3), LawSettings(joint_step=1e3))
         self.loads, self.load_guards = np.zeros((0, 6)), np.zeros(0, LOAD_GUARD)
 
@@ -134,8 +135,9 @@ class Bench:
             TreeArrays(np.zeros(0, JOINT), np.zeros((1, 12)), np.zeros((0, 3))),
         )
         acting = ActingArrays(
-            np.zeros(0, np.int64), np.zeros(1, np.int64), self.acting, self.columns, JOINTS
-        )
+            np.zeros(0, np.int64), np.zeros(1, np.int64), self.acting, self.columns, JOINTS,
+            self.steps,
+        )  # fmt: skip
         arrays = TickArrays(
             signals, self.plan.arrays, acting, stack.arrays, law.arrays(step), self.references,
             self.load_guards,
@@ -173,6 +175,24 @@ class Alone:
 @pytest.fixture
 def bench(rng: np.random.Generator) -> Bench:
     return Bench(CASES, rng)
+
+
+def test_ripple_is_the_change_of_phi_by_steps_of_the_encoders(
+    bench: Bench, rng: np.random.Generator
+) -> None:
+    bench.draw(rng)
+    bench.steps[:] = rng.uniform(1e-6, 1e-4, len(JOINTS))
+    assert bench.tick() == MOVED
+    for place, case in enumerate(bench.cases):
+        here, there = bench.feedback[place], bench.reference[place]
+        columns = bench.columns[place]
+        rows = np.where(columns >= 0, bench.table.rows(here)[:, columns], 0.0)
+        signal = Signal(bench.table.values(here), rows)
+        found = evaluate(case.potential, signal, bench.table.values(there))
+        is_residual = case.potential.rule == Rule.RESIDUAL
+        slope = found.jacobian.T @ (found.residual if is_residual else np.ones(1))
+        expected = np.abs(slope) @ bench.steps
+        assert bench.plan.slots["ripple"][place] == pytest.approx(expected)
 
 
 def test_slots_of_one_tick_act_as_separate_slots(bench: Bench, rng: np.random.Generator) -> None:

@@ -22,7 +22,8 @@ def settings_of(rate: float, window: float, period: float) -> Floats:
     """Return the window, s, the largest range in it at rest, and the period, s, shape (3,).
 
     Rest is judged by the range of the potential over a window, because its derivative at an instant
-    flips with every ripple of the signal. Only measured values count: a potential that is repeated
+    flips with every ripple of the signal. Encoders that flip by one step move no joint: the ripple
+    of a potential whose large error others hold is no motion. Only measured values count: a potential that is repeated
     between two camera images is not at rest for that reason. Time passes with every tick.
 
     Args:
@@ -60,11 +61,14 @@ def restart(notes: Integers) -> None:
 
 
 @compiled_once
-def note(phi: float, stamp: int, settings: Floats, values: Floats, notes: Integers) -> None:
+def note(
+    phi: float, ripple: float, stamp: int, settings: Floats, values: Floats, notes: Integers
+) -> None:
     """Note a potential in one tick.
 
     Args:
         phi: Value of the potential.
+        ripple: Change of phi that encoders do not resolve; a range of that size is rest.
         stamp: Stamp of the measurement that phi is based on; an old stamp changes nothing.
         settings: Settings from ``settings_of``.
         values: Ring buffer of the window, shape (``room_of``,).
@@ -73,7 +77,7 @@ def note(phi: float, stamp: int, settings: Floats, values: Floats, notes: Intege
     notes[_TICKS] += 1
     if stamp != notes[_STAMP]:
         notes[_STAMP] = stamp
-        rests = _rests(phi, notes[_TICKS] * settings[2], settings, values, notes)
+        rests = _rests(phi, ripple, notes[_TICKS] * settings[2], settings, values, notes)
         notes[PREDICATE] = _QUIESCENT if rests else _TRANSIENT
     elif notes[PREDICATE] != _QUIESCENT:
         notes[PREDICATE] = _TRANSIENT
@@ -100,7 +104,9 @@ def note_undefined(notes: Integers) -> None:
 
 
 @compiled
-def _rests(phi: float, time: float, settings: Floats, values: Floats, notes: Integers) -> bool:
+def _rests(
+    phi: float, ripple: float, time: float, settings: Floats, values: Floats, notes: Integers
+) -> bool:
     """Store a potential and its time of measurement, s; return whether it is at rest."""
     window, largest_range, _ = settings
     length = len(values)
@@ -119,5 +125,5 @@ def _rests(phi: float, time: float, settings: Floats, values: Floats, notes: Int
     for i in range(notes[_KEPT]):
         value = values[(notes[_OLDEST] + 2 * i) % length + 1]
         least, most = min(least, value), max(most, value)
-    rests: bool = most - least <= largest_range
+    rests: bool = most - least <= largest_range + ripple
     return rests

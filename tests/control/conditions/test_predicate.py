@@ -38,8 +38,8 @@ class Monitor:
         self.notes[ROOM] = len(self.window)
         reset(self.notes)
 
-    def update(self, phi: float, stamp: int) -> str:
-        note(phi, stamp, self.settings, self.window, self.notes)
+    def update(self, phi: float, stamp: int, ripple: float = 0.0) -> str:
+        note(phi, ripple, stamp, self.settings, self.window, self.notes)
         return self.predicate
 
     @property
@@ -164,3 +164,12 @@ def test_require_settled_leaves_an_undefined_potential_undefined() -> None:
     note_undefined(monitor.notes)
     require_settled(1.0, 0.1, monitor.notes)
     assert monitor.predicate == "-"
+
+
+@pytest.mark.parametrize(("ripple", "rests"), [(0.9e-3, False), (1.1e-3, True)])
+def test_potential_that_flips_by_the_ripple_of_its_encoders_is_at_rest(
+    ripple: float, rests: bool
+) -> None:
+    monitor = Monitor(rate=1e-6, window=0.1, period=TICK)
+    seen = [monitor.update(0.1 + 1e-3 * (tick % 2), tick, ripple) for tick in range(30)]
+    assert (seen[-1] == "1") is rests
