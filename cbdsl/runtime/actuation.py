@@ -228,7 +228,11 @@ class Actuation:
             signals.arrays,
             self._plan.arrays,
             ActingArrays(
-                needed, signals.clock, batch.acting, batch.columns, batch.joints,
+                needed,
+                signals.clock,
+                batch.acting,
+                batch.columns,
+                batch.joints,
                 self._steps[batch.joints],
             ),
             step.stack.arrays,

@@ -22,9 +22,10 @@ def settings_of(rate: float, window: float, period: float) -> Floats:
     """Return the window, s, the largest range in it at rest, and the period, s, shape (3,).
 
     Rest is judged by the range of the potential over a window, because its derivative at an instant
-    flips with every ripple of the signal. Encoders that flip by one step move no joint: the ripple
-    of a potential whose large error others hold is no motion. Only measured values count: a potential that is repeated
-    between two camera images is not at rest for that reason. Time passes with every tick.
+    flips with every ripple of the signal. Only measured values count: a potential that is repeated
+    between two camera images is not at rest for that reason. Time passes with every tick. The range
+    that flips of the encoders by one step explain is allowed: that is large where others hold a
+    controller far from its target.
 
     Args:
         rate: Largest range per second at rest, in the potential's unit per second (epsilon).
