@@ -104,12 +104,20 @@ constraints:
 	--extra dev --extra release --extra fuzz pyproject.toml reproduction/pyproject.toml \
 	$(DISTRIBUTIONS:%=%/pyproject.toml)) > build/constraints.txt
 	mv build/constraints.txt constraints.txt
+	(echo "# What builds the published files, with the digests that are allowed; make constraints renews it."; \
+	printf 'build>=1.2\nhatchling>=1.25\n' | uv pip compile --quiet --universal --python-version 3.11 --no-header \
+	--no-annotate --generate-hashes -) > build/requirements.txt
+	mv build/requirements.txt .ci/build-requirements.txt
 
 # Wheels and sdists of all distributions in dist/, checked where nothing else is installed.
 dist:
 	rm -rf dist
 	$(BIN)pip install --quiet --disable-pip-version-check -e ".[release]"
-	for project in . reproduction $(DISTRIBUTIONS); do $(BIN)python -m build --outdir dist $$project || exit 1; done
+	$(PYTHON) -m venv dist/builder
+	dist/builder/bin/pip install --quiet --disable-pip-version-check --require-hashes -r .ci/build-requirements.txt
+	for project in . reproduction $(DISTRIBUTIONS); do \
+	dist/builder/bin/python -m build --no-isolation --outdir dist $$project || exit 1; done
+	rm -rf dist/builder
 	$(BIN)twine check --strict dist/*
 	$(BIN)pytest -n 0 -m slow tests/test_distribution.py
 

@@ -21,10 +21,11 @@ from tests.conftest import ROOT
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
 REPRODUCTION = tomllib.loads((ROOT / "reproduction/pyproject.toml").read_text("utf-8"))["project"]
-PLUGINS = {
-    file.parent.name: tomllib.loads(file.read_text("utf-8"))["project"]
-    for file in sorted((ROOT / "distributions").glob("*/pyproject.toml"))
+BUILDS = {
+    file.parent.name: tomllib.loads(file.read_text("utf-8"))
+    for file in (ROOT / "pyproject.toml", *sorted(ROOT.glob("distributions/*/pyproject.toml")))
 }
+PLUGINS = {name: each["project"] for name, each in BUILDS.items() if name != ROOT.name}
 PREFIX = "Programming Language :: Python :: 3."
 VERSIONS = sorted(
     (each.split(" :: ")[-1] for each in PROJECT["classifiers"] if each.startswith(PREFIX)),
@@ -79,6 +80,19 @@ def test_release_publishes_only_tested_files_with_their_digests() -> None:
     assert download["uses"].startswith("actions/download-artifact@")
     assert check["run"].endswith("sha256sum --check --strict")
     assert upload["uses"].startswith("pypa/gh-action-pypi-publish@")
+
+
+def test_published_files_are_built_by_tools_with_digests() -> None:
+    build = next(
+        rule for rule in (ROOT / "Makefile").read_text("utf-8").split("\n\n") if "\ndist:\n" in rule
+    )
+    assert "--require-hashes -r .ci/build-requirements.txt" in build
+    assert "-m build --no-isolation" in build
+    listed = (ROOT / ".ci/build-requirements.txt").read_text("utf-8")
+    pinned = re.findall(r"(?m)^([\w-]+)==\S+[^\n]*\\\n    --hash=sha256:[0-9a-f]{64}", listed)
+    for project in BUILDS.values():
+        names = {Requirement(each).name for each in project["build-system"]["requires"]}
+        assert names <= set(pinned)
 
 
 def test_citation_has_the_version_of_all_distributions() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -38,6 +38,7 @@ def propose_robot(
     packages: Sequence[str] = (),
     to: str | Path | None = None,
     force: bool = False,
+    renew: bool = False,
 ) -> RobotProposal:
     """Write a robot document for a model in URDF, xacro or MJCF.
 
@@ -53,9 +54,11 @@ def propose_robot(
         packages: Folders of ROS packages that the model refers to, each ``NAME=FOLDER``.
         to: Folder of the document; ``robots`` if ``None``.
         force: True to replace existing files.
+        renew: True to convert the model again for a robot document, which stays as it is.
 
     Raises:
-        UsageError: The model cannot be read, has no movable joint, or a file exists already.
+        UsageError: The model cannot be read, has no movable joint, or a file exists already; with
+            ``renew``, the document is missing.
     """
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.scaffold.document_template import DocumentTemplate
@@ -65,6 +68,9 @@ def propose_robot(
     template = DocumentTemplate(RobotDocument, "robot", name, None if to is None else Path(to))
     reader = ModelReader(Path(model), xacro_arguments, packages, xacro)
     source = reader.read(name, template.folder)
+    if renew:
+        written = _models(template.renew(source.files))
+        return RobotProposal(template.file, written, source.remarks)
     semantics = None if srdf is None else _semantics(reader, Path(srdf), source.model)
     proposal = propose(source.model, template.folder, semantics)
     remarks = [*source.remarks, *([] if semantics is None else semantics.remarks)]
@@ -73,9 +79,12 @@ def propose_robot(
         remarks.append(f"left out what programs cannot move: {counts}; its comments say more")
     remarks += proposal.remarks
     written = template.write(proposal.values, force, source.files)
-    # The files of a converted model include its meshes, which are not worth a line each.
-    models = (path for path in source.files if path.suffix == ".urdf")
-    return RobotProposal(template.file, (*models, *written), tuple(remarks))
+    return RobotProposal(template.file, (*_models(source.files), *written), tuple(remarks))
+
+
+def _models(files: Iterable[Path]) -> tuple[Path, ...]:
+    """Return the models among files; their meshes are not worth a line each."""
+    return tuple(path for path in files if path.suffix == ".urdf")
 
 
 def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGroups:

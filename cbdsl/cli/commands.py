@@ -54,6 +54,7 @@ def add_command(app: typer.Typer, name: str, command: Command) -> None:
     """Add a command to an app, and to a group of commands those of packages."""
     import typer
 
+    from cbdsl.cli.arguments.option_groups import GroupedCommand
     from cbdsl.cli.command_group import CommandGroup
 
     if isinstance(command, typer.Typer):
@@ -61,7 +62,7 @@ def add_command(app: typer.Typer, name: str, command: Command) -> None:
             command.complete() if isinstance(command, CommandGroup) else command, name=name
         )
     else:
-        app.command(name)(command)
+        app.command(name, cls=GroupedCommand)(command)
 
 
 def main_names() -> tuple[str, ...]:

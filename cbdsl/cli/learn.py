@@ -153,7 +153,11 @@ def with_constants(command: Callable[..., None]) -> Callable[..., None]:
             default=None,
             annotation=Annotated[
                 str | None,
-                typer.Option(f"--{name.replace('_', '-')}", help=_help(words[name], field.default)),
+                typer.Option(
+                    f"--{name.replace('_', '-')}",
+                    help=_help(words[name], field.default),
+                    rich_help_panel="Constants of accommodate",
+                ),
             ],
         )
         for name, field in AccommodateConstants.model_fields.items()
@@ -172,7 +176,7 @@ class TrialOptions:
     """Stage, robot and number of episodes of the trials."""
 
     stage: Stage = None
-    episodes: Episodes = 50
+    episodes: Episodes = 20
     seed: Seed = 0
     backend: BackendName
     cameras: Cameras = None
@@ -181,7 +185,7 @@ class TrialOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlaceOptions:
+class ProcessOptions:
     """Processes of the trials, and continuation of earlier ones."""
 
     workers: Workers = 1
@@ -231,7 +235,7 @@ def learn(
     out: Out,
     *,
     trial: TrialOptions,
-    place: PlaceOptions,
+    place: ProcessOptions,
     algorithm: AlgorithmOptions,
     limits: LimitOptions,
     live: LiveOptions,

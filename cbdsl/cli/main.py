@@ -171,13 +171,15 @@ def _report_notes(error: BaseException | None) -> None:
 
 
 def _unsuppressed(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Return the errors, and the warnings and notes that no comment suppresses."""
+    """Return the errors, and the warnings that no comment suppresses."""
     from cbdsl.checking.suppression import apply_suppressions
+    from cbdsl.diagnostics.diagnostic import Severity
     from cbdsl.yaml_text.library import Library
 
     given = list(diagnostics)
     left = apply_suppressions(given, [], Library())
-    return [diagnostic for diagnostic in given if diagnostic.is_error or diagnostic in left]
+    kept = [diagnostic for diagnostic in left if diagnostic.severity is not Severity.NOTE]
+    return [diagnostic for diagnostic in given if diagnostic.is_error or diagnostic in kept]
 
 
 def _report(error: Exception) -> int:

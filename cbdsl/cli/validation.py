@@ -37,10 +37,11 @@ def check_paths(
     form: str = "text",
     strict: bool = False,
     stdin_name: str = STANDARD_INPUT_NAME,
-    *,
-    notes_elsewhere: bool = True,
 ) -> int:
     """Check documents and folders of documents, and print the diagnostics.
+
+    Notes state assumptions of a document. They are printed where it is chosen, and not with every
+    document that uses it.
 
     Args:
         paths: Files and folders; ``-`` is the standard input.
@@ -48,7 +49,6 @@ def check_paths(
         form: Format of the output, a key of ``FORMATS``.
         strict: True if warnings count as errors.
         stdin_name: File name of the standard input in diagnostics.
-        notes_elsewhere: True if notes on other files are printed as well.
 
     Returns:
         Exit code: 0 without errors, 1 with errors, 2 if a check failed.
@@ -58,8 +58,6 @@ def check_paths(
     """
     write = _writer(form)
     report = _examine(paths, values, Path(stdin_name))
-    if not notes_elsewhere:
-        report = report.without_notes_elsewhere(set(paths))
     written = write(report)
     if written:
         print(written)
@@ -112,7 +110,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
         chosen.others,
         chosen.unreadable,
         entry_of,
-    )
+    ).without_notes_elsewhere({str(file) for file in files})
 
 
 def _first_of_each_file(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:

@@ -10,11 +10,12 @@ from string import Template
 from types import MappingProxyType
 
 from cbdsl.diagnostics.errors import UsageError
+from cbdsl.diagnostics.legible_text import encoded
 from cbdsl.diagnostics.reason import reason
 from cbdsl.documents.document import NAME_PATTERN, Document
 from cbdsl.documents.json_schema import json_schema, json_text, schema_file
 from cbdsl.documents.kinds import KINDS, kind_of
-from cbdsl.storage.atomic_file import write_bytes, write_text
+from cbdsl.storage.atomic_file import write_bytes
 
 
 class DocumentTemplate:
@@ -73,16 +74,37 @@ class DocumentTemplate:
         # Editors resolve the path of a schema relative to the document, with slashes on every
         # system.
         line = Path(os.path.relpath(schema, self.folder)).as_posix()
+        written = text.substitute(values, name=self._name, schema=line)
+        # The document comes last: if it exists, the files that it names do, too.
+        self._write_files({**files, **generated, file: encoded(written)})
+        return (*generated, file)
+
+    def renew(self, files: Mapping[Path, bytes]) -> tuple[Path, ...]:
+        """Replace the files to which the document refers, and leave the document as it is.
+
+        Args:
+            files: Contents of the files, by path.
+
+        Returns:
+            Written files.
+
+        Raises:
+            UsageError: There is no document, nothing to replace, or a file cannot be written.
+        """
+        if not self.file.is_file():
+            raise UsageError(f"{self.file} is not there; without --renew, it is written")
+        if not files:
+            raise UsageError(f"{self.file}: nothing to renew; it refers to the model in its place")
+        self._write_files(files)
+        return tuple(files)
+
+    def _write_files(self, files: Mapping[Path, bytes]) -> None:
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            for path, contents in {**files, **generated}.items():
+            for path, contents in files.items():
                 path.parent.mkdir(parents=True, exist_ok=True)
                 write_bytes(contents, path)
-            # The document comes last: if it exists, the files that it names do, too.
-            write_text(text.substitute(values, name=self._name, schema=line), file)
         except OSError as error:
-            raise UsageError(f"{file}: {reason(error)}") from error
-        return (*generated, file)
+            raise UsageError(f"{self.file}: {reason(error)}") from error
 
 
 def folder_of(kind: type[Document], to: Path | None) -> Path:

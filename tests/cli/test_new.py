@@ -205,6 +205,44 @@ def test_new_keeps_an_existing_file_without_force(
     assert check_document(path) == []
 
 
+NAMELESS = (
+    '<robot><link name="a"/><link name="b"/><joint name="{joint}" type="revolute">'
+    '<parent link="a"/><child link="b"/>'
+    '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>'
+)
+
+
+def test_renewed_robot_keeps_its_document_and_is_checked_against_the_model(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model, words = folder / "from.urdf", ["new", "robot", "hinge", "--urdf", "from.urdf"]
+    model.write_text(NAMELESS.format(joint="turn"))
+    assert cb(monkeypatch, *words, "--renew") == 2
+    assert "hinge.yaml is not there" in capsys.readouterr().err
+    assert cb(monkeypatch, *words) == 0
+    document, urdf = folder / "robots" / "hinge.yaml", folder / "robots" / "hinge.urdf"
+    mine = document.read_text("utf-8").replace("rate: 60 Hz", "rate: 120 Hz  # mine")
+    document.write_text(mine, "utf-8")
+    model.write_text(NAMELESS.format(joint="turn").replace('upper="1"', 'upper="1.5"'))
+    assert cb(monkeypatch, *words, "--renew") == 0
+    assert document.read_text("utf-8") == mine and 'upper="1.5"' in urdf.read_text("utf-8")
+    model.write_text(NAMELESS.format(joint="swing"))
+    capsys.readouterr()
+    assert cb(monkeypatch, *words, "--renew") == 1
+    assert "'turn'" in capsys.readouterr().out and document.read_text("utf-8") == mine
+
+
+def test_renewed_robot_of_a_model_in_its_place_is_refused(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = NAMELESS.format(joint="turn").replace("<robot>", '<robot name="m">')
+    (folder / "from.urdf").write_text(text)
+    words = ["new", "robot", "hinge", "--urdf", "from.urdf"]
+    assert cb(monkeypatch, *words) == 0
+    assert cb(monkeypatch, *words, "--renew") == 2
+    assert "nothing to renew" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "arguments",
     [

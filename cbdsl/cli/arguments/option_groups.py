@@ -3,9 +3,43 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterator
+from copy import copy
 from dataclasses import MISSING, fields, is_dataclass
-from typing import Any, get_type_hints
+from itertools import groupby
+from typing import Annotated, Any, get_args, get_type_hints
+
+import typer
+from typer.core import TyperCommand
+
+
+class GroupedCommand(TyperCommand):
+    """Command whose help lists the options of each group below the name of the group."""
+
+    def format_options(self, ctx: typer.Context, formatter: Any) -> None:
+        """Write arguments, options without a group, and the groups in their order."""
+
+        def section(parameter: Any) -> str:
+            is_argument = parameter.param_type_name == "argument"
+            panel = getattr(parameter, "rich_help_panel", None)
+            return panel or ("Arguments" if is_argument else "Options")
+
+        parameters = self.get_params(ctx)
+        # Single options come first, and --help with them; the sort keeps the other orders.
+        first = {"Arguments": -2, "Options": -1}
+        places = {section(each): i for i, each in enumerate(parameters)} | first
+        ordered = sorted(parameters, key=lambda each: places[section(each)])
+        for name, members in groupby(ordered, section):
+            records = [record for each in members if (record := each.get_help_record(ctx))]
+            if records:
+                with formatter.section(name):
+                    formatter.write_dl(records)
+
+
+def heading(group: type) -> str:
+    """Return the heading of a group, such as "Trial options" for ``TrialOptions``."""
+    return re.sub(r"(?<!^)(?=[A-Z])", " ", group.__name__).capitalize()
 
 
 # Typer derives options from the signature of a command. A parameter whose type is a dataclass is a
@@ -50,4 +84,9 @@ def _options(group: Any) -> Iterator[inspect.Parameter]:
         if field.default_factory is not MISSING:
             default = field.default_factory()
         kind, annotation = inspect.Parameter.KEYWORD_ONLY, annotations[field.name]
-        yield inspect.Parameter(field.name, kind, default=default, annotation=annotation)
+        kept, option = get_args(annotation)
+        option = copy(option)  # others may have the same option in another group, or in none
+        option.rich_help_panel = heading(group)
+        yield inspect.Parameter(
+            field.name, kind, default=default, annotation=Annotated[kept, option]
+        )

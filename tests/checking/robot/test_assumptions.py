@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import pytest
@@ -124,19 +123,21 @@ def test_json_and_sarif_contain_notes(
     assert told in capsys.readouterr().out
 
 
-def test_a_run_reports_the_notes_of_its_robot_once_and_scripts_nothing(
+def test_notes_of_a_robot_are_reported_for_its_document_and_not_for_its_users(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write(folder, base=SOLID, upper=SEEN + HEAVY, lower=SOLID, effort=0)
-    words = ["run", "turning", "--backend", "kinematic", "--episodes", "2"]
-    cb(monkeypatch, *words)
-    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("note: ")]
-    assert lines == [
-        "note: links of arm.urdf without <collision> touch nothing: upper",
-        "note: arm.urdf gives an effort of 0, which is taken for no limit, to turn",
-    ]
-    cb(monkeypatch, *words, "--json")
-    assert "note:" not in capsys.readouterr().out
+    for words in (
+        ["run", "turning", "--backend", "kinematic"],
+        ["validate", "programs"],
+        ["validate", "programs/turning.yaml"],
+    ):
+        assert cb(monkeypatch, *words) == 0
+        printed = "".join(capsys.readouterr())
+        assert "note" not in printed and "CB74" not in printed, words
+    assert cb(monkeypatch, "validate", "arm", "programs/turning.yaml") == 0
+    printed = capsys.readouterr().out
+    assert [printed.count(code) for code in ("CB742 (note)", "CB743 (note)")] == [1, 1]
 
 
 def test_a_comment_silences_a_note(
@@ -148,18 +149,14 @@ def test_a_comment_silences_a_note(
     path.write_text(text)
     cb(monkeypatch, "validate", ".")
     assert "no findings" in capsys.readouterr().out
-    cb(monkeypatch, "run", "turning", "--backend", "kinematic")
-    assert "note:" not in capsys.readouterr().out
 
 
-def test_run_with_errors_omits_a_silenced_note(
+def test_run_with_errors_omits_notes(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = folder / write(folder, base=SOLID, upper=SEEN, lower=SOLID, effort=1)
+    write(folder, base=SOLID, upper=SEEN, lower=SOLID, effort=1)
     program = folder / "programs" / "turning.yaml"
     program.write_text(program.read_text().replace("feedback: arm", "feedback: arms"))
-    for comment, times in (("", 1), ("  # cb: ignore CB742 it is a cable", 0)):
-        path.write_text(re.sub("arm.urdf.*", f"arm.urdf{comment}", path.read_text()))
-        assert cb(monkeypatch, "run", "turning", "--backend", "kinematic") == 1
-        printed = "".join(capsys.readouterr())
-        assert "CB501" in printed and printed.count("CB742 (note)") == times
+    assert cb(monkeypatch, "run", "turning", "--backend", "kinematic") == 1
+    printed = "".join(capsys.readouterr())
+    assert "CB501" in printed and "CB742" not in printed
