@@ -38,7 +38,7 @@ def learn(
     program: str | Path | RunRequest,
     out: str | Path,
     *,
-    episodes: int = 20,
+    episodes: int = 10,
     seed: int = 0,
     backend: str | None = None,
     cameras: str | None = None,

@@ -176,7 +176,7 @@ class TrialOptions:
     """Stage, robot and number of episodes of the trials."""
 
     stage: Stage = None
-    episodes: Episodes = 20
+    episodes: Episodes = 10
     seed: Seed = 0
     backend: BackendName
     cameras: Cameras = None

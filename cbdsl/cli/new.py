@@ -79,6 +79,7 @@ def new_program(name: Name, robot: Robot = "dexter", to: To = None, force: Force
 def new_robot(
     name: Name,
     urdf: Urdf,
+    *,
     srdf: Srdf = None,
     xacro_arg: XacroArg = None,
     xacro: IsXacro = False,

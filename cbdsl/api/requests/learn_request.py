@@ -44,7 +44,7 @@ class LearnRequest:
 
     run: RunRequest
     out: Path
-    episodes: int = 20
+    episodes: int = 10
     seed: int = 0
     trials: int = 1
     backend: str | None = None

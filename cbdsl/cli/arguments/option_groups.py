@@ -10,14 +10,13 @@ from dataclasses import MISSING, fields, is_dataclass
 from itertools import groupby
 from typing import Annotated, Any, get_args, get_type_hints
 
-import typer
 from typer.core import TyperCommand
 
 
 class GroupedCommand(TyperCommand):
     """Command whose help lists the options of each group below the name of the group."""
 
-    def format_options(self, ctx: typer.Context, formatter: Any) -> None:
+    def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write arguments, options without a group, and the groups in their order."""
 
         def section(parameter: Any) -> str:
