@@ -15,15 +15,11 @@ from cbdsl.program.transition import Transition, title_of
 from cbdsl.robot.channel_names import named_colors
 from cbdsl.runtime.action_clock import ActionClock
 from cbdsl.runtime.action_levels import ActionLevels, Active
-from cbdsl.runtime.action_switch import ActionSwitch
-from cbdsl.runtime.active_levels import ActiveLevels
-from cbdsl.runtime.child_run import ChildRun, subprogram_runs
-from cbdsl.runtime.context_reader import ContextReader
+from cbdsl.runtime.action_runs import ActionRuns, ChildRun, subprogram_runs
+from cbdsl.runtime.context_reader import ContextReader, FeatureLooks
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.controllers.controller_runs import ControllerRuns
-from cbdsl.runtime.feature_looks import FeatureLooks
 from cbdsl.runtime.lost_objects import LostObjects
-from cbdsl.runtime.member_state import MemberState
 from cbdsl.runtime.policies.own_policy import own_policy
 from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy
 from cbdsl.runtime.rewards import Rewards
@@ -87,11 +83,9 @@ class ProgramRun:
         self._looks = FeatureLooks(looks, self._context)
         # These keys differ from all names of actions, because they consist of several words.
         self.children |= {f"look for {feature}": each for feature, each in looks.items()}
-        self._active = ActiveLevels(self._levels, self.children)
-        self._switch = ActionSwitch(self._levels, self.children)
-        self._rewards = Rewards(program, self._levels, self.children)
         slots = slice(first, first + len(self.runs))
-        self._members = MemberState(program, self._levels, self.children, plan, slots)
+        self._running = ActionRuns(program, self._levels, self.children, plan, slots)
+        self._rewards = Rewards(program, self._levels, self.children)
         self._clock = ActionClock(program, period)
 
     def begin(
@@ -133,7 +127,7 @@ class ProgramRun:
         self._action: Action | None = None
         self._withdraws = False
         self._looks.forget()
-        self._active.forget()
+        self._running.forget()
         self._composed: Sequence[Active] | None = None
         self._features: Features = NO_FEATURES
         self._clock.restart()
@@ -182,8 +176,8 @@ class ProgramRun:
             return self._levels.alone
         look = self._looks.current
         if look is not None:
-            return self._active.of_search(look)
-        return () if self._action is None else self._active.of_action(self._action)
+            return self._running.of_search(look)
+        return () if self._action is None else self._running.of_action(self._action)
 
     def compose(self, names: Sequence[str] | None) -> None:
         """Let a stack act in place of actions, above the background.
@@ -269,14 +263,14 @@ class ProgramRun:
 
     def _act(self, action: Action) -> None:
         child = self.children.get(action.name)
-        if child is not None and self._switch.is_awaited(action):
+        if child is not None and self._running.is_awaited(action):
             child.activate()
         # The child is first, because its predicate is part of the state that is read below.
         if child is not None:
             child.advance()
         self._clock.advance()
-        self._switch.restart_quiescence(action)
-        state = self._members.read(action)
+        self._running.restart_quiescence(action)
+        state = self._running.read(action)
         # A program limits its own transitions. It may also end again with its last predicate
         # within one tick, and then it is over although the state has not changed.
         if child is None or action.composition is not None:
@@ -363,15 +357,14 @@ class ProgramRun:
             return
         before, self._action = self._action, self._actions[choice.action, choice.allocation]
         self._features = {k: value for k, value in features.items() if not math.isnan(value)}
-        self._members.forget()
         self._clock.begin_action()
-        self._switch.start(self._action, before)
+        self._running.start(self._action, before)
 
     def _begin_withdrawal(self) -> None:
         """Leave all control to the background until it is at rest."""
         if self._action is not None:
-            self._switch.stop(self._action)
-        self._switch.restart_background()
+            self._running.stop(self._action)
+        self._running.restart_background()
         self._action, self._withdraws = None, True
         self._clock.begin_action()
 

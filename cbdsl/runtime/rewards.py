@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.runtime.action_levels import ActionLevels
-from cbdsl.runtime.child_run import ChildRun
+from cbdsl.runtime.action_runs import ChildRun
 from cbdsl.types.state import matches
 
 

@@ -8,8 +8,7 @@ from typing import cast
 import pytest
 
 from cbdsl.runtime.action_levels import Active
-from cbdsl.runtime.context_reader import ContextReader
-from cbdsl.runtime.feature_looks import FeatureLooks
+from cbdsl.runtime.context_reader import ContextReader, FeatureLooks
 
 
 class ScriptedLook:

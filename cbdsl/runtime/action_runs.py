@@ -1,0 +1,169 @@
+"""Runs of a program's actions: their controllers and subprograms, levels and predicates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol, TypeVar
+
+from cbdsl.control.plan import ControllerPlan
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.runtime.action_levels import ActionLevels, Active
+
+
+class ChildRun(Protocol):
+    """Run of a program inside another one; see ``ProgramRun``."""
+
+    predicate: str
+    rewarded: bool
+
+    def activate(self) -> None: ...
+    def advance(self) -> None: ...
+    def deactivate(self) -> None: ...
+    def active(self) -> Sequence[Active]: ...
+
+
+class ActionRuns:
+    """Actions of a program, started and stopped, with their active levels and the program's state.
+
+    Args:
+        program: Program with the actions.
+        levels: Controllers of the actions.
+        children: Runs of the subprograms, by action.
+        plan: Plan with the predicates of all controllers.
+        slots: Slots of the program's controllers in the plan.
+    """
+
+    def __init__(
+        self,
+        program: CheckedProgram,
+        levels: ActionLevels,
+        children: Mapping[str, ChildRun],
+        plan: ControllerPlan,
+        slots: slice,
+    ) -> None:
+        self._program, self._levels, self._children = program, levels, children
+        self._plan, self._slots = plan, slots
+        # Active levels of the current child, and the same above the background.
+        self._of_child: Sequence[Active] | None = None
+        self._all: Sequence[Active] = ()
+        # Codes of the predicates at the last reading, and the state read from them.
+        self._noted, self._reading = b"", ""
+        self.forget()
+
+    def forget(self) -> None:
+        """Compose the levels again, because the run begins."""
+        self._of_action = ""
+
+    def start(self, action: Action, before: Action | None) -> None:
+        """Start an action in place of another one, if any."""
+        self._noted = b""  # the members of the other action are read anew
+        if before is not None:
+            self._leave(before, action)
+        child = self._children.get(action.name)
+        if child is not None and action.composition is None:
+            child.activate()
+        elif child is not None and child.predicate in "1-":
+            child.deactivate()  # it waits again
+        for run in self._levels.stacks.get(action.name, ()):
+            run.activate()
+
+    def stop(self, action: Action) -> None:
+        """Stop an action."""
+        child = self._children.get(action.name)
+        if child is not None:
+            child.deactivate()
+        for run in self._levels.stacks.get(action.name, ()):
+            run.deactivate()
+
+    def _leave(self, before: Action, after: Action) -> None:
+        child = self._children.get(before.name)
+        if child is not None and child is not self._children.get(after.name):
+            child.deactivate()
+        # Controllers of both actions go on without interruption.
+        kept = self._levels.stacks.get(after.name, ())
+        for run in self._levels.stacks.get(before.name, ()):
+            if run not in kept:
+                run.deactivate()
+
+    def is_awaited(self, action: Action) -> bool:
+        """Return whether a program that waits for its accompanying controllers begins now."""
+        if action.composition is None or self._children[action.name].predicate != "X":
+            return False
+        return all(lead.predicate == "1" for lead in self._levels.leads[action.name])
+
+    def restart_quiescence(self, action: Action) -> None:
+        """Restart the quiescence of controllers that wait for a search while it goes on."""
+        for seeker, waiting in self._levels.waiting.get(action.name, ()):
+            if seeker.seeking:
+                for run in waiting:
+                    run.restart_quiescence()
+
+    def restart_background(self) -> None:
+        """Let the background begin again."""
+        for run in self._levels.background:
+            run.deactivate()
+            run.activate()
+
+    def of_search(self, search: ChildRun) -> Sequence[Active]:
+        """Return the levels while a program searches for a feature."""
+        acting = search.active()
+        if acting is not self._of_child:
+            self._of_child, self._all = acting, self._levels.above_background(acting)
+        return self._all
+
+    def of_action(self, action: Action) -> Sequence[Active]:
+        """Return the levels while an action runs."""
+        child = self._children.get(action.name)
+        if child is None:
+            return self._levels.acting[action.name]
+        acting = child.active()
+        # A child returns the same object while the same controllers act, so that identity suffices.
+        if acting is not self._of_child or action.name != self._of_action:
+            self._of_child, self._all = acting, self._levels.with_child(action, acting)
+            self._of_action = action.name
+        return self._all
+
+    def read(self, action: Action) -> str:
+        """Return the members' predicates while an action runs."""
+        # Most ticks change no predicate, and a comparison of bytes shows this immediately. The
+        # controllers of a child have other slots, so that its predicate is read in any case.
+        noted = self._plan.predicates[self._slots].tobytes()
+        if noted != self._noted or action.program is not None:
+            self._noted, self._reading = noted, self._read_members(action)
+        return self._reading
+
+    def _read_members(self, action: Action) -> str:
+        state = ["X"] * len(self._program.members)
+        if action.program is not None:
+            own = self._children[action.name].predicate
+            # A program that waits for its companions is part of the active action, and X would mean
+            # that it is not.
+            is_waiting = action.composition is not None and own == "X"
+            state[self._program.members.index(action.part)] = "-" if is_waiting else own
+        for lead in self._levels.leads.get(action.name, ()):
+            state[lead.place] = lead.predicate
+        return "".join(state)
+
+
+Run = TypeVar("Run")
+
+
+def subprogram_runs(
+    program: CheckedProgram, make: Callable[[CheckedProgram, str], Run]
+) -> dict[str, Run]:
+    """Return the runs of subprograms by action, one for each member and allocation.
+
+    Args:
+        program: Program with the actions.
+        make: Function of a subprogram and the name of its member that returns a run.
+    """
+    made: dict[tuple[str, str], Run] = {}
+    runs = {}
+    for action in program.actions:
+        if action.program is None:
+            continue
+        key = action.part, action.allocation
+        if key not in made:
+            made[key] = make(action.program, action.part)
+        runs[action.name] = made[key]
+    return runs
