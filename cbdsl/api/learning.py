@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from cbdsl.learning.accommodate import Accommodate
+from cbdsl.learning.accommodate import Accommodate, TransitionCounts
 from cbdsl.learning.allocation_tree import TriedContext
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.catalogs.action_outcome import NOOP, ActionOutcome
@@ -20,7 +20,6 @@ from cbdsl.learning.decisions import Decisions
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
 from cbdsl.learning.learner import ASSIMILATE
-from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.numeric.affordance_model import AffordanceModel
 from cbdsl.program.catalog_models import pair_models
 from cbdsl.training.impedance_gauge import ImpedanceGauge

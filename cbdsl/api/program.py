@@ -11,9 +11,8 @@ from cbdsl.program.controller import Composition, Controller, Primitive, Relativ
 from cbdsl.program.schema import NO_FEATURES, Features, Ranking, Schema
 from cbdsl.program.state_values import state_values
 from cbdsl.runtime.policies.own_policy import own_policy
-from cbdsl.runtime.policies.policy import Choice, Policy
+from cbdsl.runtime.policies.policy import Choice, Policy, WrittenPolicy
 from cbdsl.runtime.policies.schema_policy import SchemaPolicy
-from cbdsl.runtime.policies.written_policy import WrittenPolicy
 from cbdsl.types.decision_tree import Split, Tree, decide, splits
 from cbdsl.types.state import ANY, Predicate, matches
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -15,11 +15,27 @@ from cbdsl.learning.experience import Experience
 from cbdsl.learning.knowledge_documents import model_documents, policy_document
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.q_learning import QLearning
-from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.program.schema import NO_FEATURES, Features
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.policies.policy import Choice, Policy
 from cbdsl.types.state import ANY
+
+
+class TransitionCounts:
+    """Observed transitions, by state, action and next state."""
+
+    def __init__(self) -> None:
+        self._counts: dict[str, dict[str, dict[str, int]]] = {}
+
+    def add(self, state: str, action: str, next_state: str) -> None:
+        """Count one transition."""
+        after = self._counts.setdefault(state, {}).setdefault(action, {})
+        after[next_state] = after.get(next_state, 0) + 1
+
+    def items(self) -> Iterator[tuple[str, dict[str, dict[str, int]]]]:
+        """Yield counts by action and next state, by state, in the order of first occurrence."""
+        for state, actions in self._counts.items():
+            yield state, {action: dict(after) for action, after in actions.items()}
 
 
 def learned_density(

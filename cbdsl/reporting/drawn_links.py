@@ -2,20 +2,43 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cbdsl.reporting.link_shape import LinkShape
-from cbdsl.reporting.link_shape import Numbers as _Numbers
-from cbdsl.reporting.skeleton import skeleton
 from cbdsl.robot.meshes.mesh_file import find_mesh
+from cbdsl.robot.meshes.mesh_reader import Mesh
 from cbdsl.robot.meshes.simplified_mesh import read_simplified
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
 from cbdsl.robot.urdf_reader import parse_urdf
 from cbdsl.yaml_text.library import shipped
+
+Numbers = tuple[float, ...]
+
+
+class LinkShape(NamedTuple):
+    """Visible part of a link.
+
+    Attributes:
+        shape: ``ball``, ``box``, ``cylinder`` or ``mesh``.
+        size: Radius of a ball, edge lengths of a box, radius and height along z of a cylinder, m;
+            empty for a mesh.
+        position: Position in the link's frame, m.
+        quaternion: Orientation in the link's frame, as (x, y, z, w).
+        color: Red, green and blue, each from 0 to 1.
+        mesh: Triangles of a mesh.
+    """
+
+    shape: str
+    size: Numbers
+    position: Numbers
+    quaternion: Numbers
+    color: Numbers
+    mesh: Mesh | None = None
+
 
 _GREY = (0.7, 0.7, 0.7)
 _KINDS = {"revolute": "turn", "continuous": "turn", "prismatic": "slide"}
@@ -38,10 +61,10 @@ class DrawnLink(NamedTuple):
 
     name: str
     parent: int
-    position: _Numbers
-    quaternion: _Numbers
+    position: Numbers
+    quaternion: Numbers
     motion: str
-    axis: _Numbers
+    axis: Numbers
     column: int
     ratio: float
     offset: float
@@ -151,3 +174,46 @@ def _shapes(visuals: Sequence[UrdfShape], folder: Path, is_recorded: bool) -> It
         kind = "cylinder" if kind == "capsule" else kind
         at = visual.origin
         yield LinkShape(kind, size, at.xyz, at.quaternion, visual.color or _GREY, mesh)
+
+
+_COLOR = (0.35, 0.5, 0.65)
+# Thickness of the rods relative to the longest, so that the skeleton suits any size of robot.
+_SLENDERNESS = 0.06
+
+
+def skeleton(joints: Iterable[UrdfJoint]) -> Mapping[str, tuple[LinkShape, ...]]:
+    """Return shapes of each link by name: a rod to every joint of a child, and a ball there.
+
+    Args:
+        joints: All joints of a model.
+    """
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in joints:
+        below.setdefault(joint.parent, []).append(joint)
+    longest = max((joint.length for own in below.values() for joint in own), default=0.0)
+    radius = _SLENDERNESS * (longest or 1.0)
+    return {link: tuple(_bone_shapes(own, radius)) for link, own in below.items()}
+
+
+def _bone_shapes(joints: Iterable[UrdfJoint], radius: float) -> Iterator[LinkShape]:
+    upright = (0.0, 0.0, 0.0, 1.0)
+    for joint in joints:
+        end = joint.origin.xyz
+        size = 1.3 if not joint.fixed else 1.0
+        yield LinkShape("ball", (size * radius,), end, upright, _COLOR)
+        if joint.length > 0.0:
+            middle = tuple(value / 2 for value in end)
+            rod = (radius / 2, joint.length)
+            yield LinkShape("cylinder", rod, middle, _along(end), _COLOR)
+
+
+def _along(direction: Numbers) -> Numbers:
+    """Return the quaternion (x, y, z, w) of the shortest turn from the z axis to a direction."""
+    # The shortest turn from z to a unit vector d is the quaternion (z x d, 1 + z . d), normalized.
+    # Its norm is sqrt(2 (1 + z . d)).
+    x, y, z = (value / math.hypot(*direction) for value in direction)
+    # Opposite to z, the axis is arbitrary: half a turn about x.
+    if z < -1 + 1e-9:
+        return (1.0, 0.0, 0.0, 0.0)
+    length = math.sqrt(2 * (1 + z))
+    return (-y / length, x / length, 0.0, length / 2)

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.reporting.bundle import Bundle
-from cbdsl.reporting.drawn_links import DrawnLink, read_links
-from cbdsl.reporting.link_shape import LinkShape
+from cbdsl.reporting.drawn_links import DrawnLink, LinkShape, read_links
 from cbdsl.reporting.reasons import reasons
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.template import filled

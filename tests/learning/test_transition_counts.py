@@ -7,7 +7,7 @@ from collections import Counter
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.learning.transition_counts import TransitionCounts
+from cbdsl.learning.accommodate import TransitionCounts
 
 STATES = st.sampled_from(["XX", "X0", "X1"])
 STEPS = st.lists(st.tuples(STATES, st.sampled_from(["search", "track"]), STATES))

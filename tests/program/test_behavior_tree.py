@@ -10,7 +10,7 @@ import pytest
 
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.program.behavior_tree import LEAVES, behavior_tree
-from cbdsl.runtime.policies.written_policy import WrittenPolicy
+from cbdsl.runtime.policies.policy import WrittenPolicy
 from cbdsl.types.state import matches
 from tests.conftest import Checked
 

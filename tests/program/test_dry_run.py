@@ -13,7 +13,7 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding, rows
-from cbdsl.runtime.policies.written_policy import WrittenPolicy
+from cbdsl.runtime.policies.policy import WrittenPolicy
 from cbdsl.types.resource import Origin
 from cbdsl.yaml_text.library import Library, shipped
 

@@ -12,8 +12,7 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.kinematics.quaternion import rotations
-from cbdsl.reporting.drawn_links import DrawnLink, read_links
-from cbdsl.reporting.link_shape import LinkShape
+from cbdsl.reporting.drawn_links import DrawnLink, LinkShape, read_links
 from cbdsl.robot.urdf_reader import parse_urdf
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT

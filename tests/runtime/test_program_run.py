@@ -11,8 +11,7 @@ import pytest
 
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.policies.policy import Choice, Policy
-from cbdsl.runtime.policies.written_policy import WrittenPolicy
+from cbdsl.runtime.policies.policy import Choice, Policy, WrittenPolicy
 from cbdsl.runtime.tick import Tick
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked

@@ -10,8 +10,7 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.kinematics.kinematics import Kinematics
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.policies.policy import Choice, Policy
-from cbdsl.runtime.policies.written_policy import WrittenPolicy
+from cbdsl.runtime.policies.policy import Choice, Policy, WrittenPolicy
 from cbdsl.training.episode_runner import BackendEpisodeRunner, moved
 from tests.conftest import Checked
 from tests.runtime.conftest import made_stage, on_table

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from cbdsl.backends.staging.engine import Engine
-from cbdsl.backends.staging.fall import FALLEN
 from cbdsl.backends.staging.sampler import ScenarioSampler
 from cbdsl.backends.staging.scenario import PlacedThing, Scenario
 from cbdsl.backends.staging.scripted_action import (
+    FALLEN,
     CarryAction,
     HoldAction,
     ReturnAction,

@@ -11,6 +11,17 @@ import numpy as np
 from cbdsl.learning.catalogs.action_outcome import NOOP, ActionOutcome, FeatureForm
 from cbdsl.learning.catalogs.affordance import Affordance
 from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
+from cbdsl.runtime.episode_observer import EpisodeObserver
+
+
+class ExplorationObserver(EpisodeObserver):
+    """Observer of an exploration; the world waits during each call."""
+
+    def note_choice(self, name: str) -> None:
+        """Note that an action was chosen and runs next."""
+
+    def note_step(self, exploration: Exploration) -> None:
+        """Note that an action is over, whether new or replayed from the journal."""
 
 
 class ExplorationStep(NamedTuple):

@@ -8,8 +8,7 @@ from typing import Any
 
 from cbdsl.learning.catalogs.action_outcome import NOOP
 from cbdsl.learning.catalogs.affordance import Affordance
-from cbdsl.learning.catalogs.exploration import Exploration
-from cbdsl.learning.catalogs.exploration_observer import ExplorationObserver
+from cbdsl.learning.catalogs.exploration import Exploration, ExplorationObserver
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition

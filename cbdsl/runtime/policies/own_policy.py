@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.policies.learned_policy import LearnedPolicy
-from cbdsl.runtime.policies.policy import Policy
+from cbdsl.runtime.policies.policy import Policy, WrittenPolicy
 from cbdsl.runtime.policies.schema_policy import SchemaPolicy
-from cbdsl.runtime.policies.written_policy import WrittenPolicy
 
 
 def own_policy(program: CheckedProgram) -> Policy:

@@ -7,8 +7,7 @@ import math
 from cbdsl.program.attempts import AttemptProgress
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import NO_FEATURES, Features, Rank, Ranking, Schema
-from cbdsl.runtime.policies.policy import Choice, Policy
-from cbdsl.runtime.policies.written_policy import WrittenPolicy
+from cbdsl.runtime.policies.policy import Choice, Policy, WrittenPolicy
 from cbdsl.types.decision_tree import decide
 from cbdsl.types.state import Predicate
 

@@ -14,9 +14,8 @@ from cbdsl.documents.policy import Identity
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.kinematics.kinematics import Kinematics
-from cbdsl.learning.catalogs.exploration import Exploration
+from cbdsl.learning.catalogs.exploration import Exploration, ExplorationObserver
 from cbdsl.learning.catalogs.exploration_constants import ExplorationConstants
-from cbdsl.learning.catalogs.exploration_observer import ExplorationObserver
 from cbdsl.learning.catalogs.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.exploration.action_runner import ActionRunner

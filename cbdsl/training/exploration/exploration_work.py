@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from cbdsl.learning.catalogs.action_outcome import NOOP, ActionOutcome, FeatureForm
-from cbdsl.learning.catalogs.exploration import Exploration
-from cbdsl.learning.catalogs.exploration_observer import ExplorationObserver
+from cbdsl.learning.catalogs.exploration import Exploration, ExplorationObserver
 from cbdsl.storage.journal import Journal, damaged
 from cbdsl.training.exploration.action_runner import ActionRunner
 from cbdsl.training.exploration.action_work import ActionWork, Course, FinishedAction

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.backends.staging.fall import Fall
+from cbdsl.backends.staging.scripted_action import Fall
 
 
 def test_fall_is_due_after_the_delay_below_the_height() -> None:

@@ -14,8 +14,7 @@ from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.policies.learned_policy import LearnedPolicy
 from cbdsl.runtime.policies.own_policy import own_policy
-from cbdsl.runtime.policies.policy import Choice
-from cbdsl.runtime.policies.written_policy import WrittenPolicy
+from cbdsl.runtime.policies.policy import Choice, WrittenPolicy
 from tests.backends.conftest import stage_named
 from tests.conftest import Checked
 

@@ -6,8 +6,7 @@ from itertools import product
 
 import pytest
 
-from cbdsl.runtime.policies.policy import Choice
-from cbdsl.runtime.policies.written_policy import WrittenPolicy
+from cbdsl.runtime.policies.policy import Choice, WrittenPolicy
 
 
 @pytest.mark.parametrize("turned", [False, True])
