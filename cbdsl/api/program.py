@@ -11,7 +11,7 @@ from cbdsl.program.controller import Composition, Controller, Primitive, Relativ
 from cbdsl.program.schema import NO_FEATURES, Features, Ranking, Schema
 from cbdsl.program.state_values import state_values
 from cbdsl.runtime.policies.own_policy import own_policy
-from cbdsl.runtime.policies.policy import Choice, Policy, WrittenPolicy
+from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy, WrittenPolicy
 from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.types.decision_tree import Split, Tree, decide, splits
 from cbdsl.types.state import ANY, Predicate, matches
@@ -25,6 +25,7 @@ __all__ = [
     "Choice",
     "Composition",
     "Controller",
+    "DeferredPolicy",
     "Features",
     "Policy",
     "Predicate",

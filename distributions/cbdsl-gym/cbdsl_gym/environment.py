@@ -1,7 +1,4 @@
-"""Environment of Gymnasium: the actions are a program's compositions, states their predicates.
-
-Needs the extra ``gym``.
-"""
+"""Environment of Gymnasium: the actions are a program's compositions, states their predicates."""
 
 from __future__ import annotations
 
@@ -15,17 +12,12 @@ import numpy as np
 from gymnasium.spaces import Discrete, MultiDiscrete
 from numpy.typing import NDArray
 
-from cbdsl.api.open_robot import open_robot
-from cbdsl.api.requests.run_request import RunRequest
-from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.runtime.policies.policy import DeferredPolicy
-from cbdsl.runtime.tick import Tick
+from cbdsl import EpisodeResult, RunRequest, Transition, open_robot
+from cbdsl.api.program import DeferredPolicy
+from cbdsl.api.sensing import Tick
 
 #: Predicates, at the index that stands for them in an observation.
 LETTERS = "X-01"
-#: Name for ``gymnasium.make``, after the name of this module.
-ID = "cbdsl/Program-v0"
 _SEEDS = 2**31
 
 States = NDArray[np.int64]
@@ -43,7 +35,7 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
     reward of the program (Eq 4.4), and at least 1 for a state of success. An episode terminates
     with the reward, or with a state of success or failure. The program's limits truncate it.
 
-    ``gymnasium.make("cbdsl.api.environment:cbdsl/Program-v0", program="reach")`` makes one, too.
+    ``gymnasium.make("cbdsl_gym:cbdsl/Program-v0", program="reach")`` makes one, too.
 
     Args:
         program: Result of ``load``, or a file or name for it.
@@ -174,7 +166,3 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         if self._ticks is not None:
             self._ticks.close()
             self._ticks = None
-
-
-# Gymnasium finds the module by the name before the colon, and this name in its registry.
-gymnasium.register(ID, entry_point=f"{__name__}:{ProgramEnvironment.__name__}")

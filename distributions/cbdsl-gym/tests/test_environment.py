@@ -12,7 +12,7 @@ import cbdsl
 gymnasium = pytest.importorskip("gymnasium")
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
-from cbdsl.api.environment import ID, LETTERS, ProgramEnvironment  # noqa: E402
+from cbdsl_gym import ID, LETTERS, ProgramEnvironment  # noqa: E402
 
 
 @pytest.fixture(scope="module")

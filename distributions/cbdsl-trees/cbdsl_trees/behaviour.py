@@ -1,7 +1,4 @@
-"""Behaviour of py_trees: a program as a leaf of a behaviour tree.
-
-Needs the extra ``trees``.
-"""
+"""Behaviour of py_trees: a program as a leaf of a behaviour tree."""
 
 from __future__ import annotations
 
@@ -10,9 +7,8 @@ from collections.abc import Generator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from cbdsl.api.open_robot import OpenRobot
-from cbdsl.runtime.episode_result import EpisodeResult
-from cbdsl.runtime.tick import Tick
+from cbdsl import EpisodeResult, OpenRobot
+from cbdsl.api.sensing import Tick
 
 #: Status of a behaviour by the predicate of its program.
 STATUS = {"X": Status.INVALID, "-": Status.FAILURE, "0": Status.RUNNING, "1": Status.SUCCESS}
