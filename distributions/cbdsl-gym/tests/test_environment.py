@@ -81,7 +81,7 @@ def test_equal_seeds_and_actions_give_equal_episodes(environment: ProgramEnviron
 
 @pytest.mark.filterwarnings("error")
 def test_make_knows_the_environment_by_its_id() -> None:
-    made = gymnasium.make(f"cbdsl.api.environment:{ID}", program="searchtrack")
+    made = gymnasium.make(f"cbdsl_gym:{ID}", program="searchtrack")
     assert isinstance(made.unwrapped, ProgramEnvironment)
     check_env(made.unwrapped, skip_render_check=True)
     first, _ = made.reset(seed=4)
