@@ -14,7 +14,7 @@ from cbdsl.runtime.policies.own_policy import own_policy
 from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy, WrittenPolicy
 from cbdsl.runtime.policies.schema_policy import SchemaPolicy
 from cbdsl.types.decision_tree import Split, Tree, decide, splits
-from cbdsl.types.state import ANY, Predicate, matches
+from cbdsl.types.state import ANY, Predicate, closest_first, matches, overlap
 
 __all__ = [
     "ANY",
@@ -37,8 +37,10 @@ __all__ = [
     "Split",
     "Tree",
     "WrittenPolicy",
+    "closest_first",
     "decide",
     "matches",
+    "overlap",
     "own_policy",
     "splits",
     "state_values",

@@ -47,6 +47,7 @@ _PROVIDERS = {
     "judge": "cbdsl-reproduction",
     "drive.serve": "cbdsl[ros2]",
     "drive.watchdog": "cbdsl[ros2]",
+    "export.tree": "cbdsl[trees]",
 }
 
 

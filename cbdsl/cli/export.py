@@ -12,36 +12,25 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
-from cbdsl.api.requests.run_request import read_program
-from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.options import Policy, Program, Recording, With
+from cbdsl.cli.arguments.options import Recording
 from cbdsl.cli.command_group import CommandGroup
+from cbdsl.cli.commands import Command, commands_of
 from cbdsl.cli.output.terminal import print_line
 from cbdsl.diagnostics.errors import UsageError
 from cbdsl.diagnostics.legible_text import one_line
 from cbdsl.diagnostics.reason import reason
-from cbdsl.program.behavior_tree import behavior_tree
 from cbdsl.reporting.export_format import EXPORTS, Export
 from cbdsl.storage.atomic_file import require_unlinked
 
 
-def _formats() -> Iterator[tuple[str, Callable[[], Callable[..., None]]]]:
-    """Yield the names of the formats of recordings, and functions that return their commands."""
+def _formats() -> Iterator[tuple[str, Callable[[], Command]]]:
+    """Yield the names of formats, and functions that return their commands."""
+    yield from commands_of("export")
     for name in (*EXPORTS.names(), *EXPORTS.missing()):
         yield name, partial(_command, name)
 
 
 export = CommandGroup(_formats, "Write programs and recordings in formats of other tools.")
-
-
-@export.command("tree")
-def export_tree(program: Program, policy: Policy = None, with_: With = []) -> None:  # noqa: B006
-    """Print a program's policy as a behavior tree, XML of BehaviorTree.CPP 4.
-
-    Each use of a program is a separate tree, with the values of its parameters. The model at the
-    end names the leaves. Exit 2 if the next action depends on more than the state.
-    """
-    print(behavior_tree(read_program(program, policy, read_assignments(with_))), end="")
 
 
 def _command(name: str) -> Callable[..., None]:

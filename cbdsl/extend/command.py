@@ -1,9 +1,10 @@
 """Commands of ``cb``, for the entry-point group ``cbdsl.commands``.
 
 An entry is a function with Typer's annotations, or a ``typer.Typer``; its docstring is its help. An
-entry ``drive.NAME`` adds a command to ``cb drive``. ``UsageError`` ends a command with its message
-and exit code 2, ``DiagnosticsError`` with its diagnostics and exit code 1. The names below are
-common options, progress and output. The contract test is ``cbdsl.extend.contract.test_command``.
+entry ``drive.NAME`` or ``export.NAME`` adds a command to ``cb drive`` or ``cb export``.
+``UsageError`` ends a command with its message and exit code 2, ``DiagnosticsError`` with its
+diagnostics and exit code 1. The names below are common options, progress and output. The contract
+test is ``cbdsl.extend.contract.test_command``.
 """
 
 from __future__ import annotations
@@ -13,8 +14,10 @@ from typing import TYPE_CHECKING
 from cbdsl.extend.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from cbdsl.api.requests.run_request import read_program
     from cbdsl.backends.quiet import quiet_stderr
-    from cbdsl.cli.arguments.options import Cameras, Json, Rate
+    from cbdsl.cli.arguments.assignments import read_assignments
+    from cbdsl.cli.arguments.options import Cameras, Json, Policy, Program, Rate, With
     from cbdsl.cli.arguments.workers import require_workers
     from cbdsl.cli.episodes.attendance import Interface
     from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
@@ -27,10 +30,11 @@ if TYPE_CHECKING:
     from cbdsl.diagnostics.reason import reason
 
 __all__ = [
-    "BackendName", "Cameras", "DiagnosticsError", "Interface", "Json", "Progress", "Rate",
-    "UsageError", "needing_simulation", "print_json", "print_problem", "print_table",
-    "quiet_stderr", "reason", "require_workers", "shown_on_failure", "stop_requests",
-    "termination_interrupts", "told_of_compilation",
+    "BackendName", "Cameras", "DiagnosticsError", "Interface", "Json", "Policy", "Program",
+    "Progress", "Rate", "UsageError", "With", "needing_simulation", "print_json", "print_problem",
+    "print_table", "quiet_stderr", "read_assignments", "read_program", "reason",
+    "require_workers", "shown_on_failure", "stop_requests", "termination_interrupts",
+    "told_of_compilation",
 ]  # fmt: skip
 
 __getattr__ = lazy_names(__file__)

@@ -1,5 +1,1 @@
-"""Programs as behaviours of py_trees."""
-
-from cbdsl_trees.behaviour import STATUS, ProgramBehaviour
-
-__all__ = ["STATUS", "ProgramBehaviour"]
+"""Programs as behaviours of py_trees and as trees of BehaviorTree.CPP."""

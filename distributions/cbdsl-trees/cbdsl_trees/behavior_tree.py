@@ -13,9 +13,8 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.types.state import ANY, Predicate, closest_first, overlap
+from cbdsl.api.program import ANY, Action, CheckedProgram, Predicate, closest_first, overlap
+from cbdsl.extend.command import UsageError
 
 _RUN = {
     "run": "Name of one use of a program: the tree's ID.",

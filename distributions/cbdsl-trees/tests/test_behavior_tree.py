@@ -9,9 +9,9 @@ from xml.etree.ElementTree import Element
 import pytest
 
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.program.behavior_tree import LEAVES, behavior_tree
 from cbdsl.runtime.policies.policy import WrittenPolicy
 from cbdsl.types.state import matches
+from cbdsl_trees.behavior_tree import LEAVES, behavior_tree
 from tests.conftest import Checked
 
 

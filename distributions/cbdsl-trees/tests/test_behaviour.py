@@ -12,7 +12,7 @@ from cbdsl.diagnostics.errors import UsageError
 py_trees = pytest.importorskip("py_trees")
 from py_trees.common import Status  # noqa: E402
 
-from cbdsl_trees import STATUS, ProgramBehaviour  # noqa: E402
+from cbdsl_trees.behaviour import STATUS, ProgramBehaviour  # noqa: E402
 
 
 @pytest.fixture

@@ -8,13 +8,12 @@ from pathlib import Path
 import pytest
 
 import cbdsl
-from cbdsl.program.behavior_tree import LEAVES, behavior_tree
+from cbdsl_trees.behavior_tree import LEAVES, behavior_tree
 from tests.conftest import ROOT
 
 behaviortreepy = pytest.importorskip("behaviortreepy")
 from behaviortreepy import NodeStatus  # noqa: E402
-
-from tests.program.tree_player import TreePlayer, with_ports_in_names  # noqa: E402
+from tree_player import TreePlayer, with_ports_in_names  # noqa: E402
 
 PROGRAMS = sorted((ROOT / "programs").glob("*.yaml"))
 HEAD = "cbdsl: 1\nkind: program\nname: {name}\nrobot: dexter\nstage: absent\n"

@@ -12,11 +12,11 @@ import behaviortreepy
 from behaviortreepy import NodeStatus
 
 import cbdsl
-from cbdsl.program.behavior_tree import LEAVES
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.policies.policy import DeferredPolicy
 from cbdsl.runtime.tick import Tick
 from cbdsl.types.state import matches
+from cbdsl_trees.behavior_tree import LEAVES
 
 
 @dataclass
