@@ -19,6 +19,7 @@ SUMMARIES = {
     "validate": "Check documents without running them.",
     "list": "List the documents that commands find by name from this folder, with their paths.",
     "run": "Run a program on a robot and print each change of its state.",
+    "why": "Print the first cause of an episode that failed or was not rewarded.",
     "explain": "Print the meaning of a diagnostic, its reason, and a wrong and a correct example.",
     "show": "Show types, potentials, resources, plug-ins, programs, meshes, and what was learned.",
     "new": "Write a robot, program or stage to start from.",

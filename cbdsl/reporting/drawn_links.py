@@ -72,7 +72,11 @@ class DrawnLink(NamedTuple):
 
 
 def read_links(
-    robot: Mapping[str, Any], joints: Sequence[str], *, is_recorded: bool = True
+    robot: Mapping[str, Any],
+    joints: Sequence[str],
+    *,
+    is_recorded: bool = True,
+    with_shapes: bool = True,
 ) -> list[DrawnLink]:
     """Return the links of a recorded robot, each after its parent.
 
@@ -84,12 +88,13 @@ def read_links(
         joints: Names of the recorded joints.
         is_recorded: True if a recording states the location of meshes. It may come from elsewhere,
             so that only meshes from nearby folders are shown.
+        with_shapes: False for poses alone, without the visible shapes.
     """
     folder = Path(robot["folder"])
     model = parse_urdf(robot["urdf"], folder / "model.urdf")
     above = {joint.child: joint for joint in model.joints.values()}
     seen = {
-        name: tuple(_shapes(body.visuals, folder, is_recorded))
+        name: tuple(_shapes(body.visuals, folder, is_recorded)) if with_shapes else ()
         for name, body in model.bodies.items()
     }
     # One visible shape suffices. Links without shapes, such as frames of tools, then stay

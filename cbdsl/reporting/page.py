@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.drawn_links import DrawnLink, LinkShape, read_links
-from cbdsl.reporting.reasons import reasons
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.template import filled
 from cbdsl.reporting.thumbnails import chosen, encoded
+from cbdsl.reporting.why.diagnosis import diagnose
+from cbdsl.reporting.why.history import History
 from cbdsl.robot.meshes.mesh_reader import Mesh
 
 _SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
@@ -33,7 +34,7 @@ def _data(recorded: Recorded) -> str:
     links = read_links(summary["robot"], summary["joints"])
     header = {
         "result": {key: summary["result"][key] for key in _RESULT},
-        "reasons": reasons(recorded),
+        "causes": _causes(recorded),
         "joints": summary["joints"],
         "controllers": summary["controllers"],
         "triples": summary["triples"],
@@ -55,6 +56,17 @@ def _data(recorded: Recorded) -> str:
 
 #: Results shown on a page; none of them depends on the machine.
 _RESULT = ("program", "stage", "context", "seed", "rewarded", "sim_seconds", "ending")
+
+
+def _causes(recorded: Recorded) -> list[dict[str, object]]:
+    """Return the causes of a failure with their times, s, the first one first."""
+    history = History(recorded)
+    diagnosis = diagnose(history)
+    causes = () if diagnosis.cause is None else (diagnosis.cause, *diagnosis.others)
+    return [
+        {"kind": each.kind, "time": float(history.time[each.tick]), "text": each.sentence}
+        for each in causes
+    ]
 
 
 def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:

@@ -25,7 +25,7 @@ _NEEDED = (
     "image_time",
 )  # fmt: skip
 
-_OPTIONAL = ("velocities", "errors", "guard_held")
+_OPTIONAL = ("velocities", "errors", "guard_held", "flags", "sight")
 
 _TOLD = (
     "result", "joints", "controllers", "load_cells", "predicates", "transitions", "members",

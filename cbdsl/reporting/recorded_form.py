@@ -28,15 +28,34 @@ class _Result(BaseModel, strict=True):
     rewarded: bool
     sim_seconds: float
     ending: str
+    outcome: str = ""
+    far: list[str] = []
+    causes: dict[str, str] = {}
+    halted: bool = False
 
 
 class _RecordedTriple(BaseModel, strict=True):
     feedback: str
     reference: str
+    effector: str = ""
+    unit: str = ""
+    base: str = ""
+    requires: str = ""
 
 
 class _Signal(BaseModel, strict=True):
     place: bool
+    type: str = ""
+    channels: list[str] = []
+
+
+class _Limits(BaseModel, strict=True):
+    transitions: int
+    transition_time: float
+    idle_time: float | None = None
+    episode_time: float | None = None
+    lost_time: float | None = None
+    reasons: dict[str, str] = {}
 
 
 class _Turned(BaseModel, strict=True):
@@ -52,6 +71,12 @@ class _Camera(BaseModel, strict=True):
     correction: _Turned | None = None
 
 
+class _Tip(BaseModel, strict=True):
+    joint: str
+    link: str
+    offset: _Triple
+
+
 class _Robot(BaseModel, strict=True):
     name: str
     urdf: str
@@ -60,6 +85,7 @@ class _Robot(BaseModel, strict=True):
     couplings: dict[str, list[str | float]]
     cameras: dict[str, _Camera] = {}
     cells: dict[str, str] = {}
+    tips: dict[str, _Tip] = {}
 
 
 class _Mesh(BaseModel, strict=True):
@@ -100,6 +126,9 @@ class _Summary(BaseModel, strict=True):
     predicates: list[str]
     transitions: list[_Transition]
     members: dict[str, list[str]]
+    limits: dict[str, _Limits] = {}
+    leads: dict[str, str] = {}
+    channels: list[str] = []
     triples: dict[str, _RecordedTriple]
     signals: dict[str, _Signal]
     scene: dict[str, list[_Part]]
@@ -182,7 +211,7 @@ def _shape(
         return (-1,)
     if name.startswith("image_"):
         return (arrays["image_time"].size, -1, -1, 3)
-    if name.startswith("level_") or name in ("potentials", "errors"):
+    if name.startswith("level_") or name in ("potentials", "errors", "flags"):
         return (-1, controllers)
     cells = len(summary["load_cells"])
     return {
@@ -194,4 +223,5 @@ def _shape(
         "scene": (-1, len(summary["scene"]), 7),
         "loads": (-1, cells, 6) if cells else (-1, 0),
         "guard_held": (-1, len(summary.get("guards", []))),
+        "sight": (-1, len(summary.get("channels", []))),
     }.get(name)

@@ -279,6 +279,7 @@ class Runner:
             guards=guards,
             far=tuple(causes),
             causes={name: str(cause or "unknown") for name, cause in causes.items()},
+            halted=bool(ending),
         )
 
     @property

@@ -26,6 +26,7 @@ class EpisodeResult:
         guards: Duration and force for each guard that limited the motion.
         far: Controllers of the last action that are stuck: at rest beyond their tolerances.
         causes: RestCause that keeps each of them from its target, by name.
+        halted: True if an interrupt, an error or a late tick ended it, and not its program.
     """
 
     program: str
@@ -44,3 +45,4 @@ class EpisodeResult:
     guards: tuple[str, ...] = ()
     far: tuple[str, ...] = ()
     causes: Mapping[str, str] = field(default_factory=dict)
+    halted: bool = False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -20,15 +20,19 @@ from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.meshes.simplified_mesh import simplified
 from cbdsl.runtime.causes import LIMITS, OPTIMUM, SINGULAR
+from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.episode_result import EpisodeResult
 from cbdsl.runtime.explanation import Explanation, LevelExplanation, named_runs
+from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.runtime.recording_folder import RecordingFolder
 from cbdsl.runtime.tick import Tick
 from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.vision.instances import Instances
 from cbdsl.storage.atomic_file import replace_file, write_text
 from cbdsl.types.resource import Centroid, Resource, StereoPosition, Tip
+from cbdsl.types.source_record import channels_of
 
 #: Version of the files; raised if a reader of older files would be misled.
 VERSION = 2
@@ -53,6 +57,12 @@ _LEVEL = {
 }
 _ABSENT = (-1, np.nan, 0, np.nan, np.nan, -1)
 
+#: Recorded facts of a controller, one bit each, the lowest first.
+FLAGS = ("seeking", "exhausted", "astray", "stuck", "lacks_hold")
+#: Sight of a channel's object: in no image and not remembered, in the images of one camera alone,
+#: in all images without a position, remembered but in no image, seen, and seen beside others.
+SIGHT = ("unseen", "partly", "ambiguous", "hidden", "seen", "several")
+
 
 class Recording(EpisodeObserver):
     """Recorder of one episode into two files: numbers as NPZ, the rest as JSON.
@@ -64,6 +74,7 @@ class Recording(EpisodeObserver):
       rad/s (T, n), and ``at_limits`` (T, n) as in ``LevelExplanation``.
     - ``potentials`` and ``errors`` (T, c), NaN while undefined, and ``level_...`` (T, c) as in
       ``LevelExplanation``.
+    - ``flags`` (T, c) of ``FLAGS``, and ``sight`` (T, channels), indices of ``SIGHT``.
     - ``loads``, N and N m (T, cells, 6).
     - ``signal_<resource>``: value of each resource in SI (T, ...), NaN while undefined.
     - ``scene`` (T, bodies, 7): true position, m, and quaternion (x, y, z, w) of each body, NaN
@@ -92,6 +103,7 @@ class Recording(EpisodeObserver):
             key: []
             for key in (
                 "time", "positions", "velocities", "references", "potentials", "errors", "loads",
+                "flags", "sight",
             )
         }  # fmt: skip
         self._rows |= {f"signal_{each.name}": [] for each in self._resources}
@@ -109,6 +121,8 @@ class Recording(EpisodeObserver):
         self._transitions: list[Transition] = []
         self._controllers: dict[str, Controller] = {}
         self._cells: tuple[str, ...] = ()
+        self._channels: tuple[str, ...] = ()
+        self._leads: dict[str, str] = {}
         self._singular_value = robot.control.singular_value
         self._ticks = 0
 
@@ -126,6 +140,8 @@ class Recording(EpisodeObserver):
         runs = list(named_runs(tick.run))
         observation = tick.observation
         self._controllers = {name: run.controller for name, run in runs}
+        if not self._leads:
+            self._leads = dict(_leads(tick.run))
         self._cells = tuple(".".join(key) for key in tick.signals.touch.cells)
         self._singular_value = tick.actuation.settings.singular_value
         self._predicates.append("".join(run.predicate for _, run in runs))
@@ -137,7 +153,10 @@ class Recording(EpisodeObserver):
             "potentials": [run.phi for _, run in runs],
             "errors": [run.error for _, run in runs],
             "loads": list(tick.signals.touch.loads.copy()),
+            "flags": [_flags(run) for _, run in runs],
+            "sight": [_sight(each) for each in tick.signals.vision.instances.values()],
         }
+        self._channels = tick.signals.vision.channels
         self._guards = tick.actuation.load_guards.names
         row["guard_held"] = tick.actuation.load_guards.records["held"].tolist()
         row |= {f"signal_{each.name}": _value(each, tick.signals) for each in self._resources}
@@ -225,9 +244,16 @@ class Recording(EpisodeObserver):
             "predicates": self._predicates[: self._ticks],
             "transitions": [asdict(transition) for transition in self._transitions],
             "members": members(self._program),
+            "limits": limits(self._program),
+            "leads": self._leads,
+            "channels": self._channels,
             "triples": {name: triple(each) for name, each in self._controllers.items()},
             "signals": {
-                each.name: {"type": str(each.type), "place": is_place(each)}
+                each.name: {
+                    "type": str(each.type),
+                    "place": is_place(each),
+                    "channels": list(channels_of(each.source)),
+                }
                 for each in self._resources
             },
             "scene": {
@@ -244,6 +270,15 @@ class Recording(EpisodeObserver):
                 "cameras": {
                     name: camera.model_dump(mode="json")
                     for name, camera in self._robot.cameras.items()
+                },
+                "tips": {
+                    name: {
+                        "joint": effector.joints[0],
+                        "link": effector.tip.link,
+                        "offset": list(effector.tip.offset),
+                    }
+                    for name, effector in self._robot.effectors.items()
+                    if effector.tip is not None
                 },
                 "cells": {
                     f"{hand}.{finger}": cell.link
@@ -263,18 +298,59 @@ def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[
 
 def members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
     """Return the members that the characters of the states stand for, by program."""
-    own = {program.name: program.members}
+    return {each.name: each.members for each in _programs(program)}
+
+
+def limits(program: CheckedProgram) -> dict[str, dict[str, object]]:
+    """Return the limits of transitions and times, s, and the stated failures, by program."""
+    keys = ("transitions", "transition_time", "idle_time", "episode_time", "lost_time", "reasons")
+    return {each.name: {key: getattr(each, key) for key in keys} for each in _programs(program)}
+
+
+def _programs(program: CheckedProgram) -> Iterator[CheckedProgram]:
+    """Yield a program and all programs that it uses."""
+    yield program
     for action in program.actions:
         if action.program is not None:
-            own |= members(action.program)
+            yield from _programs(action.program)
     for look in program.looks.values():
-        own |= members(look.program)
-    return own
+        yield from _programs(look.program)
+
+
+def _leads(run: ProgramRun, prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the qualified names of the controllers that determine members, and the members."""
+    for action in run.program.actions:
+        # ``leads`` has the highest priority first, and primitives have the written order.
+        parts = action.composition.primitives if action.composition else ()
+        for part, lead in zip(parts, reversed(run.leads(action)), strict=True):
+            yield prefix + lead.controller.name, part.name
+    for name, child in run.children.items():
+        yield from _leads(child, f"{prefix}{name}.")
+
+
+def _flags(run: ControllerRun) -> int:
+    """Return the facts of ``FLAGS`` as bits."""
+    return sum(bool(getattr(run, name)) << bit for bit, name in enumerate(FLAGS))
+
+
+def _sight(instances: Instances) -> int:
+    """Return the index in ``SIGHT`` of a channel's attended object."""
+    number, cameras = instances.attended, instances.sightings
+    seen = [number in sightings for sightings in cameras]
+    if not instances.memories:  # one camera gives no positions
+        return SIGHT.index("seen" if any(seen) else "unseen")
+    if instances.memories[number].position is None:
+        seen = [bool(sightings) for sightings in cameras]
+        return SIGHT.index("ambiguous" if all(seen) else "partly" if any(seen) else "unseen")
+    if not any(seen):
+        return SIGHT.index("hidden")
+    return SIGHT.index("several" if len(instances.known) > 1 else "seen")
 
 
 def triple(controller: Controller) -> dict[str, object]:
     """Return the typed triple of a controller for display, with the unit of its error."""
     reference = controller.reference
+    base = reference.base if isinstance(reference, Relative) else reference
     if isinstance(reference, Literal):
         shown = ", ".join(f"{value:g}" for value in reference.values)
     elif isinstance(reference, AlongNormals):
@@ -287,6 +363,8 @@ def triple(controller: Controller) -> dict[str, object]:
         "potential": controller.potential,
         "feedback": controller.feedback.name,
         "reference": shown,
+        "base": base.name if isinstance(base, Resource) else "",
+        "requires": controller.requires or "",
         "effector": controller.effector.name,
         "unit": controller.task.unit,
     }

@@ -249,7 +249,7 @@ def test_a_controller_is_written_as_its_typed_triple(checked: Checked) -> None:
     }
     assert told["search"] == {
         "potential": "spring", "feedback": "head", "reference": "head.uniform",
-        "effector": "head", "unit": "rad",
+        "effector": "head", "unit": "rad", "base": "head.uniform", "requires": "",
     }  # fmt: skip
     shown = {name: (row["reference"], row["unit"]) for name, row in told.items()}
     assert shown["orient"] == ("3.14159, 0, 0", "rad")
@@ -282,9 +282,12 @@ def test_summary_names_the_columns_of_its_arrays(
         f"{hand}.{finger}" for hand, cells in dexter.load_cells.items() for finger in cells
     ]
     assert summary["signals"] == {
-        "head": {"type": "configuration[2]", "place": False},
-        "cyclopean.sat_10": {"type": "heading", "place": False},
+        "head": {"type": "configuration[2]", "place": False, "channels": []},
+        "cyclopean.sat_10": {"type": "heading", "place": False, "channels": ["sat_10"]},
     }
+    assert summary["channels"] == ["sat_10"]
+    assert summary["leads"] == {"search": "search", "track": "track"}
+    assert summary["limits"]["searchtrack"]["transitions"] == 100
     robot = summary["robot"]
     assert robot["urdf"] == urdf.read_text("utf-8")
     assert (robot["name"], robot["folder"]) == ("dexter", str(urdf.parent.resolve()))

@@ -1,13 +1,18 @@
 // The page: what time it is, and who is told when that changes.
 
-function tellResult({ result, reasons }) {
+function tellResult({ result, causes }) {
   byId("program").textContent = result.program;
   byId("where").textContent = `on ${result.stage}, ${result.context}, seed ${result.seed}`;
   byId("verdict").textContent = result.ending.split(" after ")[0].toLowerCase();
   byId("verdict").className = result.ending.startsWith("Not") ? "not" : "rewarded";
   byId("ending").textContent = result.ending;
-  byId("reasons-heading").hidden = !reasons.length;
-  byId("reasons").replaceChildren(...reasons.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+  byId("reasons-heading").hidden = !causes.length;
+  byId("reasons").replaceChildren(...causes.map(({ time, text }) => {
+    const item = document.createElement("li"), moment = document.createElement("a");
+    Object.assign(moment, { href: `#t=${time}`, textContent: `${time.toFixed(2)} s` });
+    item.append(moment, `: ${text}`);
+    return item;
+  }));
 }
 
 // Draws each camera's last image; returns how to change the time.

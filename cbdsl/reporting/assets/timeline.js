@@ -74,6 +74,11 @@ function titleOf({ program, use = "" }) {
 // One row for the actions of each use of a program and one for each letter of its state.
 function makeStrip(data, parent) {
   const end = data.arrays.time.at(-1), rows = [];
+  if (data.causes.length) {
+    const [{ kind, time, text }] = data.causes, first = addRow(parent, "first cause", "member cause");
+    first.add(time, time, "▲", `${kind.replaceAll("_", " ")} at ${time.toFixed(2)} s: ${text}`, "star");
+    rows.push(first);
+  }
   const uses = new Map();
   for (const each of data.transitions) {
     const use = titleOf(each);

@@ -1,0 +1,164 @@
+"""``cb why``: the first cause of an episode that failed or was not rewarded."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cbdsl.cli.arguments.option_groups import grouped
+from cbdsl.cli.arguments.options import Open
+from cbdsl.cli.episodes.pages import open_page, require_room, write_page
+from cbdsl.cli.episodes.recorder import Recorder
+from cbdsl.cli.episodes.simulation import needing_simulation, simulation
+from cbdsl.cli.run import RunOptions
+from cbdsl.diagnostics.errors import UsageError
+from cbdsl.runtime.recording_folder import RecordingFolder
+
+if TYPE_CHECKING:
+    from cbdsl.reporting.why.diagnosis import Diagnosis
+    from cbdsl.reporting.why.history import FailureCause, History
+    from cbdsl.runtime.episode_result import EpisodeResult
+
+What = Annotated[
+    str,
+    typer.Argument(
+        metavar="RECORDING|PROGRAM",
+        help="Recording of cb run --record, a folder of recordings, or a program to run.",
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per episode.")]
+Page = Annotated[
+    Path | None,
+    typer.Option("--page", help="File for a page of the first failed episode (.html)."),
+]
+
+
+@grouped
+def why(
+    what: What,
+    *,
+    options: RunOptions,
+    as_json: Json = False,
+    page: Page = None,
+    open_: Open = True,
+) -> None:
+    """Print the first cause of an episode that failed or was not rewarded.
+
+    The cause rests on the predicates, levels and signals of the recording; the truth of a
+    simulation is not read. If no cause is known, the causes that are ruled out are printed.
+    A program runs first, with the options of cb run; a recording needs none of them.
+
+    Exit 0 if each episode succeeded or has a known cause, and 3 if a cause is unknown. Exit 1 if a
+    document has errors, and 2 if there is nothing to explain.
+    """
+    if page is not None:
+        require_room(page)
+    unknown = False
+    with _recordings(what, options) as files:
+        for file in files:
+            history, diagnosis = _diagnosed(file)
+            row = _row(history, diagnosis)
+            print(json.dumps(row, ensure_ascii=False) if as_json else _text(row), flush=True)
+            unknown |= diagnosis.failed and diagnosis.cause is None
+            if page is not None and diagnosis.failed:
+                from cbdsl.reporting.page import page as page_of
+
+                write_page(page_of(history.recorded), page, prints=not as_json)
+                if open_:
+                    open_page(page)
+                page = None
+    if unknown:
+        raise typer.Exit(3)
+
+
+@contextmanager
+def _recordings(what: str, options: RunOptions) -> Iterator[Iterator[Path]]:
+    """Yield the recordings to explain; those of a program are made one by one, and temporary."""
+    path = Path(what)
+    if path.is_dir() or path.suffix in (".json", ".npz"):
+        with needing_simulation():
+            from cbdsl.reporting.recorded import find_recordings
+        yield iter(find_recordings(path))
+        return
+    with TemporaryDirectory() as folder:
+        yield _recorded(what, options, Path(folder))
+
+
+def _recorded(program: str, options: RunOptions, folder: Path) -> Iterator[Path]:
+    """Run the episodes of a program, and yield their recordings."""
+    options.require_exclusive()
+    request = options.request(program)
+    opened = simulation(request, options.backend, gui=options.gui, cameras=options.cameras)
+    with opened as (backend, kinematics):
+        from cbdsl.backends.backend import AttendedBackend
+        from cbdsl.runtime.episode import EpisodeError, Runner
+        from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObservers
+
+        if isinstance(backend, AttendedBackend):
+            raise UsageError("on a real robot, cb run --record FOLDER and cb why FOLDER")
+        runner = Runner(request.robot, kinematics, request.program, backend)
+        seeds = range(options.seed, options.seed + options.episodes)
+        recorder = Recorder(folder, request, backend, seeds, overwrite=True, prints=False)
+        for seed in seeds:
+            ended: list[EpisodeResult] = []
+            # An episode that cannot go on is recorded up to its error.
+            with suppress(EpisodeError), recorder.episode(seed, ended) as recording:
+                listeners = EpisodeListeners(on_end=ended.append)
+                observer = EpisodeObservers(listeners, recording)
+                runner.run(request.stage, seed, options.context, observer)
+            yield RecordingFolder(folder).files(seed)[1]
+
+
+def _diagnosed(file: Path) -> tuple[History, Diagnosis]:
+    from cbdsl.reporting.recorded import read_recording
+    from cbdsl.reporting.why.diagnosis import diagnose
+    from cbdsl.reporting.why.history import History
+
+    history = History(read_recording(file))
+    return history, diagnose(history)
+
+
+def _row(history: History, diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the diagnosis of an episode as JSON data."""
+    result = history.result
+    return {
+        "program": result["program"],
+        "stage": result["stage"],
+        "seed": result["seed"],
+        "failed": diagnosis.failed,
+        "ending": result["ending"],
+        "cause": None if diagnosis.cause is None else _cause(history, diagnosis.cause),
+        "others": [_cause(history, each) for each in diagnosis.others],
+        "ruled_out": diagnosis.ruled_out,
+        "missing": diagnosis.missing,
+    }
+
+
+def _cause(history: History, cause: FailureCause) -> dict[str, Any]:
+    return {**cause._asdict(), "time": round(float(history.time[cause.tick]), 4)}
+
+
+def _text(row: dict[str, Any]) -> str:
+    """Return the diagnosis of an episode as text."""
+    heading = f"{row['program']} on {row['stage']}, seed {row['seed']}"
+    if not row["failed"]:
+        return f"{heading}: it did not fail. {row['ending']}"
+    cause, lines = row["cause"], [row["missing"]] if row["missing"] else []
+    if cause is None:
+        lines.append("I do not know. Ruled out:")
+        lines += [f"  {each}" for each in row["ruled_out"]]
+        lines.append(row["ending"])
+    else:
+        often = f" ({cause['times']} times)" if cause["times"] > 1 else ""
+        when = f"at {cause['time']:.2f} s (tick {cause['tick']})"
+        lines.append(f"{when}, {cause['kind'].replace('_', ' ')}: {cause['sentence']}{often}.")
+        lines += [
+            f"  then at {each['time']:.2f} s: {each['sentence']}" for each in row["others"][:3]
+        ]
+    return "\n".join([f"{heading}:", *(f"  {line}" for line in lines)])

@@ -1,0 +1,103 @@
+"""Causes of the course of actions: their order, cycles, limits, and states without an action."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cbdsl.reporting.why.history import END, FailureCause, History
+from cbdsl.types.state import matches
+
+# Number of equal rounds that make a cycle.
+_ROUNDS = 3
+# Largest number of transitions of a round.
+_LONGEST = 12
+
+
+def order(history: History) -> Iterator[FailureCause]:
+    """Yield controllers that required a contact before any hand had tried to make it."""
+    for course in history.courses:
+        required = next(
+            (
+                each
+                for each in history.courses
+                if each.name == course.program + course.requires and course.requires
+            ),
+            None,
+        )
+        lacks = np.flatnonzero(course.letters == "-")
+        if required is None or not course.member or not len(lacks) or not required.grasps:
+            continue
+        hand = [each for each in history.courses if each.effector == required.effector]
+        tried = np.any([each.letters == "1" for each in hand if each.grasps], axis=0)
+        if tried[: lacks[0]].any() or lacks[-1] < max(np.flatnonzero(tried), default=-1):
+            continue
+        closed = [np.flatnonzero(each.flag("exhausted")) for each in hand if each.grasps]
+        if not any(len(ticks) and ticks[0] <= lacks[0] for ticks in closed):
+            clause = f"{course.name} requires {required.name}, and no hand had closed before"
+            yield FailureCause("wrong_order", int(lacks[0]), clause)
+
+
+def course(history: History) -> Iterator[FailureCause]:
+    """Yield the way in which the actions ended; these are causes only without any other."""
+    own = [each for each in history.transitions if each["depth"] == 0]
+    limits = history.summary.get("limits", {}).get(history.result["program"], {})
+    yield from _stated(history)
+    yield from _cycle(history, own)
+    if history.result.get("outcome") or history.result.get("halted"):
+        return
+    seconds, end = history.result["sim_seconds"], history.last
+    if limits.get("episode_time") and seconds >= limits["episode_time"] - 0.1:
+        clause = f"the {limits['episode_time']:g} s of the episode were over"
+        yield FailureCause("time", end, clause, {"seconds": limits["episode_time"]}, rank=END)
+    elif len(own) >= limits.get("transitions", len(own) + 1):
+        clause = f"the {limits['transitions']} transitions were used up"
+        yield FailureCause("time", end, clause, {"transitions": limits["transitions"]}, rank=END)
+    elif own and own[-1]["state"] == own[-1]["next_state"]:
+        clause = f"{own[-1]['action']} changed nothing in {_seconds(history, own[-1]):.1f} s"
+        yield FailureCause("time", end, f"{clause} in state {own[-1]['state']}", rank=END)
+    elif own:
+        clause = f"the policy has no action for state {own[-1]['next_state']}"
+        yield FailureCause("no_action", history.tick(own[-1]["time"]), clause, rank=END)
+
+
+def _stated(history: History) -> Iterator[FailureCause]:
+    """Yield the failure that a program states at the end, the innermost one first."""
+    if history.result.get("outcome") != "failure":
+        return
+    latest: dict[str, Mapping[str, Any]] = {each["program"]: each for each in history.transitions}
+    for each in sorted(latest.values(), key=lambda each: -each["depth"]):
+        reasons = history.summary.get("limits", {}).get(each["program"], {}).get("reasons", {})
+        for pattern, reason in reasons.items():
+            if reason and matches(pattern, each["next_state"]):
+                clause = f"{each['program']} states in {each['next_state']}: {reason}"
+                yield FailureCause("stated", history.tick(each["time"]), clause, rank=END)
+                return
+
+
+def _seconds(history: History, transition: Mapping[str, Any]) -> float:
+    return float(transition["ticks"] * np.median(np.diff(history.time)))
+
+
+def _cycle(history: History, own: Sequence[Mapping[str, Any]]) -> Iterator[FailureCause]:
+    """Yield the first round of the shortest cycle that lasted to the end."""
+    steps = [(each["state"], each["action"], each["next_state"]) for each in own]
+    for length in range(1, _LONGEST + 1):
+        rounds = 1
+        while (
+            steps[-length:]
+            and steps[-length:]
+            == steps[len(steps) - length * (rounds + 1) : len(steps) - length * rounds]
+        ):
+            rounds += 1
+        if rounds >= _ROUNDS:
+            first = own[len(own) - length * rounds]
+            names = ", ".join(dict.fromkeys(step[1] for step in steps[-length:]))
+            clause = f"{names} repeated the same states {rounds} times without progress"
+            tick = max(0, history.tick(first["time"]) - first["ticks"])
+            yield FailureCause(
+                "cycle", tick, clause, {"rounds": rounds, "length": length}, rank=END
+            )
+            return

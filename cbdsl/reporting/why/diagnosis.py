@@ -1,0 +1,90 @@
+"""Diagnosis of a recorded episode: its first cause, and the families that are ruled out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+from cbdsl.reporting.why.contact_causes import contact
+from cbdsl.reporting.why.course_causes import course, order
+from cbdsl.reporting.why.history import FailureCause, History
+from cbdsl.reporting.why.motion_causes import motion
+from cbdsl.reporting.why.robot_causes import robot
+from cbdsl.reporting.why.sight_causes import sight
+
+# Causes this close together have one origin, which the earlier family names, s.
+_TOGETHER = 0.2
+
+
+class Family(NamedTuple):
+    """Family of causes.
+
+    Attributes:
+        name: Name of the family.
+        find: Finder of its causes that are in force at the end.
+        absent: Clause for an episode without such a cause.
+    """
+
+    name: str
+    find: Callable[[History], Iterator[FailureCause]]
+    absent: str
+
+
+#: All families; of simultaneous causes the first one counts.
+FAMILIES = (
+    Family("robot", robot, "the robot followed its references, and nothing halted it"),
+    Family("order", order, "no controller required a contact before its time"),
+    Family("contact", contact, "no hand closed on nothing, lost an object or moved one"),
+    Family("sight", sight, "every object that a member needed was seen"),
+    Family("motion", motion, "no member stayed short of its target"),
+    Family("course", course, "no cycle, no limit and no state without an action"),
+)
+
+
+class Diagnosis(NamedTuple):
+    """First cause of an episode.
+
+    Attributes:
+        failed: True if the episode failed or was not rewarded.
+        cause: The first cause; ``None`` if there is none, or none is known.
+        others: Other causes in force at the end, by time.
+        ruled_out: A clause for each family without a cause.
+        missing: A clause if the recording lacks facts of controllers and sight; else empty.
+    """
+
+    failed: bool
+    cause: FailureCause | None
+    others: tuple[FailureCause, ...]
+    ruled_out: tuple[str, ...]
+    missing: str
+
+
+def diagnose(history: History) -> Diagnosis:
+    """Return the first cause of an episode; the truth of a simulation is not read."""
+    result = history.result
+    failed = result.get("outcome") != "success" and (
+        not result["rewarded"] or result.get("outcome") == "failure" or bool(result.get("halted"))
+    )
+    missing = (
+        ""
+        if history.is_complete
+        else ("recorded by an older cb, without the facts of contacts and sight; record it again")
+    )
+    if not failed:
+        return Diagnosis(failed, None, (), (), missing)
+    causes = [
+        (cause, place) for place, family in enumerate(FAMILIES) for cause in family.find(history)
+    ]
+    present = {place for _, place in causes}
+    ruled_out = tuple(each.absent for n, each in enumerate(FAMILIES) if n not in present)
+    causes.sort(key=lambda each: (each[0].rank, each[0].tick))
+    if not causes:
+        return Diagnosis(failed, None, (), ruled_out, missing)
+    earliest = causes[0][0]
+    horizon = earliest.tick + history.ticks(_TOGETHER)
+    together = [
+        each for each in causes if each[0].rank == earliest.rank and each[0].tick <= horizon
+    ]
+    first = min(together, key=lambda each: each[1])[0]
+    others = tuple(cause for cause, _ in causes if cause is not first)
+    return Diagnosis(failed, first, others, ruled_out, missing)

@@ -1,0 +1,289 @@
+"""History of a recorded episode: courses of controllers, signals and contacts, read only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.kinematics.quaternion import product, turned
+from cbdsl.numeric.arrays import Floats
+from cbdsl.reporting.drawn_links import read_links
+from cbdsl.reporting.link_pose import placed
+from cbdsl.reporting.recorded import Recorded
+from cbdsl.runtime.recording import FLAGS, SIGHT
+
+Mask = NDArray[np.bool_]
+_IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
+
+
+#: Ranks of causes: a halt explains any end, and a mere end is a cause only without an event.
+HALT, EVENT, END = range(3)
+
+
+class FailureCause(NamedTuple):
+    """FailureCause of a failure, as recorded.
+
+    Attributes:
+        kind: Name of the kind.
+        tick: First tick in which it shows.
+        sentence: The cause as a clause, with its numbers.
+        numbers: The same numbers in SI, by name.
+        times: Number of its occurrences.
+        rank: ``HALT``, ``EVENT`` or ``END``; causes of a lower rank come first at any time.
+    """
+
+    kind: str
+    tick: int
+    sentence: str
+    numbers: Mapping[str, float] = {}
+    times: int = 1
+    rank: int = EVENT
+
+
+class ControllerCourse(NamedTuple):
+    """ControllerCourse of one controller.
+
+    Attributes:
+        name: Name, qualified by the uses of programs.
+        member: Member that it determines; empty if it determines none.
+        feedback, base, effector, unit, requires: Names as in a recording's triple.
+        letters: Predicate by tick, shape (T,).
+        errors: Norm of the residual by tick, shape (T,), NaN while undefined.
+        acts: True while it is a level of the stack, shape (T,).
+        flags: Facts of ``FLAGS`` by tick, shape (T, flags).
+        shares: Achieved share of the requested displacement by tick, shape (T,).
+        holders: Index of the holder by tick as in a recording, shape (T,).
+        ranks: Number of its free task coordinates by tick, shape (T,).
+    """
+
+    name: str
+    member: str
+    feedback: str
+    base: str
+    effector: str
+    unit: str
+    requires: str
+    letters: NDArray[np.str_]
+    errors: Floats
+    acts: Mask
+    flags: Mask
+    shares: Floats
+    holders: NDArray[np.int16]
+    ranks: NDArray[np.int8]
+
+    def flag(self, name: str) -> Mask:
+        """Return the ticks in which a fact of ``FLAGS`` holds, shape (T,)."""
+        return self.flags[:, FLAGS.index(name)]
+
+    @property
+    def program(self) -> str:
+        """Use of the program that it belongs to, with a dot behind; empty for the main one."""
+        return self.name[: self.name.rfind(".") + 1]
+
+    @property
+    def grasps(self) -> bool:
+        """True if the hand that it moves feels the forces that it controls."""
+        return self.unit == "N" and self.feedback.split(".")[0] == self.effector.split(".")[0]
+
+    def measure(self, error: float) -> str:
+        """Return an error in its reported unit."""
+        factor, unit = {"m": (100.0, "cm"), "rad": (180.0 / np.pi, "deg")}.get(
+            self.unit, (1.0, self.unit)
+        )
+        return f"{factor * error:.1f} {unit}".rstrip()
+
+
+@dataclass(frozen=True)
+class History:
+    """Recorded episode, as the finders of causes read it.
+
+    No finder reads the ``scene``, which is the truth of a simulation.
+
+    Attributes:
+        recorded: Recording of the episode.
+        time: Time of each tick, s, shape (T,).
+        courses: ControllerCourse of each controller.
+    """
+
+    recorded: Recorded
+    time: Floats = field(init=False)
+    courses: tuple[ControllerCourse, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "time", self.recorded.arrays["time"])
+        object.__setattr__(self, "courses", tuple(_courses(self.recorded)))
+
+    @property
+    def summary(self) -> Mapping[str, Any]:
+        """Content of the recording's JSON file."""
+        return self.recorded.summary
+
+    @property
+    def result(self) -> Mapping[str, Any]:
+        """Recorded result of the episode."""
+        result: Mapping[str, Any] = self.summary["result"]
+        return result
+
+    @property
+    def is_complete(self) -> bool:
+        """True if the recording holds the facts of controllers and of sight."""
+        return {"flags", "sight", "errors"} <= self.recorded.arrays.keys()
+
+    @property
+    def last(self) -> int:
+        """Last tick."""
+        return len(self.time) - 1
+
+    @property
+    def transitions(self) -> Sequence[Mapping[str, Any]]:
+        """Transitions of all programs, by time."""
+        transitions: Sequence[Mapping[str, Any]] = self.summary["transitions"]
+        return transitions
+
+    def tick(self, time: float) -> int:
+        """Return the last tick up to a time, s."""
+        return max(0, int(np.searchsorted(self.time, time + 1e-6, side="right")) - 1)
+
+    def ticks(self, seconds: float) -> int:
+        """Return the number of ticks in a duration, s; at least 1."""
+        return max(1, self.tick(self.time[0] + seconds))
+
+    @cached_property
+    def defined(self) -> Mapping[str, Mask]:
+        """Ticks in which each signal is defined, by its name, shape (T,)."""
+        return {
+            name: ~np.isnan(values.reshape(len(values), -1)).all(axis=1)
+            for name, values in self.recorded.signals.items()
+        }
+
+    def channels(self, signal: str) -> Sequence[str]:
+        """Return the visual channels of a signal; empty for another source."""
+        channels: Sequence[str] = self.summary["signals"].get(signal, {}).get("channels", ())
+        return channels
+
+    def sight(self, channel: str) -> list[str]:
+        """Return the name in ``SIGHT`` of a channel's object by tick; empty if unrecorded."""
+        channels = list(self.summary.get("channels", ()))
+        if channel not in channels or "sight" not in self.recorded.arrays:
+            return []
+        return [
+            SIGHT[int(code)] for code in self.recorded.arrays["sight"][:, channels.index(channel)]
+        ]
+
+    @cached_property
+    def places(self) -> Mapping[str, Floats]:
+        """Positions of seen objects by the name of their signal, m, shape (T, 3)."""
+        return {
+            name: self.recorded.signals[name]
+            for name, facts in self.summary["signals"].items()
+            if facts["place"] and len(facts.get("channels", ())) == 1
+        }
+
+    @cached_property
+    def hands(self) -> Sequence[str]:
+        """Effectors that feel the forces that their controllers control."""
+        return tuple(dict.fromkeys(each.effector for each in self.courses if each.grasps))
+
+    def forces(self, hand: str) -> Floats:
+        """Return the largest force of a hand's load cells by tick, N, shape (T,)."""
+        cells = self.summary["load_cells"]
+        columns = [n for n, cell in enumerate(cells) if _name(cell).split(".")[0] == hand]
+        loads = self.recorded.arrays["loads"][..., :3]
+        if not columns:
+            return np.zeros(len(self.time))
+        largest: Floats = np.linalg.norm(loads[:, columns], axis=2).max(axis=1)
+        return largest
+
+    def fingers(self, hand: str, tick: int) -> Floats:
+        """Return the positions of the links with a hand's load cells, m, shape (cells, 3)."""
+        cells = self.summary["robot"].get("cells", {})
+        links = [link for cell, link in cells.items() if cell.split(".")[0] == hand]
+        poses = self._poses(tick)
+        return np.array([poses[link][0] for link in links if link in poses]).reshape(-1, 3)
+
+    def _poses(self, tick: int) -> dict[str, tuple[Floats, Floats]]:
+        """Return position, m, and quaternion of each link by forward kinematics, world frame."""
+        poses: list[tuple[Floats, Floats]] = []
+        positions = self.recorded.arrays["positions"][tick]
+        for link in self._links:
+            place, turn = placed(link, positions)
+            if link.parent >= 0:
+                base, above = poses[link.parent]
+                place, turn = base + turned(above, place), product(above, turn)
+            poses.append((place, turn))
+        return {link.name: pose for link, pose in zip(self._links, poses, strict=True)}
+
+    def span(self, effector: str, tick: int) -> tuple[Floats, float]:
+        """Return the first joint of an effector, m, shape (3,), and a bound of its reach, m.
+
+        The bound is infinite without a recorded tip, or if a joint slides.
+        """
+        tips = self.summary["robot"].get("tips", {})
+        if effector not in tips:
+            return np.zeros(3), np.inf
+        tip = tips[effector]
+        names = [each.name for each in self._links]
+        column = self.summary["joints"].index(tip["joint"])
+        place = names.index(tip["link"])
+        reach = float(np.linalg.norm(tip["offset"]))
+        while place >= 0 and self._links[place].column != column:
+            drawn = self._links[place]
+            reach += np.inf if drawn.motion == "slide" else float(np.linalg.norm(drawn.position))
+            place = drawn.parent
+        return self._poses(tick)[names[place]][0], reach if place >= 0 else np.inf
+
+    @cached_property
+    def _links(self) -> Sequence[Any]:
+        return read_links(self.summary["robot"], self.summary["joints"], with_shapes=False)
+
+    def column(self, course: ControllerCourse) -> int:
+        """Return the column of a course in the arrays per controller."""
+        return self.recorded.controllers.index(course.name)
+
+    def holder(self, index: int) -> str:
+        """Return the name of a holder by its recorded index; empty for none."""
+        from cbdsl.runtime.causes import LIMITS, OPTIMUM, SINGULAR
+
+        return [*self.recorded.controllers, LIMITS, OPTIMUM, SINGULAR, ""][index]
+
+
+def spans(mask: Mask) -> Iterator[tuple[int, int]]:
+    """Yield first and last tick of each run of ticks in which a mask (T,) is true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    for first, behind in zip(edges[::2], edges[1::2], strict=True):
+        yield int(first), int(behind) - 1
+
+
+def _name(cell: object) -> str:
+    return cell if isinstance(cell, str) else ".".join(map(str, cell))  # type: ignore[call-overload]
+
+
+def _courses(recorded: Recorded) -> Iterator[ControllerCourse]:
+    summary, arrays = recorded.summary, recorded.arrays
+    letters = np.array([list(each) for each in summary["predicates"]])
+    shape = letters.shape
+    errors = arrays.get("errors", np.full(shape, np.nan))
+    bits = arrays.get("flags", np.zeros(shape)).astype(int)
+    for column, name in enumerate(recorded.controllers):
+        triple = summary["triples"][name]
+        yield ControllerCourse(
+            name,
+            summary.get("leads", {}).get(name, ""),
+            triple["feedback"],
+            triple.get("base", ""),
+            triple.get("effector", ""),
+            triple.get("unit", ""),
+            triple.get("requires", ""),
+            letters[:, column],
+            errors[:, column],
+            arrays["level_priority"][:, column] >= 0,
+            (bits[:, column, None] >> np.arange(len(FLAGS))) & 1 == 1,
+            arrays["level_share"][:, column],
+            arrays["level_held_by"][:, column],
+            arrays["level_rank"][:, column],
+        )

@@ -1,0 +1,131 @@
+"""Causes of motion: levels that came no nearer, and their holders, limits and guards."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+from cbdsl.reporting.why.history import END, EVENT, ControllerCourse, FailureCause, History, Mask
+from cbdsl.runtime import causes
+
+# Time before the end of an action in which a level's holder counts, s.
+_LOOKED_AT = 0.5
+# Share of a final error up to which an earlier one is no nearer.
+_SAME = 1.05
+# Share of a task velocity above which a level was not held.
+_SMALL_SHARE = 0.5
+# Least share of the examined ticks in which a guard or a limit holds.
+_MOSTLY = 0.5
+
+_KINDS = {
+    causes.LIMITS: "limit",
+    causes.OUT_OF_REACH: "out_of_reach",
+    causes.BLOCKED: "not_followed",
+    causes.OPTIMUM: "stuck",
+    causes.SINGULAR: "stuck",
+    causes.CREEPING: "stuck",
+}
+
+
+def motion(history: History) -> Iterator[FailureCause]:
+    """Yield the members that ended an action short of their targets, and never arrived later."""
+    ends = [
+        history.tick(each["time"])
+        for each in history.transitions
+        if each["state"] == each["next_state"]
+    ]
+    for course in history.courses:
+        # A level that no joint moves is a question about the world, and its answer is no cause.
+        if not course.member or course.grasps or not course.ranks.any():
+            continue
+        short = _is_short(course)
+        arrived = np.flatnonzero((course.letters == "1") & ~course.flag("stuck"))
+        last_arrived = max(arrived, default=-1)
+        ticks = [t for t in (*ends, history.last) if short[max(0, t - 1) : t + 1].any()]
+        ticks += list(np.flatnonzero(course.flag("stuck") & (np.arange(len(short)) > last_arrived)))
+        late = sorted(t for t in ticks if t > last_arrived)
+        if late:
+            yield _held(history, course, late[0])
+
+
+def _is_short(course: ControllerCourse) -> Mask:
+    """Return the ticks in which a level is on its way, or at rest beyond its tolerance."""
+    going = course.acts & ~np.isnan(course.errors)
+    short: Mask = going & ((course.letters == "0") | course.flag("stuck"))
+    return short
+
+
+def _held(history: History, course: ControllerCourse, end: int) -> FailureCause:
+    """Return the cause that kept a level from its target until a tick."""
+    acting = np.flatnonzero(_is_short(course)[: end + 1])
+    end = int(acting[-1])
+    begin = end
+    while begin > 0 and course.acts[begin - 1] and course.letters[begin - 1] != "X":
+        begin -= 1
+    error = float(course.errors[end])
+    farther = np.flatnonzero(course.errors[begin : end + 1] > _SAME * error)
+    since = begin + (int(farther[-1]) + 1 if len(farther) else 0)
+    left = f"{course.name} stayed {course.measure(error)} from its target"
+    late = slice(max(begin, end - history.ticks(_LOOKED_AT)), end + 1)
+    numbers = {"error": error}
+    kind, reason = _reason(history, course, late, numbers)
+    rank = END if kind == "slow" else EVENT
+    return FailureCause(kind, since, f"{left}{reason}", numbers, rank=rank)
+
+
+def _reason(
+    history: History, course: ControllerCourse, late: slice, numbers: dict[str, float]
+) -> tuple[str, str]:
+    """Return the kind of a rest short of a target, and its words."""
+    arrays = history.recorded.arrays
+    far = _beyond(history, course, late.stop - 1)
+    if far:
+        numbers["distance"], numbers["reach"] = far
+        clause = f": that is {100 * far[0]:.0f} cm from a joint that reaches {100 * far[1]:.0f} cm"
+        return "out_of_reach", clause
+    guards = _most(arrays.get("guard_held"), late, history.summary.get("guards", ()))
+    if guards:
+        return "guard", f": the motion gave way to the guard of {' and '.join(guards)}"
+    name = course.name.rsplit(".", 1)[-1]
+    stated = history.result.get("causes", {}).get(name, "")
+    shares = course.shares[late]
+    share = float(np.nanmedian(shares)) if not np.isnan(shares).all() else 1.0
+    numbers["share"] = share
+    holders = Counter(history.holder(int(n)) for n in course.holders[late])
+    holder = holders.most_common(1)[0][0]
+    if stated and not stated.startswith("held by") and stated != causes.CREEPING:
+        return _KINDS.get(stated, "stuck"), f": {stated}"
+    limits = _most(arrays["at_limits"], late, history.summary["joints"])
+    if holder == causes.LIMITS or (
+        limits and share < _SMALL_SHARE and holder in ("", causes.OPTIMUM)
+    ):
+        return "limit", f": {' and '.join(limits) or 'joints'} were at their limits"
+    if holder in _KINDS:
+        return _KINDS[holder], f" at a {holder}"
+    if holder and share < _SMALL_SHARE:
+        taken = f"which left it {100 * max(0.0, share):.0f} % of its motion"
+        return "held", f": held by {holder}, {taken}"
+    smallest = float(np.nanmin(arrays["level_singular_value"][late, history.column(course)]))
+    if share < _SMALL_SHARE and smallest < history.summary["robot"]["singular_value"]:
+        return "stuck", f" close to a singularity: its smallest singular value was {smallest:.2g}"
+    return "slow", f", of whose motion it got {100 * share:.0f} %"
+
+
+def _beyond(history: History, course: ControllerCourse, tick: int) -> tuple[float, float] | None:
+    """Return the distance of a position beyond reach, and the reach, m; ``None`` within it."""
+    effector, _, part = course.effector.partition(".")
+    target = history.places.get(course.base)
+    if part != "position" or target is None or np.isnan(target[tick]).any():
+        return None
+    joint, span = history.span(effector, tick)
+    distance = float(np.linalg.norm(target[tick] - joint))
+    return (distance, span) if distance > span else None
+
+
+def _most(held: Mask | None, late: slice, names: list[str]) -> list[str]:
+    """Return the names whose columns hold in most of the examined ticks."""
+    if held is None or not len(names):
+        return []
+    return [names[n] for n in np.flatnonzero(held[late].mean(axis=0) >= _MOSTLY)]

@@ -1,0 +1,46 @@
+"""Causes outside of the program: interrupts, errors, late ticks, and joints that do not follow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from cbdsl.reporting.why.history import HALT, FailureCause, History, spans
+
+# A joint lags if it is this far behind its reference for this long, rad or m, and s.
+_LAG, _LAG_TIME = 0.12, 0.3
+# Force of a load cell above which a hand is in contact, N; contacts hold joints back.
+_CONTACT = 0.3
+
+
+def robot(history: History) -> Iterator[FailureCause]:
+    """Yield the halt of an episode, and joints that do not follow their references."""
+    if history.result.get("halted"):
+        kind = "interrupted" if history.result["ending"].startswith("Interrupted") else "backend"
+        yield FailureCause(kind, history.last, history.result["ending"].rstrip("."), rank=HALT)
+    yield from _lagging(history)
+
+
+def _lagging(history: History) -> Iterator[FailureCause]:
+    arrays = history.recorded.arrays
+    lag = np.abs(arrays["references"] - arrays["positions"])
+    forces = [np.zeros(len(lag)), *map(history.forces, history.hands)]
+    lag[np.max(forces, axis=0) > _CONTACT] = 0.0
+    for joint, name in enumerate(history.summary["joints"]):
+        late = [
+            (first, last)
+            for first, last in spans(lag[:, joint] > _LAG)
+            if last - first >= history.ticks(_LAG_TIME)
+        ]
+        # A joint that catches up was only slow.
+        if late and late[-1][1] == history.last:
+            first = late[-1][0]
+            worst = float(lag[first:, joint].max())
+            yield FailureCause(
+                "not_followed",
+                first,
+                f"joint {name} stayed {worst:.2f} rad or m behind its reference without a felt "
+                "contact: its drive failed, or something stopped it",
+                {"lag": worst},
+            )

@@ -1,0 +1,71 @@
+"""``cb why``: a sentence for a failure, the families ruled out, and refusals."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_main import cb
+from tests.reporting.conftest import Record, kept, play, record
+from tests.runtime.synthetic import World
+
+__all__ = ["Record", "kept", "play", "record"]
+
+
+@pytest.fixture(scope="module")
+def blind(record: Record) -> Path:
+    """Return the recording of a search without an object."""
+    return record("searchtrack", begin=lambda rng: World())
+
+
+def test_why_of_a_recording_prints_time_tick_and_cause(
+    blind: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "why", str(blind)) == 0
+    told = capsys.readouterr().out
+    assert "at 0.00 s (tick 0), never seen: sat_10 was never seen, and track needs" in told
+
+
+def test_why_as_json_has_the_cause_and_the_ruled_out_families(
+    blind: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "why", str(blind), "--json") == 0
+    row = json.loads(capsys.readouterr().out)
+    assert (row["failed"], row["cause"]["kind"], row["cause"]["tick"]) == (True, "never_seen", 0)
+    assert row["ruled_out"]
+
+
+def test_why_of_a_success_has_nothing_to_explain(
+    kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "why", str(kept)) == 0
+    assert "it did not fail" in capsys.readouterr().out
+
+
+def test_why_of_a_program_runs_it_and_marks_the_moment_on_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "page.html"
+    words = ("why", "reach", "--stage", "out_of_reach", "--backend", "kinematic", "--seed", "1")
+    assert cb(monkeypatch, *words, "--page", str(page), "--no-open") == 0
+    assert "out of reach: reach stayed" in capsys.readouterr().out
+    assert "First cause" in page.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("missing.json", "missing"), ("version.json", "version 1")],
+)
+def test_why_of_a_faulty_recording_is_refused_with_the_reason(
+    name: str,
+    told: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    text = '{"cbdsl": 1, "kind": "recording", "version": 1}'
+    (tmp_path / "version.json").write_text(text, "utf-8")
+    assert cb(monkeypatch, "why", str(tmp_path / name)) == 2
+    assert told in capsys.readouterr().err

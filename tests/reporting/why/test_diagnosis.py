@@ -1,0 +1,155 @@
+"""First causes of made episodes: each kind by its evidence, and only by it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import cbdsl.reporting.why as package
+from cbdsl.reporting.recorded import read_recording
+from cbdsl.reporting.why.diagnosis import FAMILIES, diagnose
+from cbdsl.reporting.why.history import History
+from cbdsl.runtime.recording import SIGHT
+from tests.reporting.conftest import Record
+from tests.reporting.why.made import TICKS, course, flags, made, predicates, transition
+from tests.runtime.synthetic import World
+
+END = slice(60, TICKS)
+_GONE = np.tile([0.8, 0.1, 0.0], (TICKS, 1))
+_GONE[60:] = np.nan
+_NEVER = np.full((TICKS, 3), np.nan)
+_TIMED_OUT = [transition("0XX", "reach", "0XX", 2.0, 110)]
+_LOST = predicates(("0XX", 60), ("-XX", 60))
+
+
+def sight(code: str, ticks: slice = END, usual: str = "seen") -> np.ndarray:
+    """Return the sight of the ball by tick."""
+    array = np.full((TICKS, 1), SIGHT.index(usual))
+    array[ticks] = SIGHT.index(code)
+    return array
+
+
+@pytest.mark.parametrize(
+    ("kind", "tick", "changes"),
+    [
+        ("never_seen", 0, {"predicates": ["-XX"] * TICKS, "signal_stereo__red": _NEVER,
+                           "sight": sight("unseen", slice(None))}),
+        ("occluded", 60, {"predicates": ["-XX"] * TICKS, "signal_stereo__red": _NEVER,
+                          "sight": sight("partly", usual="unseen")}),
+        ("ambiguous", 60, {"predicates": ["-XX"] * TICKS, "signal_stereo__red": _NEVER,
+                           "sight": sight("ambiguous", usual="unseen")}),
+        ("lost", 60, {"predicates": _LOST, "signal_stereo__red": _GONE, "sight": sight("unseen")}),
+        ("occluded", 40, {"predicates": _LOST, "signal_stereo__red": _GONE,
+                          "sight": sight("hidden", slice(40, 60))}),
+        ("out_of_reach", 0, {"transitions": _TIMED_OUT,
+                             "signal_stereo__red": np.tile([1.2, 0.0, 0.0], (TICKS, 1))}),
+        ("held", 0, {"transitions": _TIMED_OUT, "level_share": course(0.1, 0, END, 1.0),
+                     "level_held_by": course(2, 0, END, -1).astype(int)}),
+        ("limit", 0, {"transitions": _TIMED_OUT, "level_share": course(0.1, 0, END, 1.0),
+                      "level_held_by": course(3, 0, END, -1).astype(int)}),
+        ("guard", 0, {"transitions": _TIMED_OUT, "guard_held": np.ones((TICKS, 1), dtype=bool)}),
+        ("slip", 60, {"predicates": predicates(("X0X", 30), ("X1X", 30), ("X-X", 60))}),
+        ("wrong_object", 60, {"predicates": ["X0X"] * TICKS, "flags": flags("astray", 1, END)}),
+        ("no_action", 60, {"transitions": [transition("XXX", "reach", "1XX", 1.0, 60)],
+                           "predicates": predicates(("0XX", 60), ("1XX", 60))}),
+        ("cycle", 0, {"predicates": ["X0X"] * TICKS, "transitions": [
+            transition("1X", "a", "X1", 0.5 * n + 0.25, 15) if n % 2 == 0
+            else transition("X1", "b", "1X", 0.5 * n + 0.25, 15) for n in range(6)]}),
+        ("not_followed", 60, {"references": np.where(np.arange(TICKS)[:, None] < 60, 0.0, 0.5)
+                              * np.array([1.0, 0.0])}),
+    ],
+)  # fmt: skip
+def test_diagnose_names_the_kind_and_the_tick(
+    kind: str, tick: int, changes: dict[str, Any]
+) -> None:
+    diagnosis = diagnose(made(**changes))
+    assert diagnosis.cause is not None
+    assert (diagnosis.cause.kind, diagnosis.cause.tick) == (kind, tick)
+
+
+def test_diagnose_of_a_halted_episode_names_its_error() -> None:
+    halted = {"halted": True, "ending": "Failed after 2.0 s in state 0XX: no answer."}
+    diagnosis = diagnose(made(halted))
+    assert diagnosis.cause is not None
+    assert diagnosis.cause.kind == "backend"
+    assert "no answer" in diagnosis.cause.sentence
+
+
+@pytest.mark.parametrize(
+    ("first", "kind"),
+    [([0.8, 0.1, 0.0], "translation"), ([1.0, 0.02, 0.0], "no_grasp")],
+    ids=["beside", "between"],
+)
+def test_diagnose_of_a_miss_compares_the_fingers_with_the_object(
+    first: list[float], kind: str
+) -> None:
+    closing = predicates(("0XX", 60), ("X-X", 60))
+    acts = course(0, 0, slice(0, 60), -1)
+    diagnosis = diagnose(
+        made(
+            predicates=closing,
+            level_priority=acts.astype(int),
+            flags=flags("seeking", 1, slice(60, 90)) | flags("exhausted", 1, slice(90, TICKS)),
+            signal_stereo__red=np.tile(first, (TICKS, 1)),
+        )
+    )
+    assert diagnosis.cause is not None
+    assert diagnosis.cause.kind == kind
+
+
+def test_diagnose_before_any_approach_names_the_order() -> None:
+    diagnosis = diagnose(
+        made(
+            predicates=["X-X"] * TICKS,
+            level_priority=-np.ones((TICKS, 3), dtype=int),
+            flags=flags("seeking", 1, slice(0, 60)) | flags("exhausted", 1, END),
+        )
+    )
+    assert diagnosis.cause is not None
+    assert diagnosis.cause.kind == "wrong_order"
+
+
+def test_diagnose_ignores_a_slip_that_was_made_good() -> None:
+    regained = predicates(("X1X", 40), ("X-X", 40), ("X1X", 40))
+    assert not [each for each in _all(made(predicates=regained)) if each == "slip"]
+
+
+def test_diagnose_without_evidence_does_not_know_and_rules_out() -> None:
+    diagnosis = diagnose(made(transitions=[], predicates=["XXX"] * TICKS))
+    assert diagnosis.cause is None
+    assert len(diagnosis.ruled_out) == len(FAMILIES)
+
+
+def test_diagnose_of_a_success_has_no_cause() -> None:
+    diagnosis = diagnose(made({"outcome": "success", "rewarded": True}))
+    assert (diagnosis.failed, diagnosis.cause) == (False, None)
+
+
+def test_diagnose_of_an_older_recording_names_the_missing_facts() -> None:
+    history = made()
+    kept = {k: v for k, v in history.recorded.arrays.items() if k not in ("flags", "sight")}
+    older = History(type(history.recorded)(history.recorded.file, history.summary, kept))
+    assert "older cb" in diagnose(older).missing
+
+
+def test_finders_read_no_truth() -> None:
+    assert package.__file__ is not None
+    for file in Path(package.__file__).parent.glob("*.py"):
+        assert '"scene"' not in file.read_text("utf-8"), file
+
+
+def test_diagnose_of_a_recorded_search_names_the_unseen_colour(record: Record) -> None:
+    history = History(read_recording(record("searchtrack", begin=lambda rng: World())))
+    diagnosis = diagnose(history)
+    assert diagnosis.cause is not None
+    assert diagnosis.cause.kind == "never_seen"
+    assert "sat_10" in diagnosis.cause.sentence
+
+
+def _all(history: History) -> list[str]:
+    diagnosis = diagnose(history)
+    first = [] if diagnosis.cause is None else [diagnosis.cause]
+    return [each.kind for each in (*first, *diagnosis.others)]
