@@ -97,8 +97,15 @@ class _StepText:
         ]
 
     def _usual(self) -> list[tuple[str, str]] | None:
-        """Return the exits as ``then`` and ``failed``, or ``None`` if there are others."""
-        keys = {("1",) * len(self._step.members): "then", ("-",): "failed"}
+        """Return the exits as ``then`` and ``failed``, or ``None`` if there are others.
+
+        A controller that is stuck fails behind ``then``, and goes on behind ``at rest``.
+        """
+        step, uses = self._step, self._document.use
+        at_rest = ("1",) * len(step.members)
+        keys = {at_rest: "then", ("-",): "failed"}
+        if any(e.boxes[0] == at_rest and e.to.end != "success" for e in step.exits):
+            keys = keys if uses.keys() >= set(step.members) else {("-",): "failed"}
         usual = {keys.get(e.boxes[0], ""): self._to(e.to) for e in self._step.exits}
         return None if "" in usual else [(k, usual[k]) for k in ("then", "failed") if k in usual]
 

@@ -20,12 +20,20 @@ from cbdsl.language.scanner import CompositionError, Scanner
 
 #: Words for the letters of a member, by its kind.
 WORDS: Mapping[str, Mapping[str, str]] = {
-    "controller": {"undefined": "-", "moving": "0", "at rest": "1"},
+    "controller": {
+        "undefined": "-",
+        "moving": "0",
+        "at rest": "1s",
+        "arrived": "1",
+        "stuck": "s",
+    },
     "program": {"failed": "-", "running": "0", "succeeded": "1"},
     "condition": {"undefined": "-", "false": "0", "true": "1"},
 }
-#: Letters that a member of a running step may have.
-LETTERS = "-01"
+#: Letters that a member of a running step may have: s at rest beyond its tolerance, 1 within it.
+LETTERS = "-01s"
+#: Letters of each kind of member; only a controller has a tolerance.
+OF_KIND = {"controller": LETTERS, "program": "-01", "condition": "-01"}
 OTHERWISE = "otherwise"
 #: Ends of a program by the words of a target.
 ENDS = {"succeed": "success", "fail": "failure", "end": "end"}
@@ -65,7 +73,7 @@ class Clause(NamedTuple):
         # A condition that does not hold is false; an undefined one is neither.
         if kind == "condition" and not self.word:
             return WORDS[kind]["false"]
-        return "".join(other for other in LETTERS if other != letter)
+        return "".join(other for other in OF_KIND[kind] if other not in letter)
 
 
 #: Ways in which an exit holds, each a conjunction; one without parts always holds.
@@ -147,11 +155,15 @@ def when_text(
         if set(possible) <= set(letters):
             continue
         kind = "program" if member in programs else "controller"
-        words = {letter: word for word, letter in WORDS[kind].items()}
-        other = set(LETTERS).difference(letters)
-        word = words[letters] if len(letters) == 1 else f"not {words[other.pop()]}"
-        parts.append(f"{member} {word}")
+        parts.append(f"{member} {_word(set(letters).intersection(possible), possible, kind)}")
     return " and ".join(parts) or OTHERWISE
+
+
+def _word(letters: set[str], possible: str, kind: str) -> str:
+    """Return the word for some of the letters that a member can have."""
+    words = {word: set(own).intersection(possible) for word, own in WORDS[kind].items()}
+    phrases = words | {f"not {word}": set(possible) - own for word, own in words.items()}
+    return next(phrase for phrase, own in phrases.items() if own == letters)
 
 
 def parse_target(text: str) -> Target:

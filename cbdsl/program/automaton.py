@@ -1,8 +1,9 @@
 """Automaton of a program: its steps, the letters of their members, and the exits between them.
 
 A step is the set of states in which its members are active (Eq 4.1). While it runs, each member has
-one of the letters - 0 1, and all others have X. A policy over states is therefore a finite
-automaton over these letters, whether it was written as steps or as patterns of states.
+one of the letters - 0 1, or s for a controller at rest beyond its tolerance, and all others have X.
+A policy over states is therefore a finite automaton over these letters, whether it was written as
+steps or as patterns of states.
 """
 
 from __future__ import annotations
@@ -12,10 +13,8 @@ from collections import deque
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from cbdsl.types.state import ANY, Predicate, closest_first, overlap
-
-#: Letters that a member of a running step may have.
-LETTERS = "-01"
+from cbdsl.language.exit import LETTERS
+from cbdsl.types.state import ANY, ARRIVED, STUCK, Predicate, closest_first, outside, overlap
 
 Box = tuple[str, ...]
 """Letters of each member, as a string for each; the box is their product."""
@@ -228,17 +227,29 @@ class _Compiler:
         others = [set(other.members) for other in self._steps.values()]
         others += [set()] if to.end else []
         lacking = [set(step.members) - other for other in others if other < set(step.members)]
-        letters = [ANY if set(some) == set(LETTERS) else some for some in box]
+        letters = list(map(_letters_of_pattern, box, step.values))
         for names in lacking:
             # Wildcards for all of these members would also match their letter X.
             places = [step.members.index(name) for name in names]
             if all(letters[place] == ANY for place in places):
-                letters[min(places)] = LETTERS
+                # An explicit rest in a success asks for arrival.
+                letters[min(places)] = "-0" + (ARRIVED + STUCK if to.end == "success" else "1")
         for own in itertools.product(*letters):
             pattern = [Predicate.INACTIVE.value] * len(self._places)
             for member, letter in zip(step.members, own, strict=True):
                 pattern[self._places[member]] = letter
             yield "".join(pattern)
+
+
+def _letters_of_pattern(some: str, possible: str) -> str:
+    """Return the letters of patterns for some of the letters that a member can have."""
+    if set(some) >= set(possible):
+        return ANY
+    moving = "".join(each for each in some if each not in "1s")
+    rests = "".join(each for each in some if each in "1s")
+    if STUCK in possible and len(rests) == 1:
+        rests = ARRIVED if rests == "1" else STUCK
+    return moving + rests[:1]
 
 
 def _yields(earlier: str, earlier_to: To, later: str, to: To) -> bool:
@@ -255,10 +266,9 @@ def _outside(pattern: str, other: str) -> list[str]:
     """Return the parts of a pattern of active members outside of another pattern."""
     parts = []
     for place, (own, letter) in enumerate(zip(pattern, other, strict=True)):
-        if own == ANY != letter:
-            parts += [
-                pattern[:place] + each + pattern[place + 1 :] for each in LETTERS if each != letter
-            ]
+        others = [each for each in outside(own, letter) if each != Predicate.INACTIVE]
+        if others:
+            parts += [pattern[:place] + each + pattern[place + 1 :] for each in others]
             pattern = pattern[:place] + letter + pattern[place + 1 :]
     return parts
 
@@ -285,8 +295,11 @@ def of_tables(
     start = next((p for p in closest_first(tables.policy) if not p.strip("X" + ANY)), None)
     if start is None:
         return None
-    rules = [(pattern, To(end="success")) for pattern in tables.success]
+    # A success is a failure if a member that has to be at rest is beyond its tolerance.
+    arrived = str.maketrans(Predicate.QUIESCENT, ARRIVED)
+    rules = [(pattern.translate(arrived), To(end="success")) for pattern in tables.success]
     rules += [(pattern, To(end="failure", reason=why)) for pattern, why in tables.failure.items()]
+    rules += [(pattern, To(end="failure")) for pattern in tables.success]
     rules += [(pattern, To(tables.policy[pattern])) for pattern in closest_first(tables.policy)]
     steps = {}
     for action in dict.fromkeys(tables.policy.values()):
@@ -297,12 +310,16 @@ def of_tables(
     return Automaton(steps, tables.policy[start], tuple(members))
 
 
+# Letters of active members by those of patterns.
+_LETTERS = {ANY: LETTERS, Predicate.QUIESCENT.value: "1s", ARRIVED: "1"}
+
+
 def _box(pattern: str, members: Sequence[str], active: Collection[str]) -> Box | None:
     """Return the letters of active members in a pattern; ``None`` if it matches none of them."""
     letters = []
     for member, letter in zip(members, pattern, strict=True):
         if member in active:
-            letters.append(LETTERS if letter == ANY else letter)
+            letters.append(_LETTERS.get(letter, letter))
         elif letter not in (ANY, Predicate.INACTIVE):
             return None
     return None if Predicate.INACTIVE in letters else tuple(letters)

@@ -9,7 +9,16 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Relative
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
-from cbdsl.types.state import ANY, PREDICATES, closest_first, matches, overlap, split
+from cbdsl.types.state import (
+    ANY,
+    PREDICATES,
+    Predicate,
+    closest_first,
+    matches,
+    overlap,
+    split,
+    tells_rest,
+)
 
 
 class StackLevel(NamedTuple):
@@ -107,7 +116,7 @@ class Coverage(NamedTuple):
     """States that a policy decides, and states without an action.
 
     Attributes:
-        states: Number of states, 4 per member.
+        states: Number of states, 4 per member, or 5 where arrival and being stuck are told apart.
         decided: Number of states that each pattern decides.
         undecided: Number of states without an action, in which the program ends.
     """
@@ -122,18 +131,25 @@ def coverage(program: CheckedProgram) -> Coverage:
     # The number of states grows as 4^n with n members. Regions of states are therefore split
     # instead of enumerated, until one pattern decides a whole region or none touches it.
     decided = dict.fromkeys(program.policy, 0)
-    size = len(program.members)
-    undecided = _decide(ANY * size, closest_first(program.policy), decided)
-    return Coverage(len(PREDICATES) ** size, decided, undecided)
+    everywhere, more = ANY * len(program.members), int(tells_rest(program.policy))
+    undecided = _decide(everywhere, closest_first(program.policy), decided, more)
+    return Coverage(_count(everywhere, more), decided, undecided)
 
 
-def _decide(region: str, patterns: Sequence[str], decided: dict[str, int]) -> int:
+def _count(region: str, more: int) -> int:
+    """Return the number of states of a region if rest is of one kind, or of one more."""
+    rests: int = (1 + more) ** region.count(Predicate.QUIESCENT)
+    others: int = (len(PREDICATES) + more) ** region.count(ANY)
+    return rests * others
+
+
+def _decide(region: str, patterns: Sequence[str], decided: dict[str, int], more: int) -> int:
     """Add a region's states to the patterns that decide them; return the number left over."""
     touching = [pattern for pattern in patterns if overlap(region, pattern) is not None]
-    states: int = len(PREDICATES) ** region.count(ANY)
+    states = _count(region, more)
     if not touching:
         return states
     if matches(touching[0], region):
         decided[touching[0]] += states
         return 0
-    return sum(_decide(part, touching, decided) for part in split(region, touching[0]))
+    return sum(_decide(part, touching, decided, more) for part in split(region, touching[0]))

@@ -9,7 +9,7 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition
 from cbdsl.program.stand_in import RewardKind
 from cbdsl.types.source_record import is_located
-from cbdsl.types.state import Predicate
+from cbdsl.types.state import ARRIVED, Predicate
 
 
 class EarnedSignal(NamedTuple):
@@ -78,7 +78,7 @@ def signals_at_its_end(program: CheckedProgram) -> frozenset[EarnedSignal]:
         name
         for pattern in program.success
         for name, letter in zip(program.members, pattern, strict=True)
-        if letter == Predicate.QUIESCENT
+        if letter in (Predicate.QUIESCENT, ARRIVED)
     }
     return frozenset(
         each for name in asked & set(program.primitives) for each in _of_primitive(program, name)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
-from cbdsl.documents.program import ProgramDocument, StepSection
+from cbdsl.documents.program import ControllerSection, ProgramDocument, StepSection
 from cbdsl.language.exit import (
     ENDS,
-    LETTERS,
+    OF_KIND,
     WORDS,
     Clause,
     parse_target,
@@ -76,6 +76,22 @@ def written_steps(document: ProgramDocument, report: Report) -> Iterator[Written
 def kind_of_member(name: str, document: ProgramDocument) -> str:
     """Return the kind of a member: a program or a controller."""
     return "program" if name in document.use and name not in document.controllers else "controller"
+
+
+def may_be_stuck(name: str, document: ProgramDocument) -> bool:
+    """Return whether a controller may be at rest beyond the tolerance of its arrival."""
+    seen: set[str] = set()
+    while isinstance(section := document.controllers.get(name), str) and name not in seen:
+        seen.add(name)
+        try:
+            name = parse(section).terms[-1].name
+        except CompositionError:
+            return True
+    if not isinstance(section, ControllerSection):
+        return True
+    rest = section.quiescence
+    is_within = rest is not None and (rest.tolerance is not None or rest.within is not None)
+    return section.arrival != "rest" and not (section.arrival is None and is_within)
 
 
 def compiled(document: ProgramDocument) -> ProgramDocument:
@@ -157,16 +173,25 @@ class StepReader:
                 to = self._to(target, (*path, "exits", i, when))
                 if to is not None:
                     exits.append(Exit(boxes, to, ("exits", i, when)))
-        size = len(written.members)
-        for key, boxes in (("failed", _any_of("-", size)), ("then", (("1",) * size,))):
+        values = tuple(self._values(term.name) for term in written.expression.terms)
+        at_rest: Box = tuple("1s" if "s" in own else "1" for own in values)
+        # A success asks for arrival in any case; otherwise, a member that is stuck fails.
+        arrived = ("1",) * len(values)
+        for key, box in (("failed", _any_of("-", values)), ("then", (arrived,))):
             target = getattr(written.section, key)
             to = None if target is None else self._to(target, (*path, key))
-            if to is not None:
-                exits.append(Exit(boxes, to, (key,)))
+            if to is not None and to.end == "success":
+                exits.append(Exit((at_rest,), to, (key,)))
+            elif to is not None:
+                exits.append(Exit(box, to, (key,)))
+                if key == "then" and arrived != at_rest:
+                    exits.append(Exit((at_rest,), To(end="failure"), (key,)))
         action, rest = str(written.expression), To(written.name)
-        return ProgramStep(
-            written.name, action, written.members, (LETTERS,) * size, tuple(exits), rest
-        )
+        return ProgramStep(written.name, action, written.members, values, tuple(exits), rest)
+
+    def _values(self, name: str) -> str:
+        letters = OF_KIND[kind_of_member(name, self._document)]
+        return letters if may_be_stuck(name, self._document) else letters.replace("s", "")
 
     def _boxes(self, text: str, written: WrittenStep, path: Path) -> tuple[Box, ...]:
         """Return the boxes of an exit's condition; none for one that is invalid."""
@@ -179,7 +204,7 @@ class StepReader:
             return ()
         boxes = []
         for way in ways:
-            letters = dict.fromkeys(written.members, LETTERS)
+            letters = {str(term): self._values(term.name) for term in written.expression.terms}
             for part in way:
                 own = self._letters(part, written, path)
                 if own is None:
@@ -218,8 +243,6 @@ class StepReader:
         return To(target.name)
 
 
-def _any_of(letter: str, size: int) -> tuple[Box, ...]:
+def _any_of(letter: str, values: Box) -> tuple[Box, ...]:
     """Return the boxes in which one member has a letter."""
-    return tuple(
-        tuple(letter if i == place else LETTERS for i in range(size)) for place in range(size)
-    )
+    return tuple((*values[:place], letter, *values[place + 1 :]) for place in range(len(values)))

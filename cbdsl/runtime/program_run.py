@@ -328,7 +328,9 @@ class ProgramRun:
             self.is_open, self._was_changed = True, changed
             return
         features = self._read_context()
-        choice = self._policy.choose(self.state, changed=changed, features=features)
+        tells_rest = self._policy.tells_rest and self._action is not None
+        state = self._rewards.with_rests(self.state, self.stuck) if tells_rest else self.state
+        choice = self._policy.choose(state, changed=changed, features=features)
         if choice.withdraws:
             self._begin_withdrawal()
         else:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.runtime.action_levels import ActionLevels
 from cbdsl.runtime.action_runs import ChildRun
-from cbdsl.types.state import matches
+from cbdsl.types.state import ARRIVED, STUCK, Predicate, matches
 
 
 class Conclusion(NamedTuple):
@@ -64,6 +64,13 @@ class Rewards:
         leads = self._levels.leads.get(action.name, ())
         return tuple(self._program.members[lead.place] for lead in leads if lead.stuck)
 
+    def with_rests(self, state: str, stuck: Sequence[str]) -> str:
+        """Return a state that tells members at rest beyond their tolerance from the others."""
+        members = self._program.members
+        rests = (STUCK if member in stuck else ARRIVED for member in members)
+        pairs = zip(state, rests, strict=True)
+        return "".join(rest if own == Predicate.QUIESCENT else own for own, rest in pairs)
+
     def conclusion(self, state: str, stuck: Sequence[str] = ()) -> Conclusion | None:
         """Return the outcome that a state stands for, or ``None``; success comes first.
 
@@ -72,9 +79,11 @@ class Rewards:
             stuck: Members at rest beyond their tolerance, whose rest is no success.
         """
         program = self._program
-        places = [program.members.index(member) for member in stuck]
+        state = self.with_rests(state, stuck)
         successes = [pattern for pattern in program.success if matches(pattern, state)]
-        if any(all(pattern[place] != "1" for place in places) for pattern in successes):
+        # An explicit rest asks for arrival.
+        strict = (pattern.replace(Predicate.QUIESCENT, ARRIVED) for pattern in successes)
+        if any(matches(pattern, state) for pattern in strict):
             return Conclusion("success", "")
         for pattern in program.failure:
             if matches(pattern, state):

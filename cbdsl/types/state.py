@@ -18,13 +18,32 @@ class Predicate(StrEnum):
 PREDICATES = "".join(Predicate)
 #: Wildcard of patterns: any predicate.
 ANY = "*"
+#: Letters of patterns for a member at rest within its tolerance, and beyond it; 1 stands for both.
+ARRIVED, STUCK = "a", "s"
+_SEVERAL = {ANY: "X-0as", Predicate.QUIESCENT.value: ARRIVED + STUCK}
 #: Regular expression of a state.
 STATE = r"^[X01-]+$"
 
 
 def matches(pattern: str, state: str) -> bool:
     """Return whether a state, or all states of a pattern, match a pattern of the same length."""
-    return all(letter in (ANY, own) for letter, own in zip(pattern, state, strict=True))
+    return all(
+        own == letter or letter == ANY or own in _SEVERAL.get(letter, "")
+        for letter, own in zip(pattern, state, strict=True)
+    )
+
+
+def outside(letter: str, other: str) -> list[str]:
+    """Return letters for all predicates that one letter of a pattern has, and another one lacks."""
+    rest = [own for own in _SEVERAL.get(letter, letter) if own not in _SEVERAL.get(other, other)]
+    if ARRIVED in rest and STUCK in rest:
+        rest = [*(own for own in rest if own not in (ARRIVED, STUCK)), Predicate.QUIESCENT.value]
+    return rest
+
+
+def tells_rest(patterns: Iterable[str]) -> bool:
+    """Return whether patterns distinguish rest within a tolerance from rest beyond it."""
+    return any(ARRIVED in pattern or STUCK in pattern for pattern in patterns)
 
 
 def at_rest_anew(before: str, after: str) -> bool:
@@ -37,9 +56,12 @@ def overlap(one: str, other: str) -> str | None:
     """Return the pattern of the states that match two patterns, or ``None`` for no such state."""
     letters = []
     for a, b in zip(one, other, strict=True):
-        if a != b and ANY not in (a, b):
+        if a == b or b == ANY or a in _SEVERAL.get(b, ""):
+            letters.append(a)
+        elif a == ANY or b in _SEVERAL.get(a, ""):
+            letters.append(b)
+        else:
             return None
-        letters.append(b if a == ANY else a)
     return "".join(letters)
 
 
@@ -52,9 +74,10 @@ def split(region: str, pattern: str) -> Iterator[str]:
     the pattern. If the pattern fixes no more places than the region, no part is yielded.
     """
     pairs = enumerate(zip(region, pattern, strict=True))
-    place = next((i for i, (own, letter) in pairs if own == ANY != letter), None)
+    place = next((i for i, (own, letter) in pairs if own != letter and matches(own, letter)), None)
     if place is not None:
-        for letter in PREDICATES:
+        letters = PREDICATES if region[place] == ANY else ARRIVED + STUCK
+        for letter in letters:
             yield region[:place] + letter + region[place + 1 :]
 
 

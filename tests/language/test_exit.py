@@ -15,16 +15,18 @@ def letters(text: str, kind: str) -> list[list[tuple[str, str | None]]]:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("lift at rest", [[("lift", "1")]]),
+        ("lift at rest", [[("lift", "1s")]]),
         ("lift not  at  rest", [[("lift", "-0")]]),
         ("lift undefined and heavy moving", [[("lift", "-"), ("heavy", "0")]]),
-        ("a moving or b at rest and c undefined", [[("a", "0")], [("b", "1"), ("c", "-")]]),
-        ("reach(sat_10, right_arm) at rest", [[("reach(sat_10, right_arm)", "1")]]),
+        ("a moving or b at rest and c undefined", [[("a", "0")], [("b", "1s"), ("c", "-")]]),
+        ("reach(sat_10, right_arm) at rest", [[("reach(sat_10, right_arm)", "1s")]]),
         # Words of the language remain names of controllers.
-        ("and at rest and or moving", [[("and", "1"), ("or", "0")]]),
+        ("and at rest and or moving", [[("and", "1s"), ("or", "0")]]),
         ("moving moving", [[("moving", "0")]]),
         ("otherwise", [[]]),
-        ("otherwise at rest", [[("otherwise", "1")]]),
+        ("otherwise at rest", [[("otherwise", "1s")]]),
+        ("lift arrived or lift stuck", [[("lift", "1")], [("lift", "s")]]),
+        ("lift not stuck", [[("lift", "-01")]]),
         ("lift succeeded", [[("lift", None)]]),
     ],
 )
@@ -46,7 +48,7 @@ def test_parse_when_of_programs_and_conditions_has_their_own_words() -> None:
         ("lift resting", 6, "expected 'undefined' or 'moving' or 'at rest'"),
         ("lift at rest carry", 14, "expected 'and' or 'or' or the end, found 'carry'"),
         ("lift at rest and", 17, "expected a name at the end"),
-        ("lift not", 9, "expected 'undefined' or 'moving' or 'at rest' at the end"),
+        ("lift not", 9, "expected 'undefined' or 'moving' or 'at rest' or 'arrived'"),
         ("", 1, "expected a name at the end"),
     ],
 )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from cbdsl.checking.knowledge.impossible_states import is_always_defined
 from cbdsl.checking.program_context import ProgramContext, Steps
-from cbdsl.language.exit import LETTERS
+from cbdsl.language.exit import OF_KIND
 from cbdsl.program.automaton import Automaton, Exit, ProgramStep, Tables, meet, of_tables
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.dry_run import levels, rewarding, rows
-from cbdsl.types.state import Predicate
+from cbdsl.types.state import STUCK, Predicate, tells_rest
 
 # The automaton over-approximates a run: any member may have any of its letters next. A step or an
 # exit that it does not reach is therefore never reached, while a path that it has may be one that
@@ -23,10 +23,15 @@ def automaton_of(program: CheckedProgram, written: Automaton | None = None) -> A
         program: Checked program.
         written: Automaton of its steps as written; otherwise, its policy over states is one.
     """
-    values = {member: values_of(member, program) for member in program.members}
+    ways = (*program.policy, *program.success, *program.failure)
+    tells = written is not None or tells_rest(ways)
+    values = {member: values_of(member, program, tells=tells) for member in program.members}
     if written is not None:
         steps = {
-            name: step._replace(values=tuple(values[member] for member in step.members))
+            name: step._replace(
+                values=meet(step.values, tuple(values[member] for member in step.members))
+                or step.values
+            )
             for name, step in written.steps.items()
         }
         return written._replace(steps=steps)
@@ -43,11 +48,21 @@ def active_members(action: Action) -> tuple[str, ...]:
     return tuple(primitive.name for primitive in action.composition.primitives)
 
 
-def values_of(member: str, program: CheckedProgram) -> str:
-    """Return the letters that a member can have while it is active."""
+def values_of(member: str, program: CheckedProgram, *, tells: bool) -> str:
+    """Return the letters that a member can have while it is active.
+
+    Args:
+        member: Name of the member.
+        program: Checked program.
+        tells: True if a controller that is stuck has another letter than one that has arrived.
+    """
     primitive = program.primitives.get(member)
-    is_defined = primitive is not None and is_always_defined(primitive.lead)
-    return LETTERS.replace(Predicate.UNDEFINED, "") if is_defined else LETTERS
+    if primitive is None:
+        return OF_KIND["program"]
+    letters = OF_KIND["controller"]
+    if is_always_defined(primitive.lead):
+        letters = letters.replace(Predicate.UNDEFINED, "")
+    return letters if tells else letters.replace(STUCK, "")
 
 
 def check_flow(context: ProgramContext, program: CheckedProgram, written: Automaton | None) -> None:
@@ -82,7 +97,9 @@ class _FlowCheck:
                 continue
             if self._has_steps:
                 for place, exit_ in enumerate(step.exits):
-                    self._check_exit(step, place, exit_)
+                    # The failure of stuck members belongs to the exit before it.
+                    if place == 0 or exit_.path != step.exits[place - 1].path:
+                        self._check_exit(step, place, exit_)
             self._check_holding(step)
         traps = self._traps()
         for name in traps:

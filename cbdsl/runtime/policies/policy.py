@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol
 
 from cbdsl.program.policy_table import PolicyTable
 from cbdsl.program.schema import NO_FEATURES, Features
+from cbdsl.types.state import tells_rest
 
 
 class Choice(NamedTuple):
@@ -32,9 +33,11 @@ class Policy(Protocol):
     Attributes:
         allocates: True if it needs the features of a schema. Programs that define undefined ones
             then run before its first choice.
+        tells_rest: True if its states tell arrival from being stuck, by the letters of patterns.
     """
 
     allocates: bool = False
+    tells_rest: bool = False
 
     def begin(self) -> None:
         """Begin an activation of the program."""
@@ -79,6 +82,7 @@ class WrittenPolicy(Policy):
 
     def __init__(self, table: Mapping[str, str]) -> None:
         self._table = PolicyTable(table)
+        self.tells_rest = tells_rest(table)
 
     def choose(self, state: str, *, changed: bool, features: Features = NO_FEATURES) -> Choice:
         """Choose the next action; see ``Policy.choose``."""

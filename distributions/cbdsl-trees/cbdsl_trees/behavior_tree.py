@@ -28,7 +28,7 @@ LEAVES: Mapping[str, tuple[str, Mapping[str, str]]] = {
         "Condition",
         {
             **_RUN,
-            "pattern": "Pattern of the state; * is any letter.",
+            "pattern": "Pattern of the state; * is any letter; a is 1 on arrival, s 1 if stuck.",
             "unless": "Patterns that the state must not have, parted by ';'.",
         },
     ),
