@@ -116,7 +116,7 @@ class Coverage(NamedTuple):
     """States that a policy decides, and states without an action.
 
     Attributes:
-        states: Number of states, 4 per member, or 5 where arrival and being stuck are told apart.
+        states: Number of states, 4 per member, or 5 if rest is of two kinds.
         decided: Number of states that each pattern decides.
         undecided: Number of states without an action, in which the program ends.
     """

@@ -65,7 +65,7 @@ class Rewards:
         return tuple(self._program.members[lead.place] for lead in leads if lead.stuck)
 
     def with_rests(self, state: str, stuck: Sequence[str]) -> str:
-        """Return a state that tells members at rest beyond their tolerance from the others."""
+        """Return a state with other letters for rest within and beyond the tolerance."""
         members = self._program.members
         rests = (STUCK if member in stuck else ARRIVED for member in members)
         pairs = zip(state, rests, strict=True)

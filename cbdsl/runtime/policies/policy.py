@@ -33,7 +33,7 @@ class Policy(Protocol):
     Attributes:
         allocates: True if it needs the features of a schema. Programs that define undefined ones
             then run before its first choice.
-        tells_rest: True if its states tell arrival from being stuck, by the letters of patterns.
+        tells_rest: True if its states have different letters for arrival and for a stuck member.
     """
 
     allocates: bool = False
