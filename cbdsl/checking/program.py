@@ -265,6 +265,7 @@ class _ProgramCheck:
                 document.guards.finger_force,
                 document.guards.hand_force,
                 document.guards.joint_torque,
+                document.guards.clearance,
             ),
         )
 

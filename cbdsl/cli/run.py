@@ -64,6 +64,12 @@ Calibration = Annotated[
     str | None,
     typer.Option("--calibration", help="Calibration of the cameras: file or name [the robot's]."),
 ]
+Clearance = Annotated[
+    str | None,
+    typer.Option(
+        "--clearance", help="Least distance between the robot's links: 2cm [the program's]."
+    ),
+]
 Gui = Annotated[bool, typer.Option("--gui", help="Open the simulator's window.")]
 Record = Annotated[
     Path | None,
@@ -151,6 +157,7 @@ class RunOptions:
     calibration: Calibration = None
     body: BodyNumber = None
     gui: Gui = False
+    clearance: Clearance = None
 
     def require_exclusive(self) -> None:
         """Refuse two policies.
@@ -177,6 +184,7 @@ class RunOptions:
             calibration=self.calibration,
             body=self.body,
         ).at_rate(self.rate)
+        request = request.with_clearance(self.clearance)
         _require_context(request.stage, self.context)
         return request
 

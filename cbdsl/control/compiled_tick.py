@@ -21,6 +21,7 @@ from cbdsl.control.slot import IDLE, TRACK, error_bound
 from cbdsl.control.slot_mode import decide
 from cbdsl.control.slot_step import TaskArrays, fraction_of, write_level
 from cbdsl.control.stack import TICKS
+from cbdsl.kinematics.link_distance import DistanceArrays
 from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.handle import Handle
@@ -68,6 +69,7 @@ class TickArrays(NamedTuple):
         law: Bounds and guards, and the law's result.
         references: References of the actuated joints, rad, shape (all,).
         load_guards: Guards of loads, shape (g,) of ``load_guard.LOAD_GUARD``.
+        distances: Pairs of links that keep a distance; none without a clearance.
     """
 
     signals: SignalArrays
@@ -77,6 +79,7 @@ class TickArrays(NamedTuple):
     law: LawArrays
     references: Floats
     load_guards: Records
+    distances: DistanceArrays
 
 
 @compiled_once
@@ -102,14 +105,15 @@ def tick(arrays: Handle) -> int:
     if not active:
         return RESTED
     references, joints, load_guards = held.references, acting.joints, held.load_guards
+    distances = held.distances
     # Levels that needed their Hessians need them again, as a rule: the law then composes once.
     bends = bool(levels.bent[0])
     if bends:
         _bend(acting, levels, plan, signals)
-    outcome = move(references, joints, signals, levels, bends, law, load_guards)
+    outcome = move(references, joints, signals, levels, bends, law, load_guards, distances)
     if outcome == NEEDS_HESSIANS:
         _bend(acting, levels, plan, signals)
-        outcome = move(references, joints, signals, levels, True, law, load_guards)
+        outcome = move(references, joints, signals, levels, True, law, load_guards, distances)
     return UNSOUND if outcome == NOT_FINITE else MOVED
 
 

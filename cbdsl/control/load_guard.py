@@ -17,11 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.control.composition import compose
 from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
+from cbdsl.control.levels_above import compose_below
 from cbdsl.numeric.arrays import Floats, Integers, Records
-from cbdsl.numeric.borrowed import borrow
 from cbdsl.numeric.compiled import compiled
 from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
 from cbdsl.sensing.signal_arrays import SignalArrays
@@ -67,7 +66,7 @@ def give_way(
     columns: Integers,
     levels: LevelArrays,
     law: LawArrays,
-) -> None:
+) -> tuple[Floats, Floats, Integers]:
     """Compose a displacement again that respects the violated guards.
 
     Args:
@@ -79,6 +78,9 @@ def give_way(
         columns: Joint index of each of the levels' n joints, shape (n,).
         levels: Levels, highest priority first.
         law: Bounds and guards, and the displacement; becomes the yielding displacement.
+
+    Returns:
+        Rows, requested displacements and ends of the guards' levels, as in ``compose_below``.
     """
     table, total = signals.table, law.displacement
     joints, held, last, room = len(columns), 0, 0, 0
@@ -105,48 +107,17 @@ def give_way(
         held, last = held + 1, last + size
         if share > 1.0:
             _relieve(references, here, columns, normal)
-    if held == 0:
-        return
-    below = _below_guards(levels, normals[:held], allowed, tips[:last], ways)
-    values = np.zeros(len(below.requested))
-    own = LawArrays(law.limits, law.steps, law.guards, total, law.locked, borrow(values))
-    compose(here, borrow(below), False, own)
-    own_rows = len(below.requested) - len(levels.requested)
-    copy(law.singular_values, values[own_rows:], 1.0)
-
-
-@compiled
-def _below_guards(
-    levels: LevelArrays, normals: Floats, allowed: Floats, tips: Floats, ways: Floats
-) -> LevelArrays:
-    """Return levels below two others: along the forces, and the whole motion of the tips.
-
-    First order suffices for these two, because guards act for a few ticks only.
-    """
-    held, moved, count = len(normals), len(tips), len(levels.ends)
-    newest = levels.clock[0]
-    first, (ticks, size, joints) = held + moved, levels.rows.shape
-    rows, requested = np.zeros((ticks, first + size, joints)), np.empty(first + size)
+    rows, wanted = np.zeros((held + last, joints)), np.empty(held + last)
     for k in range(held):
-        copy(rows[newest, k], normals[k], 1.0)
-        requested[k] = allowed[k]
-    for k in range(moved):
-        copy(rows[newest, held + k], tips[k], 1.0)
-        requested[held + k] = ways[k]
-    for k in range(size):
-        for tick in range(ticks):
-            copy(rows[tick, first + k], levels.rows[tick, k], 1.0)
-        requested[first + k] = levels.requested[k]
-    ages, ends = np.ones(2 + count, np.int64), np.full(2 + count, first, np.int64)
-    ends[0] = held
-    for level in range(count):
-        ages[2 + level] = levels.ages[level]
-        ends[2 + level] += levels.ends[level]
-    return LevelArrays(
-        np.full(1, newest), rows, ages, requested, ends, np.ones(2 + count),
-        np.zeros(2 + count), np.zeros(2 + count, np.bool_), np.zeros((0, joints, joints)),
-        np.zeros(2 + count, np.int64), np.zeros(1, np.bool_),
-    )  # fmt: skip
+        copy(rows[k], normals[k], 1.0)
+        wanted[k] = allowed[k]
+    for k in range(last):
+        copy(rows[held + k], tips[k], 1.0)
+        wanted[held + k] = ways[k]
+    ends = np.array((held, held + last)) if held > 0 else np.zeros(0, np.int64)
+    if held > 0:
+        compose_below(rows, wanted, ends, here, levels, law)
+    return rows, wanted, ends
 
 
 @compiled

@@ -7,9 +7,11 @@ import math
 import numpy as np
 
 from cbdsl.control.composition import compose
+from cbdsl.control.distance_guard import hold_back, keep_apart
 from cbdsl.control.law_arrays import LawArrays
 from cbdsl.control.level import LevelArrays
 from cbdsl.control.load_guard import give_way
+from cbdsl.kinematics.link_distance import DistanceArrays
 from cbdsl.numeric.arrays import Floats, Integers, Records
 from cbdsl.numeric.compiled import compiled
 from cbdsl.sensing.signal_arrays import SignalArrays
@@ -28,6 +30,7 @@ def move(
     bends: bool,
     law: LawArrays,
     load_guards: Records,
+    distances: DistanceArrays,
 ) -> int:
     """Compose the displacement of all levels and move references by it.
 
@@ -39,6 +42,7 @@ def move(
         bends: True if the levels' Hessians are those of this tick.
         law: Bounds and guards; its result is overwritten.
         load_guards: Guards of loads, shape (g,) of ``load_guard.LOAD_GUARD``.
+        distances: Pairs of links that keep a distance.
 
     Returns:
         ``ADVANCED``; ``NEEDS_HESSIANS`` or ``NOT_FINITE`` if nothing has moved.
@@ -50,9 +54,17 @@ def move(
         return NEEDS_HESSIANS
     if math.isnan(law.displacement[0]):
         return NOT_FINITE
-    if len(load_guards) > 0:
-        give_way(load_guards, signals, references, here, joints, levels, law)
+    if len(load_guards) == 0 and len(distances.pairs) == 0:
+        _advance(references, joints, here, law)
+        return ADVANCED
+    above = give_way(load_guards, signals, references, here, joints, levels, law)
+    if len(distances.pairs) == 0:
+        _advance(references, joints, here, law)
+        return ADVANCED
+    parting = keep_apart(distances, references, here, joints, *above, levels, law)
+    before = references.copy()
     _advance(references, joints, here, law)
+    hold_back(distances, before, references, joints, parting)
     return ADVANCED
 
 

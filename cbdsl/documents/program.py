@@ -260,7 +260,7 @@ class Limits(Section):
 
 
 class GuardsSection(Section):
-    """Bounds on contact forces; motion yields to them."""
+    """Bounds on contact forces and on distances of links; motion yields to them."""
 
     finger_force: Annotated[float, quantity("force", gt=0)] | None = None
     """Maximum force of a fingertip, over all directions."""
@@ -268,6 +268,8 @@ class GuardsSection(Section):
     """Maximum net force of a hand."""
     joint_torque: Annotated[float, quantity("torque", gt=0)] | None = None
     """Maximum torque of contacts anywhere on an arm, over all its joints."""
+    clearance: Annotated[float, quantity("length", gt=0)] | None = None
+    """Minimum distance between links of the robot."""
 
 
 # Stands for a key that is not there; nothing that can be written equals it.

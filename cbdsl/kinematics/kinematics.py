@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -26,7 +26,7 @@ from cbdsl.kinematics.forward import (
 )
 from cbdsl.numeric.arrays import Booleans, Floats, Integers
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UNLIMITED, UrdfError, UrdfInertial, UrdfLink
+from cbdsl.robot.urdf import UNLIMITED, UrdfError, UrdfInertial, UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
 
 Vector = tuple[float, float, float]
@@ -148,7 +148,7 @@ class Kinematics:
         still: Floats = pinocchio.neutral(self._model)
         joints = self.joints
         others = set(self._model.names[1:]) - joints.index.keys()
-        rests = read_urdf(self._urdf).rests if others else {}
+        rests = self.model.rests if others else {}
         for name in (*joints.passive, *others & rests.keys()):
             joint = self._model.joints[self._model.getJointId(name)]
             offset = joints.offsets[joints.index[name]] if name in joints.index else rests[name]
@@ -283,12 +283,12 @@ class Kinematics:
 
     def inertial(self, link: str) -> UrdfInertial | None:
         """Return the mass of a link without carried links, ``None`` if the model has none."""
-        return self._bodies[link].inertial
+        return self.model.bodies[link].inertial
 
     @cached_property
-    def _bodies(self) -> Mapping[str, UrdfLink]:
-        """Links of the URDF model; Pinocchio merges the masses of links with fixed joints."""
-        return read_urdf(self._urdf).bodies
+    def model(self) -> UrdfModel:
+        """URDF model; Pinocchio merges links with fixed joints."""
+        return read_urdf(self._urdf)
 
     def moving(self, link: str) -> frozenset[str]:
         """Return names of the model's joints that move a link, including passive ones."""

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cbdsl.kinematics.joint_tree import JointTree
+from cbdsl.kinematics.link_shapes import convex_hull
 from cbdsl.kinematics.pose import Pose
 from cbdsl.kinematics.ready_posture import at_first
-from cbdsl.robot.meshes.mesh_file import find_mesh
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfShape
 
 LinkPair = tuple[str, str]
@@ -122,20 +122,11 @@ class SelfContacts:
     def _geometry(self, shape: UrdfShape) -> Any:
         """Return the coal geometry of a shape, or ``None`` if it has no volume."""
         if shape.kind == "mesh":
-            return self._hull(shape)
+            return convex_hull(shape, self._model.path.parent)
         if not all(size > 0 for size in shape.size):
             return None
         make = {"ball": "Sphere", "box": "Box", "cylinder": "Cylinder", "capsule": "Capsule"}
         return getattr(self._coal, make[shape.kind])(*shape.size)
-
-    def _hull(self, shape: UrdfShape) -> Any:
-        file = find_mesh(shape.file, self._model.path.parent)
-        try:
-            mesh = self._coal.MeshLoader().load(str(file), np.array(shape.size, dtype=float))
-            mesh.buildConvexHull(True, "Qt")
-        except (RuntimeError, ValueError):
-            return None  # unreadable, which engines report, or flat
-        return mesh.convex
 
 
 def _drawn(joint: UrdfJoint, rng: np.random.Generator) -> float:

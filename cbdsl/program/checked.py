@@ -63,22 +63,25 @@ class PriorLook(NamedTuple):
 
 
 class Guards(NamedTuple):
-    """Bounds on the contact loads of a motion; ``None`` for no bound.
+    """Bounds on the contact loads and the links of a motion; ``None`` for no bound.
 
     Attributes:
         finger_force: Force of a fingertip, N.
         hand_force: Net force of a hand, N.
         joint_torque: Torque of all joints of an arm together, by contacts anywhere on it, N m.
+        clearance: Least distance between links, m.
     """
 
     finger_force: float | None = None
     hand_force: float | None = None
     joint_torque: float | None = None
+    clearance: float | None = None
 
     def within(self, other: Guards) -> Guards:
         """Return the narrower bounds of two."""
-        pairs = zip(self, other, strict=True)
-        return Guards(*(min((x for x in pair if x is not None), default=None) for pair in pairs))
+        pairs = zip(self, other, (min, min, min, max), strict=True)
+        given = (([x for x in pair if x is not None], narrower) for *pair, narrower in pairs)
+        return Guards(*(narrower(bounds, default=None) for bounds, narrower in given))
 
 
 NO_GUARDS = Guards()

@@ -17,6 +17,7 @@ from cbdsl.numeric.handle import bind
 from cbdsl.program.checked import NO_GUARDS, Guards
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.causes import BLOCKED, CREEPING, OUT_OF_REACH, Balance, RestCause
+from cbdsl.runtime.clearance import Clearance
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.load_guards import LoadGuards
 from cbdsl.runtime.posture_search import least_error
@@ -78,6 +79,7 @@ class Actuation:
     Attributes:
         settings: Guards of the law for ticks of this length.
         load_guards: Bounds on the loads of fingers, hands and arms.
+        clearance: Bound on the distances of links.
         reference: Position references of all actuated joints, rad, shape (n,).
         step: Step of the last tick's levels, or ``None`` if no controller acted.
     """
@@ -105,6 +107,7 @@ class Actuation:
         self._steps = _encoder_steps(robot, signals.joints.names)
         self.reference: Floats = np.zeros(len(signals.joints))
         self.load_guards = LoadGuards(guards, signals, period)
+        self.clearance = Clearance(guards.clearance, signals, period)
         self._batches: dict[_Acting, ControllerBatch] = {}
 
     def reset(self, positions: Floats) -> None:
@@ -120,6 +123,7 @@ class Actuation:
     def _forget(self) -> None:
         """Forget the last active controllers."""
         self.load_guards.reset()
+        self.clearance.reset()
         self.step: Step | None = None
         self._last: ControllerBatch | None = None
 
@@ -159,6 +163,7 @@ class Actuation:
             batch.step.require_sound(self._signals.positions[batch.joints])
         self.step = None if outcome == RESTED else batch.step
         self.load_guards.note()
+        self.clearance.note()
 
     def _take_over(self, active: Sequence[Active]) -> ControllerBatch | None:
         """Return the controllers that act from now on; ``None`` if the program has ended."""
@@ -239,6 +244,7 @@ class Actuation:
             batch.law.arrays(step),
             self.reference,
             self.load_guards.records,
+            self.clearance.arrays,
         )
         return bind(tick, arrays)
 

@@ -255,7 +255,7 @@ class Runner:
     def _result(self, begun: _Begun, ending: str) -> EpisodeResult:
         """Return the outcome so far; an empty ending is replaced by the program's."""
         run, passed = self._run, begun.passed
-        guards = self._actuation.load_guards.clauses
+        guards = (*self._actuation.load_guards.clauses, *self._actuation.clearance.clauses)
         stuck = () if ending else stuck_leads(run)
         causes = {lead.controller.name: self._actuation.cause(lead) for lead in stuck}
         # Only simulated cameras look again for colours that the program does not look for.

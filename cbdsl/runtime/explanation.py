@@ -96,7 +96,8 @@ class Explanation:
             name: (run.phi, _change(run, level, step.displacement))
             for (name, run), level in zip(runs, step.levels, strict=True)
         }
-        guards = tick.actuation.load_guards.holding
+        actuation = tick.actuation
+        guards = (*actuation.load_guards.holding, *actuation.clearance.holding)
         return TickExplanation(levels, tick.actuation.at_limits(), guards)
 
     def _level(

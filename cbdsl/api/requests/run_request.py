@@ -50,6 +50,33 @@ class RunRequest:
 
         return replace(self, robot=with_control_rate(self.robot, rate))
 
+    def with_clearance(self, clearance: str | None) -> RunRequest:
+        """Return the request with a least distance between links, such as ``2 cm``.
+
+        Args:
+            clearance: Distance with its unit, in place of the program's; its own if ``None``.
+
+        Raises:
+            UsageError: It is not a length, or the robot's start posture does not keep it.
+        """
+        from cbdsl.diagnostics.errors import UsageError
+        from cbdsl.kinematics.link_clearance import too_near_at_start
+        from cbdsl.robot.urdf_reader import read_urdf
+        from cbdsl.types.unit import QuantityError, read_quantity
+
+        if clearance is None:
+            return self
+        try:
+            least = read_quantity(clearance, ("length",))
+        except QuantityError as error:
+            raise UsageError(f"--clearance: {error}") from None
+        if least <= 0.0:
+            raise UsageError(f"--clearance: {clearance} is not above 0")
+        if near := too_near_at_start(self.robot, read_urdf(self.urdf), least):
+            raise UsageError(f"--clearance: {near}")
+        guards = self.program.guards._replace(clearance=least)
+        return replace(self, program=self.program._replace(guards=guards))
+
     @property
     def digest(self) -> ProgramDigest:
         """Digest of the program and of the policies that it uses."""

@@ -1,4 +1,4 @@
-"""Guards of a program, which load cells have to measure and to distinguish from their noise."""
+"""Guards of a program: loads that are measured beyond noise, distances that the start keeps."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ def check_guards(context: ProgramContext) -> None:
         return
     robot = context.body.document
     _check_joint_torque(context)
+    _check_clearance(context)
     # Loads up to this force are taken for noise, so that a lower bound could not be enforced.
     least = least_force(robot)
     for key in ("finger_force", "hand_force"):
@@ -41,3 +42,16 @@ def _check_joint_torque(context: ProgramContext) -> None:
         least = f"{settings.threshold:g} N m"
         problem = f"motion without contact may cause up to {least}, and the bound is {bound:g} N m"
         context.add("CB587", place, problem=problem)
+
+
+def _check_clearance(context: ProgramContext) -> None:
+    """Report a distance that links do not keep in the start posture."""
+    least, model = context.document.guards.clearance, context.body.model
+    if least is None or model is None:
+        return
+    try:
+        from cbdsl.kinematics.link_clearance import too_near_at_start  # imports numpy
+    except ImportError:
+        return  # validation needs no engine
+    if problem := too_near_at_start(context.body.document, model, least):
+        context.add("CB587", context.source.place("guards", "clearance"), problem=problem)

@@ -1,0 +1,207 @@
+"""Distances between links of a robot, and from obstacles, in a posture; compiled."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cbdsl.kinematics.closest_points import closest_points
+from cbdsl.kinematics.forward import JOINT, place_joints, place_point, twist_of
+from cbdsl.numeric.arrays import Floats, Integers, Records
+from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.numeric.handle import Handle
+from cbdsl.numeric.vector import copy, dot, fill
+
+#: Convex shape of a link: its first point and the one after its last, the frame that carries it,
+#: its radius, and a ball around all of it: centre in that frame, and radius.
+SHAPE = np.dtype(
+    [
+        ("span", np.int64, 2),
+        ("frame", np.int64),
+        ("radius", np.float64),
+        ("centre", np.float64, 3),
+        ("reach", np.float64),
+    ]
+)
+
+#: Pair of shapes: their numbers; whether they are so near that the distance is exact, otherwise it
+#: is a lower bound, from the last one and the motion since; the distance, m, and that before the
+#: tick; the direction from the second to the first; the closest point of either; and whether the
+#: pair holds the motion back.
+PAIR = np.dtype(
+    [
+        ("first", np.int64),
+        ("second", np.int64),
+        ("near", np.bool_),
+        ("distance", np.float64),
+        ("before", np.float64),
+        ("normal", np.float64, 3),
+        ("ends", np.float64, (2, 3)),
+        ("held", np.bool_),
+    ]
+)
+
+
+class DistanceArrays(NamedTuple):
+    """Shapes of a robot, pairs of them, and their distances in the last posture.
+
+    Attributes:
+        shapes: Shapes, shape (s,) of ``SHAPE``.
+        offsets: Points of the shapes in the frames that carry them, m, shape (p, 3).
+        points: The same in the world, m; those of shapes without a near pair are older.
+        centres: Centres of the balls around the shapes in the world, m, shape (s, 3).
+        turns: Axes of the frames that carry the shapes, row by row, shape (s, 9).
+        pairs: Pairs, shape (m,) of ``PAIR``.
+        moving, joints, frames, axes: Joint tree, as ``place_joints`` takes and writes them.
+        bounds: Least distance, m; distance beyond it at which pairs are near, m; share of the rest
+            of the way to the least distance by which a pair may approach in a tick; distance beyond
+            it at which approaching ends, m.
+        at: Positions of the actuated joints in that posture, rad or m, shape (n,); NaN before one.
+    """
+
+    shapes: Records
+    offsets: Floats
+    points: Floats
+    centres: Floats
+    turns: Floats
+    pairs: Records
+    moving: Integers
+    joints: Records
+    frames: Floats
+    axes: Floats
+    bounds: Floats
+    at: Floats
+
+
+def no_distances() -> DistanceArrays:
+    """Return arrays without pairs, shapes and joints."""
+    return DistanceArrays(
+        np.zeros(0, SHAPE), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)),
+        np.zeros((0, 9)), np.zeros(0, PAIR), np.zeros(0, np.int64), np.zeros(0, JOINT),
+        np.zeros((1, 12)), np.zeros((0, 3)), np.zeros(4), np.zeros(0),
+    )  # fmt: skip
+
+
+@compiled_once
+def measure_held(arrays: Handle, positions: Floats) -> None:
+    """Compute the distances of all pairs, for calls from Python; see ``measure``."""
+    held: DistanceArrays = arrays.held
+    measure(held, positions)
+
+
+@compiled
+def measure(arrays: DistanceArrays, positions: Floats) -> None:
+    """Compute the distances of all pairs in a posture.
+
+    Args:
+        arrays: Shapes and pairs; frames, points and pairs are updated.
+        positions: Positions of the actuated joints, rad or m, shape (n,).
+    """
+    shapes, pairs, frames, known = arrays.shapes, arrays.pairs, arrays.frames, True
+    for joint in range(len(positions)):
+        known &= positions[joint] == arrays.at[joint]
+        arrays.at[joint] = positions[joint]
+    if known:
+        return
+    place_joints(positions, arrays.moving, arrays.joints, frames, arrays.axes)
+    placed, far = np.zeros(len(shapes), np.bool_), arrays.bounds[0] + arrays.bounds[1]
+    moved = np.empty(len(shapes))
+    for number in range(len(shapes)):
+        moved[number] = _move(number, arrays)
+    for number in range(len(pairs)):
+        pair = pairs[number]
+        pair.distance -= moved[pair.first] + moved[pair.second]
+        pair.near = pair.distance <= far
+        if pair.near:
+            for shape in (pair.first, pair.second):
+                if not placed[shape]:
+                    placed[shape] = True
+                    _place(shapes[shape], arrays)
+            # Most pairs are still apart in the direction in which they were.
+            pair.distance = _gap(pair, arrays)
+            if pair.distance <= far:
+                _separate(pair, arrays)
+            pair.near = pair.distance <= far
+
+
+@compiled
+def _move(number: int, arrays: DistanceArrays) -> float:
+    """Move a shape to its new frame; return a bound on the way of all its points, m."""
+    shape, before, turn = arrays.shapes[number], np.empty(3), 0.0
+    frame, centre = arrays.frames[shape.frame], arrays.centres[number]
+    copy(before, centre, 1.0)
+    place_point(frame, shape.centre, centre)
+    for i in range(9):
+        turn += (frame[i] - arrays.turns[number, i]) ** 2
+        arrays.turns[number, i] = frame[i]
+    way = 0.0
+    for axis in range(3):
+        way += (centre[axis] - before[axis]) ** 2
+    # The norm of the turn's matrix is at most the root of the sum of its squares.
+    bound: float = math.sqrt(way) + shape.reach * math.sqrt(turn)
+    return bound
+
+
+@compiled
+def _place(shape: Any, arrays: DistanceArrays) -> None:
+    """Write the points of a shape in the world."""
+    frame = arrays.frames[shape.frame]
+    for point in range(shape.span[0], shape.span[1]):
+        place_point(frame, arrays.offsets[point], arrays.points[point])
+
+
+@compiled
+def _gap(pair: Any, arrays: DistanceArrays) -> float:
+    """Return the gap between both shapes along the direction of a pair, at most their distance."""
+    first, second = arrays.shapes[pair.first], arrays.shapes[pair.second]
+    least, most = math.inf, -math.inf
+    for point in range(first.span[0], first.span[1]):
+        least = min(least, dot(pair.normal, arrays.points[point]))
+    for point in range(second.span[0], second.span[1]):
+        most = max(most, dot(pair.normal, arrays.points[point]))
+    gap: float = least - most - first.radius - second.radius
+    return gap
+
+
+@compiled
+def _separate(pair: Any, arrays: DistanceArrays) -> None:
+    """Write the distance, direction and closest points of a pair."""
+    first, second = arrays.shapes[pair.first], arrays.shapes[pair.second]
+    inner = closest_points(arrays.points, first.span, second.span, pair.ends)
+    pair.distance = inner - first.radius - second.radius
+    length = 0.0
+    for axis in range(3):
+        # Overlapping hulls have no direction of their own; their middles part them.
+        pair.normal[axis] = (
+            pair.ends[0, axis] - pair.ends[1, axis]
+            if inner > 0.0
+            else arrays.centres[pair.first, axis] - arrays.centres[pair.second, axis]
+        )
+        length += pair.normal[axis] ** 2
+    for axis in range(3):
+        pair.normal[axis] /= math.sqrt(length) + 1e-300
+
+
+@compiled
+def write_slope(arrays: DistanceArrays, number: int, row: Floats) -> None:
+    """Write the change of a near pair's distance per joint.
+
+    Args:
+        arrays: Shapes and pairs, as ``measure`` left them.
+        number: Number of the pair.
+        row: Output: shape (n,).
+    """
+    pair, twist = arrays.pairs[number], np.empty(6)
+    fill(row, 0.0)
+    for end in range(2):
+        shape, sign = (pair.first, 1.0) if end == 0 else (pair.second, -1.0)
+        frame = arrays.shapes[shape].frame
+        while frame > 0:
+            joint = arrays.joints[frame - 1]
+            if joint.ratio != 0.0:
+                point = pair.ends[end]
+                twist_of(point, frame - 1, arrays.joints, arrays.frames, arrays.axes, twist)
+                row[joint.column] += sign * dot(pair.normal, twist[:3])
+            frame = joint.parent

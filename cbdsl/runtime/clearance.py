@@ -1,0 +1,71 @@
+"""Clearance of a run: the pairs of links that keep a distance, and how long each was held."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from cbdsl.diagnostics.counting import some
+from cbdsl.kinematics.link_clearance import LinkClearance
+from cbdsl.kinematics.link_distance import DistanceArrays, no_distances
+from cbdsl.sensing.signals import Signals
+
+# Distance beyond the clearance within which links slow down, m, and the time constant, s.
+_NEAR, _TIME = 0.1, 0.15
+# Speed at which links part that are too near, m/s; their way in a tick is the margin.
+_PACE = 0.06
+# Largest share of the way to the clearance in a tick.
+_MOST = 0.5
+
+
+class Clearance:
+    """Bound on the distances between the links of a robot.
+
+    Attributes:
+        arrays: Shapes and pairs of links; none without a bound.
+
+    Args:
+        least: Least distance, m; ``None`` for no bound.
+        signals: Signals of the robot.
+        period: Period of the control ticks, s.
+    """
+
+    def __init__(self, least: float | None, signals: Signals, period: float) -> None:
+        self._period, self._least, self._held = period, least or 0.0, Counter[tuple[str, str]]()
+        self._links = None
+        if least is not None:
+            share = min(period / _TIME, _MOST)
+            model = signals.kinematics.model
+            self._links = LinkClearance(signals.robot, model, least, _NEAR, share, _PACE * period)
+        self.arrays: DistanceArrays = self._links.arrays if self._links else no_distances()
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self._held.clear()
+        self.arrays.pairs["held"] = False
+
+    def note(self) -> None:
+        """Count the ticks in which pairs were held."""
+        if self._links is not None and self.arrays.pairs["held"].any():
+            self._held.update(set(self._pairs))
+
+    @property
+    def _pairs(self) -> list[tuple[str, str]]:
+        """Pairs of links that the last tick held apart."""
+        names = self._links.names if self._links else ()
+        return [names[number] for number in np.flatnonzero(self.arrays.pairs["held"])]
+
+    @property
+    def holding(self) -> tuple[str, ...]:
+        """Descriptions of the pairs of links that the last tick held apart."""
+        return tuple(dict.fromkeys(f"{one} near {other}" for one, other in self._pairs))
+
+    @property
+    def clauses(self) -> tuple[str, ...]:
+        """Clause about the pairs that were held apart, those for longest first; or none."""
+        held = [
+            f"{one} from {other} for {ticks * self._period:.1f} s"
+            for (one, other), ticks in self._held.most_common()
+        ]
+        return (f"the clearance of {100 * self._least:g} cm held {some(held)}",) if held else ()

@@ -1,0 +1,119 @@
+"""Distances of links: by other code, in each posture of a motion, with their slopes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.kinematics.link_clearance import LinkClearance, too_near_at_start
+from cbdsl.kinematics.link_distance import write_slope
+from cbdsl.kinematics.link_shapes import link_shapes
+from cbdsl.kinematics.self_contacts import SelfContacts
+from cbdsl.numeric.arrays import Floats
+from cbdsl.numeric.compiled import compiled_once
+from cbdsl.numeric.handle import Handle, hold
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf_reader import read_urdf
+
+LEAST, NEAR = 0.02, 0.1  # m
+
+
+@pytest.fixture(scope="module")
+def model(urdf: Path) -> UrdfModel:
+    return read_urdf(urdf)
+
+
+@compiled_once
+def _slope(arrays: Handle, number: int, row: Floats) -> None:
+    write_slope(arrays.held, number, row)
+
+
+def moved(links: LinkClearance, count: int) -> list[Floats]:
+    """Return a random walk of all joints from the start posture."""
+    rng, at, walk = np.random.default_rng(1), links.start, list[Floats]()
+    speed = np.zeros(len(at))
+    for tick in range(count):
+        if tick % 30 == 0:
+            speed = rng.normal(size=len(at)) * 0.03
+        at = np.clip(at + speed, -2.5, 2.5)
+        walk.append(at)
+    return walk
+
+
+def test_distances_along_a_motion_equal_those_of_each_posture_alone(
+    dexter: RobotDocument, model: UrdfModel
+) -> None:
+    links = LinkClearance(dexter, model, LEAST, NEAR)
+    for posture in moved(links, 120)[::4]:
+        links.measure(posture)
+        found = links.arrays.pairs.copy()
+
+        links.arrays.pairs["distance"], links.arrays.at[:] = -1.0, np.nan
+        links.measure(posture)
+        exact = links.arrays.pairs
+        assert (found["near"] == exact["near"]).all()
+        near = exact["near"]
+        assert found["distance"][near] == pytest.approx(exact["distance"][near], abs=1e-9)
+
+
+def test_slopes_of_near_pairs_are_the_differences_of_their_distances(
+    dexter: RobotDocument, model: UrdfModel
+) -> None:
+    links, right = LinkClearance(dexter, model, LEAST, NEAR), list[bool]()
+    row = np.empty(len(links.joints))
+    for posture in moved(links, 400)[::40]:
+        links.measure(posture)
+        pairs = links.arrays.pairs
+        for number in np.flatnonzero(pairs["near"])[:6]:
+            links.measure(posture)
+            _slope(hold(links.arrays), number, row)
+            step, changes = 1e-6, []
+            for joint in range(len(row)):
+                for side in (1.0, -1.0):
+                    links.measure(posture + side * step * np.eye(len(row))[joint])
+                    changes.append(float(links.arrays.pairs["distance"][number]))
+            slope = (np.array(changes[::2]) - changes[1::2]) / (2 * step)
+            # Where the closest points jump from one corner to another, there is no slope.
+            right.append(bool(np.abs(slope - row).max() < 1e-4))
+    assert len(right) > 20
+    assert np.mean(right) > 0.9
+
+
+def test_shapes_cover_the_geometry_within_their_deviation(model: UrdfModel) -> None:
+    for link, shapes in link_shapes(model).items():
+        for shape, own in zip(shapes, model.bodies[link].collisions, strict=True):
+            extent = np.ptp(shape.points, axis=0).max() + 2 * shape.radius
+            diagonal = {"ball": 2, "box": 1, "cylinder": 2}[own.kind] * np.linalg.norm(own.size)
+            assert extent <= diagonal + 2 * shape.deviation
+            assert shape.deviation <= 0.04 * max(own.size)
+
+
+def test_links_that_touch_are_nearer_than_any_clearance(
+    dexter: RobotDocument, model: UrdfModel
+) -> None:
+    links, contacts = LinkClearance(dexter, model, LEAST), SelfContacts(model)
+    known, seen = {frozenset(names) for names in links.names}, 0
+    for posture in moved(links, 600)[::30]:
+        near = {frozenset((each.first, each.second)) for each in links.nearer(posture)}
+        joints = links.joints
+        positions = dict(zip(joints.all, joints.expand(posture).tolist(), strict=True))
+        touching = set(map(frozenset, contacts.touching(positions))) & known
+        seen += len(touching)
+        assert touching <= near
+    assert seen > 0
+
+
+def test_start_posture_of_a_shipped_robot_keeps_two_centimetres(
+    dexter: RobotDocument, model: UrdfModel
+) -> None:
+    assert too_near_at_start(dexter, model, 0.02) == ""
+
+
+def test_start_posture_nearer_than_the_clearance_names_the_links(
+    dexter: RobotDocument, model: UrdfModel
+) -> None:
+    told = too_near_at_start(dexter, model, 0.3)
+    assert "cm from" in told and "the least is 30 cm" in told

@@ -1,0 +1,88 @@
+"""A clearance keeps all links apart, above all actions, and says which pair it held."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.api.load import load
+from cbdsl.api.open_robot import open_robot
+from cbdsl.api.requests.run_request import RunRequest
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.kinematics.link_clearance import LinkClearance
+from cbdsl.numeric.arrays import Floats
+from cbdsl.robot.urdf_reader import read_urdf
+
+LEAST = 0.02  # m
+CROSSED = """cbdsl: 1
+kind: program
+name: cross
+robot: dexter
+stage: absent
+controllers:
+  left: {{potential: spring, reference: [{x} cm, -{y} cm, {z} cm], feedback: left_arm.position,
+    effector: left_arm}}
+  right: {{potential: spring, reference: [{x} cm, {y} cm, {z} cm], feedback: right_arm.position,
+    effector: right_arm}}
+actions: [left, right, left ◁ right]
+policy: {{XX: left ◁ right, 0*: left ◁ right, 10: left ◁ right}}
+success: ["11"]
+guards: {{clearance: {clearance}}}
+limits: {{episode_time: 4 s}}
+"""
+
+
+def crossed(
+    folder: Path, clearance: str = "2 cm", x: float = 48, y: float = 15, z: float = 10
+) -> RunRequest:
+    path = folder / "cross.yaml"
+    path.write_text(CROSSED.format(x=x, y=y, z=z, clearance=clearance), "utf-8")
+    return load(path)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_clearance_of_crossed_hands_is_never_exceeded_in_a_tick(tmp_path: Path, seed: int) -> None:
+    x, y, z = np.random.default_rng(seed).uniform((42, 12, 0), (58, 30, 20)).round(1)
+    request, postures = crossed(tmp_path, x=x, y=y, z=z), list[Floats]()
+    with open_robot(request, backend="kinematic") as robot:
+        result = robot.run(0, on_tick=lambda tick: postures.append(tick.actuation.reference.copy()))
+    links = LinkClearance(request.robot, read_urdf(request.urdf), LEAST)
+    assert not [near for each in postures for near in links.nearer(each) if near.distance < 0.01999]
+    # The right hand has priority, and pushes the left one out of its way.
+    robot.kinematics.update(postures[-1])
+    tip = request.robot.effectors["right_arm"].tip
+    assert tip is not None
+    place = robot.kinematics.point(tip.link, tip.offset).position
+    assert 100 * place == pytest.approx([x, y, z], abs=2)
+    assert "the clearance of 2 cm held" in result.ending
+    assert any(guard.startswith("the clearance") for guard in result.guards)
+
+
+def test_links_without_clearance_pass_through_each_other(tmp_path: Path) -> None:
+    request, postures = crossed(tmp_path), list[Floats]()
+    bare = request.program._replace(guards=request.program.guards._replace(clearance=None))
+    request = RunRequest(**{**request.__dict__, "program": bare})
+    with open_robot(request, backend="kinematic") as robot:
+        robot.run(0, on_tick=lambda tick: postures.append(tick.actuation.reference.copy()))
+    links = LinkClearance(request.robot, read_urdf(request.urdf), LEAST)
+    assert min(near.distance for each in postures for near in links.nearer(each)) < 0.0
+
+
+def test_clearance_beyond_the_start_posture_is_one_finding(tmp_path: Path) -> None:
+    with pytest.raises(DiagnosticsError) as raised:
+        crossed(tmp_path, "30 cm")
+    (finding,) = raised.value.diagnostics
+    assert finding.code == "CB587" and "the least is 30 cm" in finding.message
+
+
+@pytest.mark.parametrize("given", ["2 N", "two", "-1 cm", "0 m", "nan"])
+def test_clearance_that_is_no_length_is_refused(tmp_path: Path, given: str) -> None:
+    with pytest.raises(UsageError, match="--clearance"):
+        crossed(tmp_path).with_clearance(given)
+
+
+def test_clearance_of_a_command_beyond_the_start_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="at the start"):
+        crossed(tmp_path).with_clearance("30 cm")
