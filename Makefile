@@ -88,7 +88,7 @@ RCLPY_PYTHON ?= python3.12
 rclpy:
 	$(RCLPY_PYTHON) -m venv build/rclpy
 	build/rclpy/bin/pip install --quiet --disable-pip-version-check "ros-jazzy-rclpy[fastrtps]" \
-	ros-jazzy-sensor-msgs ros-jazzy-trajectory-msgs
+	ros-jazzy-sensor-msgs ros-jazzy-trajectory-msgs ros-jazzy-test-msgs
 
 # The documentation with replays of shipped programs, in site/.
 site:
