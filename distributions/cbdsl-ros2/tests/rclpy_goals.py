@@ -1,4 +1,4 @@
-"""Client of the action ``run_program`` by rclpy, which prints what it gets as lines of JSON.
+"""Client of the action ``run_program`` by rclpy, which prints messages as lines of JSON.
 
     python rclpy_goals.py GOAL [--cancel STEPS]
 

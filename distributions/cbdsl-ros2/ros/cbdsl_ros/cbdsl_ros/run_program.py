@@ -1,7 +1,7 @@
 """Node that runs programs of cbdsl as the action ``run_program`` (``cbdsl_msgs/RunProgram``).
 
-Each goal is one episode in a process of its own, ``python -m cbdsl_ros2.run_goal``, so that this
-node needs nothing of cbdsl and works on any Python of ROS. One goal runs at a time. The robot is
+Each goal is one episode in a process of its own, ``python -m cbdsl_ros2.run_goal``. So this node
+needs nothing of cbdsl, and works on any Python of ROS. One goal runs at a time. The robot is
 halted after a cancellation, after the last client of the action has gone, and with this node.
 
 Services of actions state the identity of their requests outside of the message, in a place that
