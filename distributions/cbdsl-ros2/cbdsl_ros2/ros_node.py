@@ -34,7 +34,8 @@ _MOST_ENDPOINTS = 4096
 # Properties by which participants of Cyclone and of Fast DDS name their process.
 _PROCESS = ("__Pid", "fastdds.physical_data.process")
 
-# Loopback has no multicast: participants of this computer are found by their ports.
+# Loopback has no multicast: participants of this computer are found by their ports. A participant
+# that begins may miss the first announcement, and announces its own endpoints by the next one.
 _LOCAL = """
 <CycloneDDS><Domain Id="any">
   <General>
@@ -46,12 +47,14 @@ _LOCAL = """
     <ParticipantIndex>auto</ParticipantIndex>
     <MaxAutoParticipantIndex>60</MaxAutoParticipantIndex>
     <LeaseDuration>3s</LeaseDuration>
+    <SPDPInterval>50ms</SPDPInterval>
     <Peers><Peer address="127.0.0.1"/></Peers>
   </Discovery>
 </Domain></CycloneDDS>"""
 _NAMED = """
 <CycloneDDS><Domain Id="any">
   <General><Interfaces><NetworkInterface name="{name}"/></Interfaces></General>
+  <Discovery><SPDPInterval>50ms</SPDPInterval></Discovery>
 </Domain></CycloneDDS>"""
 
 # Domains that a node of this process uses, by number.
