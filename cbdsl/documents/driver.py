@@ -61,7 +61,7 @@ class Driver(Section):
     its maximum speed in 50 ms."""
     tracking: Extent = 0.1
     """Maximum distance of a joint that does not follow from its reference, below ``control.lead``;
-    half of it is the maximum motion away from all references."""
+    0.3 of it is the maximum motion that is not commanded."""
     start: Extent = 0.05
     """Maximum distance of the first reference from the measured position."""
     skew: Duration = 0.05

@@ -37,6 +37,7 @@ class JointWatch:
         names: Actuated joints, n of them.
         positions, velocities, efforts: Newest states, shape (n,).
         measures_efforts: True if all joints have an effort.
+        stamps: Times of the newest states by the robot's clock, s, shape (n,).
         clock_differs: True if a clock jumped, so that the robot has another time.
         stamp: Time of the newest state by the robot's clock, s; the oldest joint's counts.
     """
@@ -55,7 +56,7 @@ class JointWatch:
             self._pressing[[index[cell.joint] for cell in cells.values()]] = True
         self.positions, self.velocities = np.zeros(count), np.zeros(count)
         self.efforts = np.full(count, np.nan)
-        self._stamps, self._received = np.full(count, -np.inf), np.full(count, -np.inf)
+        self.stamps, self._received = np.full(count, -np.inf), np.full(count, -np.inf)
         self._changed = np.full(count, -np.inf)
         self._sources = np.zeros(count, dtype=np.uint64)
         self.clock_differs = False
@@ -66,7 +67,7 @@ class JointWatch:
     @property
     def stamp(self) -> float:
         """Time of the oldest joint's newest state by the robot's clock, s."""
-        return float(self._stamps.min())
+        return float(self.stamps.min())
 
     @property
     def measures_efforts(self) -> bool:
@@ -96,7 +97,7 @@ class JointWatch:
         ours, theirs = (np.array(side) for side in zip(*named, strict=True))
         if problem := self._second_source(sample, ours, now):
             return problem
-        back = float(self._stamps[ours].max()) - sample.stamp
+        back = float(self.stamps[ours].max()) - sample.stamp
         if sample.source and back > _BACK:
             self.clock_differs = True
             return (
@@ -104,7 +105,7 @@ class JointWatch:
                 "ones: the robot's clock was set back"
             )
         # Transports may deliver messages twice or in another order.
-        fresh = sample.stamp > self._stamps[ours]
+        fresh = sample.stamp > self.stamps[ours]
         ours, theirs = ours[fresh], theirs[fresh]
         if not len(ours):
             return ""
@@ -122,7 +123,7 @@ class JointWatch:
 
     def _take(self, sample: JointSample, ours: Floats, theirs: Floats, now: float) -> None:
         positions = np.array(sample.positions)[theirs]
-        elapsed = sample.stamp - self._stamps[ours]
+        elapsed = sample.stamp - self.stamps[ours]
         if sample.velocities:
             velocities = np.array(sample.velocities)[theirs]
         else:
@@ -139,7 +140,7 @@ class JointWatch:
         if changed.any():
             self._changed[ours] = sample.stamp
         self.positions[ours], self.velocities[ours] = positions, velocities
-        self._stamps[ours], self._received[ours] = sample.stamp, now
+        self.stamps[ours], self._received[ours] = sample.stamp, now
 
     def _implausible(self, driver: str, ours: Floats) -> str:
         """Return the limit that measured states exceed."""
@@ -202,7 +203,7 @@ class JointWatch:
                 self._references[own] = references[own]
                 continue
             moved = np.abs(references[own] - self._references[own])[~self._pressing[own]]
-            still = float(self._stamps[own].max()) - latest
+            still = float(self.stamps[own].max()) - latest
             if still > _FROZEN and moved.size and moved.max() > _MOVED:
                 return (
                     f"joint states of driver '{driver}' are frozen: all equal for "

@@ -253,7 +253,7 @@ class SafetySupervisor:
             if problem := self.joints.frozen(references):
                 self._hold_if_active(problem, blind=True)
             # Another controller would fight against a return to the measured positions.
-            if problem := self._motion.astray(positions, now):
+            if problem := self._motion.strayed(positions, self.joints.stamps, now):
                 self._hold_if_active(problem, blind=True)
             if problem := self._motion.stuck(references, positions, now):
                 self._hold_if_active(problem)
@@ -286,7 +286,7 @@ class SafetySupervisor:
                 self._hold_if_active(problem)
                 return None
             self.state, self._checked = State.RUNNING, now
-            self._motion.begin(self.joints.positions)
+            self._motion.begin(self.joints.positions, self.joints.stamps, now)
         self._admitted = now
         references = self.limiter.approach(reference)
         self._motion.command(references, now)

@@ -294,7 +294,9 @@ class Trial:
             begun = rows[-1][3]
         after = commands[commands > begun]
         speeds = np.abs(np.diff(positions, axis=0)).max(axis=1) / np.diff(times)
-        around = (times[1:] > begun - 0.1) & (times[1:] < begun + 0.02)
+        # A rival may be noticed before its first command.
+        came = min(begun, commands[-1])
+        around = (times[1:] > came - 0.1) & (times[1:] < came + 0.02)
         moving = bool((speeds[around] > SLOW).any())
         late = times[1:][(times[1:] > begun) & (speeds > SLOW)]
         ends = late if self._kind.still else after

@@ -8,7 +8,8 @@ It runs under an interpreter with ``ros-jazzy-rclpy[fastrtps]``, ``ros-sensor-ms
     python rclpy_cell.py rival '{"form": "positions", "count": 6}'
 
 Each prints ``ready``. The arm prints ``moves`` once it moves. Faults are lines of its input:
-``carry 0.8``, ``exchange`` and ``clock -0.3``. A button takes ``press``.
+``carry 0.8``, which moves its first joint on by so much more, rad/s, ``exchange`` and
+``clock -0.3``. A button takes ``press``.
 
 At SIGTERM the arm writes its motion to the file ``trace``, a line of JSON for each tick: ``[time,
 positions, time of the program's newest command, time of the rival's first command]``.
@@ -74,7 +75,9 @@ class Arm:
         for line in sys.stdin:
             kind, _, value = line.strip().partition(" ")
             if kind == "carry":
-                self._speed = float(value)
+                recent = [row for row in self._rows if row[0] > time.time() - 0.1]
+                motion = recent[-1][1][0] - recent[0][1][0]
+                self._speed = motion / (recent[-1][0] - recent[0][0]) + float(value)
             elif kind == "clock":
                 self._offset = float(value)
             elif kind == "exchange":
