@@ -109,10 +109,10 @@ class MotionWatch:
         self._add_astray(positions)
         self._before, self._stamps = positions.copy(), stamps.copy()
         away = self._sums.max(axis=1)
-        found = np.argwhere(away > self._bounds)
-        if not len(found):
+        beyond = np.argwhere(away > self._bounds)
+        if not len(beyond):
             return ""
-        rule, joint = found[0]
+        rule, joint = beyond[0]
         return (
             f"joint '{self._names[joint]}' moved by {away[rule, joint]:.3f} away from its "
             f"references, and at most {self._bounds[rule, joint]:.3f} are allowed: another "
