@@ -29,6 +29,7 @@ from cbdsl.documents.document import (
     PositiveCount,
     Rate,
     Section,
+    Size,
     Time,
     Tolerance,
     Torque,
@@ -373,6 +374,28 @@ class Simulation(Section):
     mujoco: MujocoSection = MujocoSection.model_construct()
 
 
+class HullSection(Section):
+    """Hull of points, grown by a radius: a ball around one point, a capsule around two."""
+
+    points: Annotated[tuple[Point, ...], Field(min_length=1)]
+    """Points in the frame of the link, or of the world."""
+    radius: Lever = 0.0
+    """Distance of the surface from the hull."""
+
+
+class ClearanceSection(Section):
+    """Distances between links, and from places to keep out of."""
+
+    distance: Size | None = None
+    """Minimum distance in every program; only that of programs if omitted."""
+    ignore: tuple[tuple[LinkName, ...], ...] = ()
+    """Groups of links that may touch each other; a trailing * matches any ending."""
+    shapes: dict[LinkName, tuple[HullSection, ...]] = {}
+    """Shapes of links in place of those around their collision geometry; none if empty."""
+    keep_out: dict[Name, HullSection] = {}
+    """Places in the world frame from which links keep the distance, too."""
+
+
 class RobotDocument(Document):
     """Robot: model, effectors, sensors and settings."""
 
@@ -401,6 +424,7 @@ class RobotDocument(Document):
     joint_torques: JointTorques | None = None
     """Measurement of joint torques; none if omitted."""
     control: Control
+    clearance: ClearanceSection = ClearanceSection.model_construct()
     drivers: dict[Name, Driver] = {}
     """Connections to the real robot, by name; none for a simulated one."""
     simulation: Simulation = Simulation.model_construct()

@@ -11,8 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.diagnostics.counting import some
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.kinematics.link_distance import PAIR, SHAPE, DistanceArrays, measure_held
+from cbdsl.documents.robot import HullSection, RobotDocument
+from cbdsl.kinematics.link_distance import (
+    PAIR,
+    SHAPE,
+    DistanceArrays,
+    measure_held,
+    write_slope_held,
+)
 from cbdsl.kinematics.link_shapes import ConvexShape, link_shapes
 from cbdsl.kinematics.link_tree import LinkTree
 from cbdsl.numeric.arrays import Floats
@@ -37,6 +43,7 @@ class LinkClearance:
 
     Pairs whose links at most one joint moves against each other are left out, or joints of a hand
     alone. So are links that the document lets touch, and those nearer in each of 100 postures.
+    Links keep the same distance from the places that the document names.
 
     Attributes:
         arrays: Shapes and pairs in the form of compiled code.
@@ -46,7 +53,7 @@ class LinkClearance:
     Args:
         robot: Robot document.
         model: Model of the robot.
-        least: Least distance, m; 0 for no pairs.
+        least: Least distance, m.
         near: Distance beyond it at which pairs are near, m.
         share: Share of the way to it by which a pair may approach in a tick.
         margin: Distance beyond it at which approaching ends, m.
@@ -67,10 +74,15 @@ class LinkClearance:
         joints = Joints(robot)
         self._robot, self._model, self.joints = robot, model, joints
         tree = LinkTree(model, joints, robot.base)
-        shapes = dict(link_shapes(model)) if least > 0.0 else {}
+        stated, shapes = robot.clearance, dict(link_shapes(model))
+        shapes |= {link: tuple(map(_stated, each)) for link, each in stated.shapes.items()}
         own = [(link, each) for link in tree.rows for each in shapes.get(link, ())]
+        own += [(name, _stated(each)) for name, each in stated.keep_out.items()]
         owners = [link for link, _ in own]
-        records, offsets = _records([each for _, each in own], [tree.rows[at] for at in owners])
+        # The frame of the base, which is the world's, carries the places to keep out of.
+        records, offsets = _records(
+            [each for _, each in own], [tree.rows.get(at, 0) for at in owners]
+        )
         apart = set(self._movable_pairs(list(dict.fromkeys(owners))))
         chosen = [
             (first, second)
@@ -93,6 +105,12 @@ class LinkClearance:
     def measure(self, positions: Floats) -> None:
         """Compute the distances in a posture of the actuated joints, rad or m, shape (n,)."""
         measure_held(self._handle, positions)
+
+    def slope(self, number: int) -> Floats:
+        """Return the change of a near pair's distance per actuated joint, shape (n,)."""
+        row = np.empty(len(self.joints))
+        write_slope_held(self._handle, number, row)
+        return row
 
     def nearer(self, positions: Floats) -> list[NearLinks]:
         """Return the pairs of links that are nearer than the least distance, the nearest first."""
@@ -133,8 +151,9 @@ class LinkClearance:
 
     def _movable_pairs(self, links: Sequence[str]) -> Iterator[tuple[str, str]]:
         """Yield the pairs of links that may come near each other, and must not."""
-        groups = self._robot.simulation.no_contact
+        groups = *self._robot.simulation.no_contact, *self._robot.clearance.ignore
         together = [frozenset(_matching(links, group)) for group in groups]
+        places = self._robot.clearance.keep_out
         ways = {link: self._turning(link) for link in links}
         hands = [
             frozenset(each.joints) for each in self._robot.effectors.values() if each.tip is None
@@ -142,9 +161,10 @@ class LinkClearance:
         for one, other in combinations(links, 2):
             between = ways[one] ^ ways[other]
             leaders = frozenset(map(self._leader, between))
+            is_place = one in places or other in places
             if (
-                len(between) > 1
-                and not any(leaders <= hand for hand in hands)
+                len(between) > 1 - is_place
+                and (is_place or not any(leaders <= hand for hand in hands))
                 and not any(one in group and other in group for group in together)
             ):
                 yield one, other
@@ -166,6 +186,10 @@ def too_near_at_start(robot: RobotDocument, model: UrdfModel, least: float) -> s
         for each in links.nearer(links.start)
     ]
     return f"at the start {some(pairs)}, and the least is {100 * least:g} cm" if pairs else ""
+
+
+def _stated(shape: HullSection) -> ConvexShape:
+    return ConvexShape(np.array(shape.points, dtype=float), shape.radius)
 
 
 def _matching(links: Sequence[str], patterns: Sequence[str]) -> Iterator[str]:

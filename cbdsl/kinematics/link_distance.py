@@ -184,6 +184,13 @@ def _separate(pair: Any, arrays: DistanceArrays) -> None:
         pair.normal[axis] /= math.sqrt(length) + 1e-300
 
 
+@compiled_once
+def write_slope_held(arrays: Handle, number: int, row: Floats) -> None:
+    """Write the slope of a pair's distance, for calls from Python; see ``write_slope``."""
+    held: DistanceArrays = arrays.held
+    write_slope(held, number, row)
+
+
 @compiled
 def write_slope(arrays: DistanceArrays, number: int, row: Floats) -> None:
     """Write the change of a near pair's distance per joint.

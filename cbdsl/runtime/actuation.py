@@ -187,7 +187,8 @@ class Actuation:
             return None
         levels = names or [level.name for level in step.levels]
         joints = [self._signals.joints.names[joint] for joint in batch.joints]
-        return Balance(step, levels, joints, self._outward(step, batch.joints))
+        outward, apart = self._outward(step, batch.joints), self.clearance.pressing(batch.joints)
+        return Balance(step, levels, joints, outward, apart)
 
     def _outward(self, step: Step, joints: Integers) -> Floats:
         """Return 1 for a joint that its upper limit holds back, -1 for its lower one, else 0."""

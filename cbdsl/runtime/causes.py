@@ -20,21 +20,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from cbdsl.control.law import Step
+from cbdsl.diagnostics.counting import some
 from cbdsl.numeric.arrays import Floats
 
 #: Holder of a level whose freedom is taken by joints at their limits.
 LIMITS = "joint limits"
+#: The same of links that keep a clearance.
+CLEARANCE = "clearance"
 
 #: Causes of a level whose pull vanishes.
 OPTIMUM, SINGULAR = "local optimum", "singular posture"
 
 #: RestCause of a level that levels above hold, and causes at the end of an episode.
 HELD, OUT_OF_REACH, BLOCKED, CREEPING = "held", "out of reach", "blocked", "creeping"
+
+# Holders whose rows are outward normals, which balance a pull along them alone.
+_SIDED = LIMITS, CLEARANCE
 
 # Share of the largest pull of such an error below which there is none.
 _NO_PULL = 0.03
@@ -82,12 +89,14 @@ class Balance(NamedTuple):
         names: Names of its levels, highest priority first.
         joints: Names of its n joints.
         outward: 1 for a joint at its upper limit, -1 at its lower one, else 0, shape (n,).
+        apart: Decrease of the distance per joint, shape (n,), by pairs of links that keep it.
     """
 
     step: Step
     names: Sequence[str]
     joints: Sequence[str]
     outward: Floats
+    apart: Mapping[str, Floats] = MappingProxyType({})
 
     def cause(self, place: int) -> RestCause | None:
         """Return the cause that keeps a level from its target; ``None`` if nothing does."""
@@ -107,9 +116,13 @@ class Balance(NamedTuple):
         holders = dict(zip(self.names, above, strict=False))
         if self.outward.any():
             holders[LIMITS] = np.diag(self.outward)[self.outward != 0.0]
+        if self.apart:
+            holders[CLEARANCE] = np.stack([*self.apart.values()])
         pressing = _unbalanced(pull, holders)[1] > 0.0
-        at = np.flatnonzero(self.outward)[pressing] if len(pressing) else np.zeros(0, np.int64)
-        fixed = np.vstack([np.zeros((1, len(pull))), *above, np.eye(len(pull))[at]])
+        sided = np.vstack([np.zeros((0, len(pull))), *(holders[n] for n in _SIDED if n in holders)])
+        at, count = np.flatnonzero(self.outward), len(pressing) - len(self.apart)
+        at = at[pressing[:count]]
+        fixed = np.vstack([np.zeros((1, len(pull))), *above, sided[pressing]])
         free = _null_space(fixed)
         bend = free.T @ self._bend(place, error, pull) @ free
         curvature = free.T @ own.T @ own @ free - bend
@@ -119,7 +132,10 @@ class Balance(NamedTuple):
             is_saddle = np.linalg.eigvalsh(curvature).min(initial=0.0) < least
             return RestCause(SINGULAR if is_saddle else CREEPING if is_creeping else OPTIMUM)
         by = _holders(pull, holders)
-        joints = tuple(self.joints[joint] for joint in at) if LIMITS in by else ()
+        joints = tuple(self.joints[joint] for joint in at.tolist()) if LIMITS in by else ()
+        near = [name for name, held in zip(self.apart, pressing[count:], strict=True) if held]
+        clear = f"the clearance of {some(near, 1)}"
+        by = tuple(clear if holder == CLEARANCE else holder for holder in by)
         held = LIMITS if by == (LIMITS,) else HELD if by else CREEPING
         return RestCause(CREEPING if is_creeping else held, by, joints)
 
@@ -165,15 +181,15 @@ def _holders(pull: Floats, holders: Mapping[str, Floats]) -> tuple[str, ...]:
 def _unbalanced(
     pull: Floats, holders: Mapping[str, Floats], without: str = ""
 ) -> tuple[float, Floats]:
-    """Return the part of a pull (n,) that no holder balances, and the pressure on each limit."""
+    """Return the part of a pull (n,) that no holder balances, and the pressure on each bound."""
     from scipy.optimize import nnls  # only a level that is held needs it
 
     kept = {name: rows for name, rows in holders.items() if name != without}
-    limits = kept.pop(LIMITS, np.zeros((0, len(pull))))
+    sided = [kept.pop(name) for name in _SIDED if name in kept]
     free = _null_space(np.vstack([np.zeros((1, len(pull))), *kept.values()]))
-    if not len(limits):
+    if not sided:
         return float(np.linalg.norm(free.T @ pull)), np.zeros(0)
-    pressure, rest = nnls(free.T @ limits.T, free.T @ pull)
+    pressure, rest = nnls(free.T @ np.vstack(sided).T, free.T @ pull)
     return float(rest), pressure
 
 

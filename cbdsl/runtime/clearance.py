@@ -9,6 +9,7 @@ import numpy as np
 from cbdsl.diagnostics.counting import some
 from cbdsl.kinematics.link_clearance import LinkClearance
 from cbdsl.kinematics.link_distance import DistanceArrays, no_distances
+from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.sensing.signals import Signals
 
 # Distance beyond the clearance within which links slow down, m, and the time constant, s.
@@ -26,15 +27,16 @@ class Clearance:
         arrays: Shapes and pairs of links; none without a bound.
 
     Args:
-        least: Least distance, m; ``None`` for no bound.
+        least: Least distance, m, if that of the robot is less; ``None`` for no other.
         signals: Signals of the robot.
         period: Period of the control ticks, s.
     """
 
     def __init__(self, least: float | None, signals: Signals, period: float) -> None:
-        self._period, self._least, self._held = period, least or 0.0, Counter[tuple[str, str]]()
+        self._period, self._held = period, Counter[tuple[str, str]]()
+        self._least = least = max(least or 0.0, signals.robot.clearance.distance or 0.0)
         self._links = None
-        if least is not None:
+        if least > 0.0:
             share = min(period / _TIME, _MOST)
             model = signals.kinematics.model
             self._links = LinkClearance(signals.robot, model, least, _NEAR, share, _PACE * period)
@@ -60,6 +62,23 @@ class Clearance:
     def holding(self) -> tuple[str, ...]:
         """Descriptions of the pairs of links that the last tick held apart."""
         return tuple(dict.fromkeys(f"{one} near {other}" for one, other in self._pairs))
+
+    def pressing(self, joints: Integers) -> dict[str, Floats]:
+        """Return the decrease of the distance of each pair that was held apart per joint.
+
+        Args:
+            joints: Indices of joints among the actuated ones, shape (n,).
+
+        Returns:
+            Rows of shape (n,), by a clause about the pair.
+        """
+        pairs, rows = self.arrays.pairs, dict[str, Floats]()
+        for number in np.flatnonzero(pairs["held"] & pairs["near"]).tolist():
+            assert self._links is not None
+            one, other = self._links.names[number]
+            distance = 100 * float(pairs["distance"][number])
+            rows[f"{one} from {other} ({distance:.1f} cm)"] = -self._links.slope(number)[joints]
+        return rows
 
     @property
     def clauses(self) -> tuple[str, ...]:

@@ -7,14 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import ClearanceSection, HullSection, RobotDocument
 from cbdsl.kinematics.link_clearance import LinkClearance, too_near_at_start
-from cbdsl.kinematics.link_distance import write_slope
 from cbdsl.kinematics.link_shapes import link_shapes
 from cbdsl.kinematics.self_contacts import SelfContacts
 from cbdsl.numeric.arrays import Floats
-from cbdsl.numeric.compiled import compiled_once
-from cbdsl.numeric.handle import Handle, hold
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
 
@@ -24,11 +21,6 @@ LEAST, NEAR = 0.02, 0.1  # m
 @pytest.fixture(scope="module")
 def model(urdf: Path) -> UrdfModel:
     return read_urdf(urdf)
-
-
-@compiled_once
-def _slope(arrays: Handle, number: int, row: Floats) -> None:
-    write_slope(arrays.held, number, row)
 
 
 def moved(links: LinkClearance, count: int) -> list[Floats]:
@@ -63,13 +55,12 @@ def test_slopes_of_near_pairs_are_the_differences_of_their_distances(
     dexter: RobotDocument, model: UrdfModel
 ) -> None:
     links, right = LinkClearance(dexter, model, LEAST, NEAR), list[bool]()
-    row = np.empty(len(links.joints))
     for posture in moved(links, 400)[::40]:
         links.measure(posture)
         pairs = links.arrays.pairs
         for number in np.flatnonzero(pairs["near"])[:6]:
             links.measure(posture)
-            _slope(hold(links.arrays), number, row)
+            row = links.slope(number)
             step, changes = 1e-6, []
             for joint in range(len(row)):
                 for side in (1.0, -1.0):
@@ -117,3 +108,15 @@ def test_start_posture_nearer_than_the_clearance_names_the_links(
 ) -> None:
     told = too_near_at_start(dexter, model, 0.3)
     assert "cm from" in told and "the least is 30 cm" in told
+
+
+def test_stated_shapes_replace_those_of_the_model(dexter: RobotDocument, model: UrdfModel) -> None:
+    ball = HullSection(points=((0.0, 0.0, 0.0),), radius=1.0)
+    stated = ClearanceSection(shapes={"left_palm": (ball,), "right_palm": ()})
+    robot = dexter.model_copy(update={"clearance": stated})
+    links = LinkClearance(robot, model, LEAST)
+    near = {each.first for each in links.nearer(links.start)} | {
+        each.second for each in links.nearer(links.start)
+    }
+    assert "left_palm" in near
+    assert "right_palm" not in {name for pair in links.names for name in pair}

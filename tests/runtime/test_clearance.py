@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ from cbdsl.api.load import load
 from cbdsl.api.open_robot import open_robot
 from cbdsl.api.requests.run_request import RunRequest
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.documents.robot import ClearanceSection, HullSection, RobotDocument
 from cbdsl.kinematics.link_clearance import LinkClearance
 from cbdsl.numeric.arrays import Floats
 from cbdsl.robot.urdf_reader import read_urdf
@@ -30,7 +33,7 @@ actions: [left, right, left ◁ right]
 policy: {{XX: left ◁ right, 0*: left ◁ right, 10: left ◁ right}}
 success: ["11"]
 guards: {{clearance: {clearance}}}
-limits: {{episode_time: 4 s}}
+limits: {{episode_time: 8 s}}
 """
 
 
@@ -60,10 +63,37 @@ def test_clearance_of_crossed_hands_is_never_exceeded_in_a_tick(tmp_path: Path, 
     assert any(guard.startswith("the clearance") for guard in result.guards)
 
 
+def test_hand_that_another_link_holds_up_names_the_pair(tmp_path: Path) -> None:
+    # The target is inside of the other hand, which stays where it is.
+    with open_robot(crossed(tmp_path, y=0), backend="kinematic") as robot:
+        result = robot.run(0)
+    assert result.outcome == "failure"
+    assert re.search(
+        r"left is stuck, held by the clearance of left_\w+ from right_\w+ \(2.\d cm", result.ending
+    )
+
+
+def test_places_to_keep_out_of_hold_all_links_back(dexter: RobotDocument, tmp_path: Path) -> None:
+    pole = HullSection(points=((0.45, 0.0, -0.5), (0.45, 0.0, 1.0)), radius=0.05)
+    kept = ClearanceSection(distance=LEAST, keep_out={"pole": pole})
+    request = crossed(tmp_path)
+    robot = dexter.model_copy(update={"clearance": kept})
+    request, postures = replace(request, robot=robot), list[Floats]()
+    with open_robot(request, backend="kinematic") as opened:
+        result = opened.run(
+            0, on_tick=lambda tick: postures.append(tick.actuation.reference.copy())
+        )
+    links = LinkClearance(robot, read_urdf(request.urdf), LEAST)
+    assert {name for pair in links.names for name in pair} >= {"pole", "right_palm"}
+    near = [each for posture in postures for each in links.nearer(posture)]
+    assert not [each for each in near if each.distance < 0.01999]
+    assert "pole" in result.ending
+
+
 def test_links_without_clearance_pass_through_each_other(tmp_path: Path) -> None:
     request, postures = crossed(tmp_path), list[Floats]()
     bare = request.program._replace(guards=request.program.guards._replace(clearance=None))
-    request = RunRequest(**{**request.__dict__, "program": bare})
+    request = replace(request, program=bare)
     with open_robot(request, backend="kinematic") as robot:
         robot.run(0, on_tick=lambda tick: postures.append(tick.actuation.reference.copy()))
     links = LinkClearance(request.robot, read_urdf(request.urdf), LEAST)

@@ -21,6 +21,7 @@ from cbdsl.checking.robot.model_agreement import (
 from cbdsl.checking.robot.robot_constants import check_constants, check_margins
 from cbdsl.checking.robot.settings import check_settings
 from cbdsl.checking.robot.taken_names import check_names
+from cbdsl.checking.start_clearance import unkept_clearance
 from cbdsl.diagnostics.counting import count
 from cbdsl.diagnostics.diagnostic import Place
 from cbdsl.diagnostics.diagnostics import Diagnostics
@@ -71,6 +72,9 @@ def examine_robot(loaded: Loaded[RobotDocument], diagnostics: Diagnostics) -> Ch
         if not diagnostics.failed:
             check_mimics(loaded, model, diagnostics)
             check_weights(loaded, model, diagnostics)
+            if problem := unkept_clearance(loaded.document, model, 0.0):
+                place = loaded.source.place("clearance", "distance")
+                diagnostics.add("CB587", place, problem=problem)
             note_assumptions(loaded, model, diagnostics)
             note_rests(loaded, model, diagnostics)
     return body
@@ -368,6 +372,8 @@ class _ModelCheck:
                 yield ("load_cells", hand, finger, "link"), cell.link
         for name, camera in self._robot.cameras.items():
             yield ("cameras", name, "link"), camera.link
+        for name in self._robot.clearance.shapes:
+            yield ("clearance", "shapes", name), name
         for name, sensor in self._robot.sensors.items():
             if sensor.link is not None:
                 yield ("sensors", name, "link"), sensor.link
@@ -381,6 +387,9 @@ class _ModelCheck:
         for i, group in enumerate(simulation.no_contact):
             for j, pattern in enumerate(group):
                 yield ("simulation", "no_contact", i, j), pattern
+        for i, group in enumerate(self._robot.clearance.ignore):
+            for j, pattern in enumerate(group):
+                yield ("clearance", "ignore", i, j), pattern
 
     def _matches(self, pattern: str) -> bool:
         if not pattern.endswith("*"):

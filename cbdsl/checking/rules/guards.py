@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cbdsl.checking.load_noise import least_force
 from cbdsl.checking.program_context import ProgramContext
+from cbdsl.checking.start_clearance import unkept_clearance
 
 
 def check_guards(context: ProgramContext) -> None:
@@ -49,9 +50,5 @@ def _check_clearance(context: ProgramContext) -> None:
     least, model = context.document.guards.clearance, context.body.model
     if least is None or model is None:
         return
-    try:
-        from cbdsl.kinematics.link_clearance import too_near_at_start  # imports numpy
-    except ImportError:
-        return  # validation needs no engine
-    if problem := too_near_at_start(context.body.document, model, least):
+    if problem := unkept_clearance(context.body.document, model, least):
         context.add("CB587", context.source.place("guards", "clearance"), problem=problem)

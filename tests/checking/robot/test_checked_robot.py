@@ -80,3 +80,24 @@ def test_a_camera_at_an_unknown_link_is_one_finding(tmp_path: Path) -> None:
     assert broken != text
     robot.write_text(broken, encoding="utf-8")
     assert _found(paths, tmp_path) == {("CB303", "dexter.yaml")}
+
+
+@pytest.mark.parametrize(
+    ("stated", "code"),
+    [
+        ("shapes: {left_pam: [{points: [[0 m, 0 m, 0 m]], radius: 5 cm}]}", "CB303"),
+        ("ignore: [[left_pam, torso]]", "CB303"),
+        ("distance: 40 cm", "CB587"),
+        ("distance: 2 N", "CB205"),
+        ("keep_out: {pole: {points: [[0 deg, 0 m, 0 m]]}}", "CB205"),
+        ("{distance: 2 cm, keep_out: {pole: {points: [[0.3, 0, 0]], radius: 1 m}}}", "CB587"),
+    ],
+)
+def test_a_clearance_that_does_not_fit_is_one_finding(
+    stated: str, code: str, tmp_path: Path
+) -> None:
+    paths = _with_its_programs("dexter", tmp_path)
+    robot = tmp_path / "robots" / "dexter.yaml"
+    value = stated if stated[0] == "{" else f"{{{stated}}}"
+    robot.write_text(f"{robot.read_text('utf-8')}\nclearance: {value}\n", encoding="utf-8")
+    assert _found(paths, tmp_path) == {(code, "dexter.yaml")}
