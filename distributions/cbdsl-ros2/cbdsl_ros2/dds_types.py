@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from cyclonedds.idl import IdlStruct
 from cyclonedds.idl.annotations import final
-from cyclonedds.idl.types import array, float64, int32, sequence, uint8, uint32
+from cyclonedds.idl.types import array, float64, int8, int32, sequence, uint8, uint32
 
 _NANO = 1_000_000_000
 
@@ -240,6 +240,40 @@ class CameraRegions(IdlStruct, typename="cbdsl_msgs::msg::dds_::Regions_"):
 
     header: Header = field(default_factory=Header)
     regions: str = ""
+
+
+@dataclass
+@final
+class Uuid(IdlStruct, typename="unique_identifier_msgs::msg::dds_::UUID_"):
+    """Identifier of a goal."""
+
+    uuid: array[uint8, 16] = field(default_factory=lambda: [0] * 16)
+
+
+@dataclass
+@final
+class GoalInfo(IdlStruct, typename="action_msgs::msg::dds_::GoalInfo_"):
+    """Identifier of a goal, and the time of its acceptance."""
+
+    goal_id: Uuid = field(default_factory=Uuid)
+    stamp: Time = field(default_factory=Time)
+
+
+@dataclass
+@final
+class GoalStatus(IdlStruct, typename="action_msgs::msg::dds_::GoalStatus_"):
+    """State of a goal, such as 2 while it is executed."""
+
+    goal_info: GoalInfo = field(default_factory=GoalInfo)
+    status: int8 = 0
+
+
+@dataclass
+@final
+class GoalStatusArray(IdlStruct, typename="action_msgs::msg::dds_::GoalStatusArray_"):
+    """States of all goals that the server of an action keeps."""
+
+    status_list: sequence[GoalStatus] = field(default_factory=list)
 
 
 class _CdrWriter:

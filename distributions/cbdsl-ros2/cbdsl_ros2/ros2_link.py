@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -32,13 +31,12 @@ from cbdsl.extend.driver import (
     horizon,
 )
 from cbdsl_ros2 import dds_types as msg
+from cbdsl_ros2.goals import Goals, client_action
 from cbdsl_ros2.qos_match import mismatch
 from cbdsl_ros2.regions_text import read_regions
 from cbdsl_ros2.ros_node import Remote, RosNode, guarded
 from cbdsl_ros2.stage_requests import StageAsker
 
-# Requests of goals, which clients of an action write.
-_GOAL = re.compile(r"(?P<action>(?P<controller>.*)/[^/]+)/_action/send_goalRequest")
 # Messages per poll.
 _MOST = 64
 _FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
@@ -77,6 +75,11 @@ class _Output:
     writer: Any = None
     peers: frozenset[Any] = frozenset()
     rivals: frozenset[Any] = frozenset()
+
+    @property
+    def controller(self) -> str:
+        """Namespace of the controller, which has actions beside the topic."""
+        return self.topic.rpartition("/")[0]
 
 
 class Ros2Link:
@@ -117,6 +120,7 @@ class Ros2Link:
                     self._outputs.append(_Output(name, topic, message, reach, source))
                 else:
                     self._outputs.append(_Output(name, topic, message, reach))
+        self._goals = Goals(self._node, (output.controller for output in self._outputs))
 
     def poll(self) -> Sequence[Sample]:
         """Return the samples that arrived since the last call; see ``DriverLink.poll``."""
@@ -128,7 +132,12 @@ class Ros2Link:
                     samples.append(each.convert(message))
         if self._node.has_news or self._has_surveyed:
             self._has_surveyed = False
-            samples.extend(self._changes(self._node.remotes()))
+            remotes = self._node.remotes()
+            self._goals.look(remotes)
+            samples.extend(self._changes(remotes))
+        for controller, clause in self._goals.begun():
+            drivers = {each.driver for each in self._outputs if each.controller == controller}
+            samples.extend(FaultSample(d, f"another commander: {clause}") for d in drivers)
         return samples
 
     def _changes(self, remotes: Sequence[Remote]) -> Iterator[Sample]:
@@ -180,18 +189,16 @@ class Ros2Link:
             dogs = {r.participant for r in remotes if not r.writes and r.topic == output.source}
             dog = next((writer for writer in writers if writer.participant in dogs), None)
             writers = [writer for writer in writers if writer is not dog]
-        # A controller of ros2_control has an action beside its topic, and a goal moves it, too.
-        controller = output.topic.rpartition("/")[0]
         for remote in remotes:
-            goal = _GOAL.fullmatch(remote.topic)
-            if remote.writes and goal is not None and goal["controller"] == controller:
+            client = client_action(remote)
+            if client is not None and client[0] == output.controller:
                 writers.append(remote)
         return {writer.key: writer for writer in writers}
 
     def _commander(self, remote: Remote) -> str:
         """Return the process of another commander, and its action if it sends goals."""
-        goal, process = _GOAL.fullmatch(remote.topic), self._process(remote)
-        return f"{process} by action {goal['action']}" if goal else process
+        client, process = client_action(remote), self._process(remote)
+        return f"{process} by action {client[1]}" if client else process
 
     def _refusal(self, each: _Input, writer: Remote) -> str:
         """Return the reason why the readers of a stream get no message of a writer."""
@@ -264,10 +271,11 @@ class Ros2Link:
     def _surveyed_outputs(self, remotes: Sequence[Remote]) -> Iterator[Endpoint]:
         for output in self._outputs:
             peers = [r for r in remotes if not r.writes and r.topic == output.topic]
-            rivals = self._rivals(output, remotes).values()
+            rivals = [*map(self._commander, self._rivals(output, remotes).values())]
+            rivals += self._goals.active(output.controller)
             yield Endpoint(
                 output.driver, "commands", output.topic, msg.type_name(output.message),
-                outgoing=True, peers=len(peers), rivals=tuple(map(self._commander, rivals)),
+                outgoing=True, peers=len(peers), rivals=tuple(rivals),
                 foreign_types=_foreign(peers, output.message),
                 candidates=_candidates(remotes, output.message, writes=False),
             )  # fmt: skip
@@ -276,6 +284,7 @@ class Ros2Link:
         """Leave the domain."""
         self._inputs.clear()
         self._outputs.clear()
+        self._goals.close()
         del self._asker
         self._node.close()
 

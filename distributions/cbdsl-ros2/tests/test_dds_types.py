@@ -31,6 +31,12 @@ EXAMPLES: dict[str, Any] = {
     "sensor_msgs/msg/CameraInfo": msg.CameraInfo(
         HEADER, 2, 1, "plumb_bob", [0.0] * 5, [float(i) for i in range(9)]
     ),
+    "action_msgs/msg/GoalStatusArray": msg.GoalStatusArray(
+        [
+            msg.GoalStatus(msg.GoalInfo(msg.Uuid(list(range(16))), STAMP), status)
+            for status in (2, 4)
+        ]
+    ),
 }
 
 
