@@ -14,8 +14,12 @@ if TYPE_CHECKING:
     from cbdsl.api.calibrate import CalibrationOutcome, calibrate
     from cbdsl.api.check import check
     from cbdsl.api.evaluate import SuccessRate, evaluate
-    from cbdsl.api.explore import ExplorationOutcome, explore
-    from cbdsl.api.explore_pairs import PairExplorationOutcome, explore_pairs
+    from cbdsl.api.explore import (
+        ExplorationOutcome,
+        PairExplorationOutcome,
+        explore,
+        explore_pairs,
+    )
     from cbdsl.api.learn import LearningOutcome, learn, learn_trials
     from cbdsl.api.load import load
     from cbdsl.api.open_robot import OpenRobot, open_robot
@@ -42,7 +46,7 @@ _HOMES = {
     "learn": "cbdsl.api.learn",
     "learn_trials": "cbdsl.api.learn",
     "explore": "cbdsl.api.explore",
-    "explore_pairs": "cbdsl.api.explore_pairs",
+    "explore_pairs": "cbdsl.api.explore",
     "calibrate": "cbdsl.api.calibrate",
     "evaluate": "cbdsl.api.evaluate",
     "simulate": "cbdsl.api.simulate",
@@ -59,7 +63,7 @@ _HOMES = {
     "LearnRequest": "cbdsl.api.requests.learn_request",
     "LearningOutcome": "cbdsl.api.learn",
     "OpenRobot": "cbdsl.api.open_robot",
-    "PairExplorationOutcome": "cbdsl.api.explore_pairs",
+    "PairExplorationOutcome": "cbdsl.api.explore",
     "RobotProposal": "cbdsl.api.propose_robot",
     "RunRequest": "cbdsl.api.requests.run_request",
     "SimulatedRobot": "cbdsl.api.simulate",

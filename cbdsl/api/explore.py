@@ -1,19 +1,20 @@
-"""``cbdsl.explore``: a catalog of an object's affordances, from actions."""
+"""``cbdsl.explore`` and ``cbdsl.explore_pairs``: catalogs of affordances, from actions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from cbdsl.api.requests.declaration import verb
+from cbdsl.api.requests.explore_pairs_request import ExplorePairsRequest
+from cbdsl.api.requests.explore_request import ExploreRequest
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.documents.catalog import CatalogDocument
-    from cbdsl.learning.catalogs.action_outcome import ActionOutcome
-    from cbdsl.learning.catalogs.exploration import ExplorationStep
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument
     from cbdsl.training.exploration.action_work import FinishedAction
-    from cbdsl.training.task_observer import ItemListener
 
 
 @dataclass(frozen=True)
@@ -37,88 +38,70 @@ class ExplorationOutcome:
         return {name: (section.rewarded, section.tried) for name, section in sections}
 
 
-def explore(
-    programs: Sequence[str | RunRequest],
-    stage: str | Path,
-    out: str | Path,
-    *,
-    feature: str = "sat_10",
-    actions: int = 100,
-    until_habituated: bool = False,
-    seed: int = 0,
-    backend: str | None = None,
-    cameras: str | None = None,
-    between: str = "let_go",
-    algorithm: str = "explore_catalog",
-    constants: Mapping[str, str | float] | None = None,
-    resume: bool = False,
-    join: bool = False,
-    on_action: Callable[[ActionOutcome, ExplorationStep], None] | None = None,
-) -> ExplorationOutcome:
+@dataclass(frozen=True)
+class PairExplorationOutcome:
+    """Knowledge from one exploration of pairs.
+
+    Attributes:
+        catalog: File of the meta-catalog.
+        journal: File with a line for each action.
+        document: Meta-catalog with the rewards of each pair and the models of their features.
+    """
+
+    catalog: Path
+    journal: Path
+    document: MetaCatalogDocument
+
+    @property
+    def rewarded(self) -> dict[str, tuple[int, int]]:
+        """Numbers of rewarded and of all tries, by pair."""
+        sections = self.document.pairs.items()
+        return {name: (section.rewarded, section.tried) for name, section in sections}
+
+
+@verb(ExploreRequest)
+def explore(request: ExploreRequest) -> ExplorationOutcome:
     """Explore the affordances of an object, in this process.
 
     A file beside the catalog's holds each action as soon as it is over. With ``resume`` an
     interrupted exploration continues in a new world.
-
-    Args:
-        programs: Actions, as ``NAME``, ``NAME:key=value`` or ``LABEL=NAME:key=value``; the value
-            ``?`` stands for each channel that the run detects. Or results of ``load``, whose stages
-            do not count.
-        stage: File or name of a stage with a persistent world.
-        out: File for the catalog, ``NAME.yaml``.
-        feature: Channel of the object, for all programs with the parameter ``feature``.
-        actions: Largest number of actions.
-        until_habituated: True to end when all models have habituated.
-        seed: Seed of all random draws.
-        backend: Name of the backend, as for ``open_robot``.
-        cameras: Kind of cameras, as for ``open_robot``.
-        between: File or name of the program that runs after each action.
-        algorithm: ``explore_catalog`` (Algorithm 3) or ``explore_models`` (Section 6.3).
-        constants: Constants of the algorithm, by name, in SI or as text with units.
-        resume: True to continue an exploration that was begun there.
-        join: True to continue it with additional programs, or with a changed stage.
-        on_action: Function called with the outcome of each new action, and with its reward.
 
     Raises:
         DiagnosticsError: A document has errors.
         UsageError: An item is missing, not installed or unsuitable, or a file is in the way.
         OSError: A file cannot be written.
     """
-    from cbdsl.api.open_robot import open_robot
-    from cbdsl.api.requests.explore_request import ExploreRequest
-    from cbdsl.backends.engines import default_engine
-
-    request = ExploreRequest(
-        programs=tuple(programs),
-        stage=str(stage),
-        out=Path(out),
-        feature=feature,
-        actions=actions,
-        until_habituated=until_habituated,
-        seed=seed,
-        backend=default_engine() if backend is None else backend,
-        cameras=cameras,
-        between=between,
-        algorithm=algorithm,
-        constants=dict(constants or {}),
-        join=join,
-    )
     run, task = request.task()
     # Joining goes on with the journal, too, and therefore allows that it exists.
-    task.require_ready(resume=resume or join)
-    with open_robot(run, backend=task.backend, cameras=cameras) as robot:
-        document = task.run(robot.backend, robot.kinematics, listener(on_action))
-    return ExplorationOutcome(task.path, task.journal, document)
+    task.require_ready(resume=request.resume or request.join)
+    return ExplorationOutcome(task.path, task.journal, _done(task, run, request))
 
 
-def listener(
-    on_action: Callable[[ActionOutcome, ExplorationStep], None] | None,
-) -> ItemListener[FinishedAction]:
-    """Return an observer that passes each new action to a function."""
+@verb(ExplorePairsRequest)
+def explore_pairs(request: ExplorePairsRequest) -> PairExplorationOutcome:
+    """Explore the pairs of objects that a program brings together, in this process.
+
+    A file beside the meta-catalog's holds each action as soon as it is over. With ``resume`` an
+    interrupted exploration continues.
+
+    Raises:
+        DiagnosticsError: A document has errors.
+        UsageError: An item is missing, not installed or unsuitable, or a file is in the way.
+        OSError: A file cannot be written.
+    """
+    run, task = request.task()
+    task.require_ready(resume=request.resume)
+    return PairExplorationOutcome(task.path, task.journal, _done(task, run, request))
+
+
+def _done(task: Any, run: RunRequest, request: ExploreRequest | ExplorePairsRequest) -> Any:
+    """Run a task, and return the document that it writes."""
+    from cbdsl.api.open_robot import open_robot
     from cbdsl.training.task_observer import ItemListener
 
     def note(action: FinishedAction) -> None:
-        if on_action is not None:
-            on_action(action.outcome, action.step)
+        if request.on_action is not None:
+            request.on_action(action.outcome, action.step)
 
-    return ItemListener(note)
+    with open_robot(run, backend=task.backend, cameras=request.cameras) as robot:
+        return task.run(robot.backend, robot.kinematics, ItemListener(note))

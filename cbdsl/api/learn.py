@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cbdsl.api.requests.declaration import verb
+from cbdsl.api.requests.learn_request import LearnRequest
+from cbdsl.diagnostics.errors import UsageError
+
 if TYPE_CHECKING:
-    from cbdsl.api.requests.learn_request import LearnRequest
-    from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.learning.experience import Experience
     from cbdsl.training.learning_task import LearningTask
 
@@ -34,60 +36,22 @@ class LearningOutcome:
         return tuple(any(each.reward for each in one.transitions) for one in self.episodes)
 
 
-def learn(
-    program: str | Path | RunRequest,
-    out: str | Path,
-    *,
-    episodes: int = 10,
-    seed: int = 0,
-    backend: str | None = None,
-    cameras: str | None = None,
-    learner: str = "accommodate",
-    constants: Mapping[str, str | float] | None = None,
-    policy: str | Path | None = None,
-    resume: bool = False,
-    on_episode: Callable[[Experience], None] | None = None,
-) -> LearningOutcome:
+@verb(LearnRequest)
+def learn(request: LearnRequest) -> LearningOutcome:
     """Learn a policy for a program from scratch, in this process.
 
     A file beside the policy's holds each episode as soon as it is over. With ``resume`` an
     interrupted trial continues, with the same result as without an interruption. With the learner
     ``assimilate`` the resources of a learned policy are learned, and ``out`` holds a schema.
 
-    Args:
-        program: Result of ``load``, or a file or name for it.
-        out: File for the policy, ``NAME.yaml``; internal models are written beside it.
-        episodes: Total number of episodes.
-        seed: Seed of all random draws.
-        backend: Name of the backend, as for ``open_robot``.
-        cameras: Kind of cameras, as for ``open_robot``.
-        learner: Name of the algorithm.
-        constants: Constants of the algorithm, by name, in SI or as text with units.
-        policy: File or name of the policy whose resources ``assimilate`` learns.
-        resume: True to continue a trial that was begun there.
-        on_episode: Function called with each new episode, not with those of a resumed trial.
-
     Raises:
         DiagnosticsError: A document has errors.
         UsageError: An item is missing, not installed or unsuitable, or a file is in the way.
         OSError: A document cannot be written.
     """
-    from cbdsl.api.load import load
-    from cbdsl.api.requests.learn_request import LearnRequest
-    from cbdsl.api.requests.run_request import RunRequest
-
-    request = LearnRequest(
-        run=program if isinstance(program, RunRequest) else load(program),
-        out=Path(out),
-        episodes=episodes,
-        seed=seed,
-        backend=backend,
-        cameras=cameras,
-        learner=learner,
-        constants=dict(constants or {}),
-        policy=None if policy is None else str(policy),
-    )
-    (outcome,) = learn_trials(request, resume=resume, on_episode=on_episode)
+    if request.trials != 1:
+        raise UsageError(f"learn runs one trial, learn_trials runs {request.trials}")
+    (outcome,) = learn_trials(request)
     return outcome
 
 
@@ -96,8 +60,6 @@ def learn_trials(
     *,
     workers: int = 1,
     scheduler: str | None = None,
-    resume: bool = False,
-    on_episode: Callable[[Experience], None] | None = None,
 ) -> list[LearningOutcome]:
     """Run all trials of a request; the outcome does not depend on the workers.
 
@@ -105,8 +67,6 @@ def learn_trials(
         request: Trials with all their inputs.
         workers: Number of parallel processes of one thread each; 1 for this process.
         scheduler: Address of a Dask cluster to use instead, whose workers see the same files.
-        resume: True to continue trials that were begun there.
-        on_episode: Function called with each new episode that runs in this process.
 
     Raises:
         DiagnosticsError, UsageError, OSError: As ``learn``.
@@ -118,11 +78,11 @@ def learn_trials(
         request = replace(request, backend=default_engine())
     tasks = request.tasks()
     for task in tasks:
-        task.require_ready(resume=resume)
+        task.require_ready(resume=request.resume)
     # The episodes of one trial depend on each other, so that a single trial gains nothing from
     # workers.
     if scheduler is None and (workers == 1 or len(tasks) == 1):
-        return _in_this_process(request, tasks, on_episode)
+        return _in_this_process(request, tasks)
     from cbdsl.training.side_by_side import run_all
 
     supervisor = _Supervisor()
@@ -132,18 +92,14 @@ def learn_trials(
     return [supervisor.outcome(task) for task in tasks]
 
 
-def _in_this_process(
-    request: LearnRequest,
-    tasks: Sequence[LearningTask],
-    on_episode: Callable[[Experience], None] | None,
-) -> list[LearningOutcome]:
+def _in_this_process(request: LearnRequest, tasks: Sequence[LearningTask]) -> list[LearningOutcome]:
     from cbdsl.api.open_robot import open_robot
     from cbdsl.training.task_observer import ItemListener
 
     outcomes = []
     with open_robot(request.run, backend=request.backend, cameras=request.cameras) as robot:
         for task in tasks:
-            listener = ItemListener(on_episode or _ignore)
+            listener = ItemListener(request.on_episode or _ignore)
             files = task.run(robot.backend, robot.kinematics, listener)
             outcomes.append(LearningOutcome(task.path, tuple(files), tuple(listener.items)))
     return outcomes

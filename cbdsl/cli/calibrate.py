@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import json
-import shlex
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from cbdsl.api.requests.calibrate_request import CalibrateRequest
-from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.command_text import option_words
-from cbdsl.cli.arguments.options import BodyNumber, Cameras, Seed, With
-from cbdsl.cli.episodes.simulation import BackendName, needing_simulation, simulation
+from cbdsl.cli.arguments.command_text import command_text
+from cbdsl.cli.arguments.option_groups import grouped
+from cbdsl.cli.episodes.simulation import needing_simulation, simulation
 from cbdsl.cli.output.progress import Progress
 from cbdsl.cli.output.terminal import print_line
 from cbdsl.cli.process.native_output import shown_on_failure
@@ -27,42 +27,11 @@ if TYPE_CHECKING:
     from cbdsl.documents.calibration import CalibrationDocument
 
 
-Robot = Annotated[str, typer.Argument(help="Robot: file or name.")]
-Out = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        help="File for the calibration, NAME.yaml; NAME.svg beside it is a picture "
-        "[knowledge/calibrations/ROBOT.yaml].",
-    ),
-]
-Program = Annotated[
-    str,
-    typer.Option("--program", help="Program that shows a held ball to the cameras: file or name."),
-]
-Stage = Annotated[
-    str | None,
-    typer.Option(
-        "--stage", help="Stage on which the ball is handed over: file or name [the program's]."
-    ),
-]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
-def calibrate(
-    context: typer.Context,
-    robot: Robot,
-    *,
-    out: Out = None,
-    program: Program = "show_ball",
-    stage: Stage = None,
-    seed: Seed = 0,
-    backend: BackendName,
-    cameras: Cameras = None,
-    body: BodyNumber = None,
-    with_: With = [],  # noqa: B006 (typer)
-    as_json: Json = False,
-) -> None:
+@grouped
+def calibrate(context: typer.Context, *, request: CalibrateRequest, as_json: Json = False) -> None:
     """Estimate the positions of a robot's cameras from views of a ball in its hand.
 
     The touching fingertips locate the ball; its position in the images yields the errors of the
@@ -71,22 +40,11 @@ def calibrate(
 
     Exit 0 if the calibration was written, 1 if a document has errors, 2 if it cannot be made.
     """
-    request = CalibrateRequest(
-        robot=robot,
-        program=program,
-        stage=stage,
-        out=out,
-        seed=seed,
-        backend=backend,
-        cameras=cameras,
-        body=body,
-        values=read_assignments(with_),
-        command=lambda name, file: _command(context, name, file),
-    )
+    request = replace(request, command=partial(_command, context))
     with needing_simulation():
         calibration = request.calibration()
     with shown_on_failure(), termination_interrupts():
-        estimates = _estimates(calibration, cameras)
+        estimates = _estimates(calibration, request.cameras)
     document, target = calibration.write(estimates), calibration.target
     print(json.dumps(_as_json(document, target)) if as_json else _summary(document, target))
 
@@ -109,8 +67,7 @@ def _command(context: typer.Context, robot: str, out: str) -> str:
     """Return the command that repeats the calibration."""
     # The command is a part of the journal's identity. Without a canonical spelling, the same
     # calibration would not continue its own journal.
-    options = option_words(context, ("robot", "out", "as_json"), ("program", "seed", "backend"))
-    return shlex.join(["cb", "calibrate", robot, "--out", out, *options])
+    return command_text(context, ["cb", "calibrate", robot], CalibrateRequest, out)
 
 
 def _as_json(document: CalibrationDocument, target: Path) -> dict[str, Any]:

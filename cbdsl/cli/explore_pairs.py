@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from cbdsl.api.requests.explore_pairs_request import ExplorePairsRequest
-from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.episodes.simulation import needing_simulation, simulation
 from cbdsl.cli.output.exploration_progress import ExplorationProgress
 from cbdsl.cli.output.terminal import print_line
@@ -17,6 +17,7 @@ from cbdsl.diagnostics.errors import UsageError
 if TYPE_CHECKING:
     import typer
 
+    from cbdsl.api.requests.explore_request import ExploreRequest
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.training.exploration.pair_task import PairTask
 
@@ -27,37 +28,39 @@ _OF_ONE = (
 )  # fmt: skip
 
 
-def explore_pairs(context: typer.Context, command: str) -> None:
+def explore_pairs(
+    context: typer.Context,
+    given: ExploreRequest,
+    thing: Sequence[str],
+    relation: str,
+    relations: str | None,
+    *,
+    as_json: bool,
+) -> None:
     """Explore pairs with the options of ``cb explore``.
 
     Raises:
         DiagnosticsError: A document has errors.
         UsageError: An option cannot be used.
     """
-    given = context.params
     _refuse_options_of_one(context)
-    if len(given["programs"]) != 1:
+    if len(given.programs) != 1:
         raise UsageError("--thing: one PROGRAM brings things to each other")
+    shared = {each.name for each in fields(given)} & {
+        each.name for each in fields(ExplorePairsRequest)
+    }
     pairs = ExplorePairsRequest(
-        program=given["programs"][0],
-        things=_read_things(given["thing"]),
-        stage=given["stage"],
-        out=given["out"],
-        relation=given["relation"],
-        actions=given["actions"],
-        until_habituated=given["until_habituated"],
-        seed=given["seed"],
-        backend=given["backend"],
-        cameras=given["cameras"],
-        constants=read_assignments(given["set_"], "--set"),
-        relations=given["relations"],
-        command=command,
+        program=str(given.programs[0]),
+        things=_read_things(thing),
+        relation=relation,
+        relations=relations,
+        **{name: getattr(given, name) for name in shared},
     )
     with needing_simulation():
         request, task = pairs.task()
-        task.require_ready(resume=given["resume"])
+        task.require_ready(resume=given.resume)
     with shown_on_failure(), termination_interrupts():
-        _run(task, request, given["cameras"], as_json=given["as_json"])
+        _run(task, request, given.cameras, as_json=as_json)
 
 
 def _read_things(texts: Sequence[str]) -> dict[str, str]:

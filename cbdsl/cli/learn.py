@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import inspect
-import shlex
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -15,13 +13,13 @@ from cbdsl.api.requests.learn_request import LearnRequest
 from cbdsl.api.requests.run_request import read_request
 from cbdsl.checking.rules.reward import check_rewarded
 from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.command_text import option_words
+from cbdsl.cli.arguments.command_text import command_text
 from cbdsl.cli.arguments.completion import names_of
 from cbdsl.cli.arguments.option_groups import grouped
-from cbdsl.cli.arguments.options import Cameras, Program, Resume, Seed, Set, With
+from cbdsl.cli.arguments.options import With
 from cbdsl.cli.arguments.workers import require_workers, warn_of_open_scheduler
 from cbdsl.cli.episodes.live import LiveOptions
-from cbdsl.cli.episodes.simulation import BackendName, needing_simulation
+from cbdsl.cli.episodes.simulation import needing_simulation
 from cbdsl.cli.learning_tasks import one_by_one, side_by_side
 from cbdsl.cli.output.terminal import print_diagnostics, print_line
 from cbdsl.cli.process.native_output import shown_on_failure
@@ -39,37 +37,12 @@ if TYPE_CHECKING:
     from cbdsl.documents.document import Section
     from cbdsl.training.learning_task import LearningTask
 
-# Options that the recorded command includes even with default values.
-_ALWAYS = ("episodes", "seed", "backend")
-# Parameters that are not options of the recorded command. The program is an argument, the constants
-# are written by _set, and the others do not affect the result.
-_NEVER = (
-    "program", "resume", "workers", "scheduler", "live", "live_port", "live_wait", "live_close",
-    "fast", *AccommodateConstants.model_fields,
-)  # fmt: skip
-
-Out = Annotated[
-    Path,
-    typer.Option(
-        "--out", help="File for the policy, NAME.yaml; internal models are written beside it."
-    ),
-]
 Stage = Annotated[
     str | None,
     typer.Option(
         "--stage",
         help="Training stage: file or name [the program's].",
         autocompletion=names_of("stage"),
-    ),
-]
-Episodes = Annotated[int, typer.Option("--episodes", min=1, help="Total number of episodes.")]
-Trials = Annotated[
-    int,
-    typer.Option(
-        "--trials",
-        min=1,
-        max=10_000,
-        help="Number of trials, each from scratch: NAME_0.yaml, NAME_1.yaml, ...",
     ),
 ]
 Workers = Annotated[
@@ -88,56 +61,11 @@ Scheduler = Annotated[
         "same files.",
     ),
 ]
-Sequential = Annotated[
-    bool, typer.Option("--sequential", help="Leave out actions that are compositions.")
-]
-LearnerName = Annotated[str, typer.Option("--learner", help="Learner; cb show learners lists all.")]
-From = Annotated[
-    str | None,
-    typer.Option(
-        "--from",
-        help="With assimilate: learned policy of the schema; with name_relations: relations to go "
-        "on from. File or name.",
-    ),
-]
-Transitions = Annotated[
-    int | None,
-    typer.Option(
-        "--transitions", min=1, help="Maximum number of transitions of an episode [the program's]."
-    ),
-]
-TransitionTime = Annotated[
-    float | None,
-    typer.Option(
-        "--transition-time",
-        min=0.1,
-        max=86400,
-        help="Maximum time of one action without a change of state, s [the program's].",
-    ),
-]
-IdleTime = Annotated[
-    float | None,
-    typer.Option(
-        "--idle-time",
-        min=0.1,
-        max=86400,
-        help="The same while no predicate is 0, s [the program's].",
-    ),
-]
-EpisodeTime = Annotated[
-    float | None,
-    typer.Option(
-        "--episode-time",
-        min=0.1,
-        max=86400,
-        help="Maximum time of an episode, s, including the programs that it uses [the program's].",
-    ),
-]
 
 
 # Typer derives options from the signature of a command. The constants are declared once, in
 # `AccommodateConstants`, with their defaults and descriptions. Here they become keyword parameters,
-# and their values arrive in `**constants`, which typer itself cannot convert and which is left out.
+# and their values arrive in `**spelled`, which typer itself cannot convert and which is left out.
 # All are texts with units, so that `read_constants` checks them in the same way as `--set`.
 # Annotations are evaluated, because this module postpones them.
 def with_constants(command: Callable[..., None]) -> Callable[..., None]:
@@ -173,15 +101,10 @@ def _help(words: str, default: object) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class TrialOptions:
-    """Stage, robot and number of episodes of the trials."""
+    """Stage of the trials, and parameters of the program."""
 
     stage: Stage = None
-    episodes: Episodes = 10
-    seed: Seed = 0
-    backend: BackendName
-    cameras: Cameras = None
     with_: With = field(default_factory=list)
-    trials: Trials = 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,7 +113,6 @@ class ProcessOptions:
 
     workers: Workers = 1
     scheduler: Scheduler = None
-    resume: Resume = False
 
     def require_suitable(self, live: LiveOptions) -> None:
         """Check the processes, and that shown episodes run in this one.
@@ -207,39 +129,16 @@ class ProcessOptions:
             warn_of_open_scheduler(self.scheduler)
 
 
-@dataclass(frozen=True, kw_only=True)
-class AlgorithmOptions:
-    """Algorithm with its constants and its earlier knowledge."""
-
-    sequential: Sequential = False
-    learner: LearnerName = "accommodate"
-    from_: From = None
-    set_: Set = field(default_factory=list)
-
-
-@dataclass(frozen=True, kw_only=True)
-class LimitOptions:
-    """Limits of an episode, which are fields of the request to learn."""
-
-    transitions: Transitions = None
-    transition_time: TransitionTime = None
-    idle_time: IdleTime = None
-    episode_time: EpisodeTime = None
-
-
 @with_constants
 @grouped
 def learn(
     context: typer.Context,
-    program: Program,
-    out: Out,
     *,
     trial: TrialOptions,
     place: ProcessOptions,
-    algorithm: AlgorithmOptions,
-    limits: LimitOptions,
+    request: LearnRequest,
     live: LiveOptions,
-    **constants: str | None,
+    **spelled: str | None,
 ) -> None:
     """Learn the values of a program's actions from scratch, by discovering affordances.
 
@@ -251,22 +150,9 @@ def learn(
     130 after Ctrl-C or SIGTERM.
     """
     place.require_suitable(live)
-    run = read_request(program, trial.stage, None, read_assignments(trial.with_))
-    given = {name: value for name, value in constants.items() if value is not None}
-    request = LearnRequest(
-        run=run,
-        out=out,
-        episodes=trial.episodes,
-        seed=trial.seed,
-        trials=trial.trials,
-        backend=trial.backend,
-        cameras=trial.cameras,
-        learner=algorithm.learner,
-        constants=read_assignments(algorithm.set_, "--set") | given,
-        policy=algorithm.from_,
-        sequential=algorithm.sequential,
-        **vars(limits),
-    )
+    run = read_request(str(request.program), trial.stage, None, read_assignments(trial.with_))
+    constants = {name: value for name, value in spelled.items() if value is not None}
+    request = replace(request, program=run, constants={**request.constants, **constants})
     request.require_sound()
     if request.learner != NAME_RELATIONS:
         _tell_of_no_reward(run)
@@ -275,8 +161,8 @@ def learn(
         # request.
         command = _command(context, request.checked_constants())
         tasks = replace(request, command=command).tasks()
-        _require_ready(tasks, place.resume)
-    at_once = min(place.workers, trial.trials)  # each episode needs the previous results
+        _require_ready(tasks, request.resume)
+    at_once = min(place.workers, request.trials)  # each episode needs the previous results
     with shown_on_failure(), termination_interrupts():
         if at_once == 1 and place.scheduler is None:
             one_by_one(tasks, run, live)
@@ -305,11 +191,16 @@ def _require_here(workers: int, scheduler: str | None) -> None:
 
 def _command(context: typer.Context, constants: Section) -> str:
     """Return the command that repeats the learning, in a canonical spelling."""
-    # Folders differ between computers. The recorded command keeps the name of the file alone.
     # Constants have two spellings, `--epsilon 0.1` and `--set epsilon=0.1`. The record has one.
-    instead = {"out": ["--out", context.params["out"].name], "set_": [*_set(constants)]}
-    options = option_words(context, _NEVER, _ALWAYS, instead)
-    return shlex.join(["cb", "learn", context.params["program"], *options])
+    words = ["cb", "learn", context.params["program"]]
+    return command_text(
+        context,
+        words,
+        LearnRequest,
+        context.params["out"].name,
+        also=("stage", "with_"),
+        instead={"constants": [*_set(constants)]},
+    )
 
 
 def _set(constants: Section) -> Iterator[str]:

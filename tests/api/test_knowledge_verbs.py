@@ -25,7 +25,7 @@ def test_learn_trials_on_workers_equals_trials_in_this_process(here: Path) -> No
     texts = []
     for folder, workers in (("one", 1), ("two", 2)):
         request = cbdsl.LearnRequest(
-            run=run, out=Path(folder, "p.yaml"), episodes=3, seed=SEED, trials=2,
+            program=run, out=Path(folder, "p.yaml"), episodes=3, seed=SEED, trials=2,
             backend="kinematic", command="the same",
         )  # fmt: skip
         outcomes = cbdsl.learn_trials(request, workers=workers)
@@ -37,7 +37,7 @@ def test_learn_trials_on_workers_equals_trials_in_this_process(here: Path) -> No
 
 
 def test_tasks_survive_the_way_to_a_worker(here: Path) -> None:
-    (trial,) = cbdsl.LearnRequest(run=cbdsl.load("searchtrack"), out=Path("p.yaml")).tasks()
+    (trial,) = cbdsl.LearnRequest(program=cbdsl.load("searchtrack"), out=Path("p.yaml")).tasks()
     _, exploration = cbdsl.ExploreRequest(
         ["searchtrack"], "exploring_basketball", Path("ball.yaml")
     ).task()
@@ -50,7 +50,7 @@ def test_tasks_survive_the_way_to_a_worker(here: Path) -> None:
 
 def test_learn_limits_and_sequential_actions_reach_the_trial(here: Path) -> None:
     request = cbdsl.LearnRequest(
-        run=cbdsl.load("searchtrack"), out=Path("p.yaml"), episodes=2, seed=SEED,
+        program=cbdsl.load("searchtrack"), out=Path("p.yaml"), episodes=2, seed=SEED,
         backend="kinematic", sequential=True, transitions=1,
     )  # fmt: skip
     (outcome,) = cbdsl.learn_trials(request)

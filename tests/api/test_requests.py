@@ -15,10 +15,10 @@ from cbdsl.cli.main import build_app
 
 #: Command of each verb, and parameters of the command with the names of their fields.
 COMMANDS = {
-    "learn": ("learn", {"set_": "constants", "from_": "policy", "program": "run"}),
-    "explore": ("explore", {"set_": "constants"}),
-    "explore_pairs": ("explore", {"set_": "constants", "thing": "things", "programs": "program"}),
-    "calibrate": ("calibrate", {"with_": "values"}),
+    "learn": ("learn", {}),
+    "explore": ("explore", {}),
+    "explore_pairs": ("explore", {"thing": "things", "programs": "program"}),
+    "calibrate": ("calibrate", {}),
 }
 REQUESTS: dict[str, Any] = {
     "learn": cbdsl.LearnRequest,
@@ -26,8 +26,8 @@ REQUESTS: dict[str, Any] = {
     "explore_pairs": cbdsl.ExplorePairsRequest,
     "calibrate": cbdsl.CalibrateRequest,
 }
-#: Inputs of the request that are inputs of a trial in Python, or that the caller sets.
-NOT_OF_COMMANDS = {"number", "folder", "command"}
+#: Inputs that only Python has, or that the command sets.
+NOT_OF_COMMANDS = {"number", "folder", "command", "on_episode", "on_action", "on_progress"}
 VERBS = pytest.mark.parametrize("verb", REQUESTS)
 
 
@@ -38,13 +38,14 @@ def _default(field: Field[Any]) -> object:
 
 
 @VERBS
-def test_parameters_of_a_verb_are_fields_of_its_request_with_their_defaults(verb: str) -> None:
+def test_parameters_of_a_verb_are_the_fields_of_its_request(verb: str) -> None:
     fields = REQUESTS[verb].__dataclass_fields__
-    for name, parameter in inspect.signature(getattr(cbdsl, verb)).parameters.items():
-        name = "run" if (verb, name) == ("learn", "program") else name
-        if name in fields and parameter.default is not inspect.Parameter.empty:
-            assert parameter.default == _default(fields[name]), name
-        assert name in fields or name == "resume" or name.startswith("on_"), name
+    parameters = inspect.signature(getattr(cbdsl, verb)).parameters
+    assert [*parameters] == [*fields]
+    for name, parameter in parameters.items():
+        required = fields[name].default is fields[name].default_factory is MISSING
+        assert (parameter.default is inspect.Parameter.empty) == required, name
+        assert (parameter.kind is inspect.Parameter.KEYWORD_ONLY) == fields[name].kw_only, name
 
 
 @VERBS

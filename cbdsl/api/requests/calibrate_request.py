@@ -4,9 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from cbdsl.api.requests.declaration import (
+    BACKEND,
+    CAMERAS,
+    SEED,
+    call_text,
+    declaration,
+    engine_of,
+    given,
+)
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
@@ -18,35 +28,49 @@ if TYPE_CHECKING:
     from cbdsl.storage.journal import Journal
 
 
-@dataclass(frozen=True)
+@declaration
 class CalibrateRequest:
-    """Calibration of a robot's cameras, with all its inputs.
+    """Calibration of a robot's cameras, with all its inputs."""
 
-    Attributes:
-        robot: File or name of the robot.
-        program: File or name of the program that shows a held ball to the cameras.
-        stage: Stage on which the ball is handed over: file or name; the program's if ``None``.
-        out: File for the calibration, ``NAME.yaml``; ``knowledge/calibrations/ROBOT.yaml`` if
-            ``None``.
-        seed: Seed of all random draws.
-        backend: Name of the backend; the first installed one if ``None``.
-        cameras: Kind of the backend's cameras; the backend's default if ``None``.
-        body: Number of the simulated body; the stage's if ``None``.
-        values: Values of the program's parameters, by name.
-        command: Command that repeats the calibration, for the document; a function of the robot's
-            name and the name of the file.
-    """
-
-    robot: str
-    program: str = "show_ball"
-    stage: str | None = None
-    out: Path | None = None
-    seed: int = 0
-    backend: str | None = None
-    cameras: str | None = None
-    body: int | None = None
-    values: Mapping[str, str] = field(default_factory=dict)
-    command: Callable[[str, str], str] | None = None
+    robot: str | Path = given("Robot: file or name.", kw_only=False, kind=str, flag="-")
+    out: str | Path | None = given(
+        "File for the calibration; ``knowledge/calibrations/ROBOT.yaml`` if ``None``.",
+        default=None,
+        kind=Path | None,
+        help="File for the calibration, NAME.yaml; NAME.svg beside it is a picture "
+        "[knowledge/calibrations/ROBOT.yaml].",
+    )
+    program: str | Path = given(
+        "Program that shows a held ball to the cameras: file or name.",
+        default="show_ball",
+        always=True,
+        kind=str,
+    )
+    stage: str | Path | None = given(
+        "Stage on which the ball is handed over: file or name [the program's].",
+        default=None,
+        kind=str | None,
+    )
+    seed: int = given(SEED, default=0, always=True)
+    backend: str | None = given(BACKEND, default=None, always=True)
+    cameras: str | None = given(CAMERAS, default=None)
+    body: int | None = given(
+        "Number of the simulated body, which keeps its cameras' errors.", default=None
+    )
+    values: Mapping[str, str] = given(
+        "Values of the program's parameters, by name.", default_factory=dict
+    )
+    command: Callable[[str, str], str] | None = given(
+        "Command that repeats the calibration, for the document; a function of the robot's name and"
+        " the name of the file.",
+        default=None,
+        recorded=False,
+    )
+    on_progress: Callable[[int, int], None] = given(
+        "Function called with the numbers of shown and of all postures.",
+        default_factory=lambda: lambda done, total: None,
+        recorded=False,
+    )
 
     def calibration(self) -> CameraCalibration:
         """Return the calibration, read and checked, of a robot without corrections.
@@ -55,13 +79,12 @@ class CalibrateRequest:
             DiagnosticsError: A document has errors.
             UsageError: An item is unknown or unsuitable, or the file cannot be written.
         """
-        from cbdsl.backends.engines import default_engine
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.documents.calibration import CalibrationOrigin
         from cbdsl.storage.atomic_file import make_room
 
         run = self._run()
-        target = self.out or Path("knowledge/calibrations", f"{run.robot.name}.yaml")
+        target = Path(self.out or f"knowledge/calibrations/{run.robot.name}.yaml")
         _require_name(target)
         try:
             # Checked while nothing moves, and not when the result is there.
@@ -69,7 +92,7 @@ class CalibrateRequest:
             make_room(target.with_suffix(".svg"))
         except OSError as error:
             raise UsageError(f"{target}: {error.strerror}") from error
-        backend = default_engine() if self.backend is None else self.backend
+        backend = engine_of(self)
         command = self.command or self._call
         origin = CalibrationOrigin(
             command=command(run.robot.name, target.name),
@@ -90,12 +113,13 @@ class CalibrateRequest:
         from cbdsl.yaml_text.library import Library
 
         library = Library()
-        robot = library.read(library.locate(RobotDocument, self.robot), RobotDocument).document
+        robot = library.read(library.locate(RobotDocument, str(self.robot)), RobotDocument).document
         require_sight_and_touch(robot)
         # The errors to estimate are relative to the poses of the model. A calibration that the
         # robot already has would hide them.
+        stage = None if self.stage is None else str(self.stage)
         run = read_request(
-            self.program, self.stage, None, self.values, body=self.body, uncalibrated=True
+            str(self.program), stage, None, self.values, body=self.body, uncalibrated=True
         )
         if run.robot.name != robot.name:
             raise UsageError(
@@ -116,12 +140,7 @@ class CalibrateRequest:
 
     def _call(self, robot: str, out: str) -> str:
         """Return the call in Python that repeats the calibration."""
-        from cbdsl.api.requests.call_text import call_text
-
-        names = ("program", "stage", "seed", "backend", "cameras", "body")
-        options = {name: getattr(self, name) for name in names} | {"values": dict(self.values)}
-        given = {name: value for name, value in options.items() if value not in (None, {})}
-        return call_text("calibrate", [f"{robot!r}", f"out={out!r}"], given)
+        return call_text("calibrate", self, robot=repr(robot), out=repr(out))
 
 
 @dataclass(frozen=True)

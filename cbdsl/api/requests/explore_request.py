@@ -2,57 +2,111 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from cbdsl.api.requests.declaration import (
+    BACKEND,
+    CAMERAS,
+    COMMAND,
+    CONSTANTS,
+    FOLDER,
+    SEED,
+    call_text,
+    declaration,
+    engine_of,
+    given,
+    load_text,
+)
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.documents.stage import StageDocument
+    from cbdsl.learning.catalogs.action_outcome import ActionOutcome
+    from cbdsl.learning.catalogs.exploration import ExplorationStep
     from cbdsl.training.exploration.exploration_task import ExplorationTask
 
 
-@dataclass(frozen=True)
+_GROUP = "Exploration options"
+
+
+@declaration
 class ExploreRequest:
-    """Exploration of an object's affordances, with all its inputs.
+    """Exploration of an object's affordances, with all its inputs."""
 
-    Attributes:
-        programs: Actions, as ``NAME``, ``NAME:key=value`` or ``LABEL=NAME:key=value``; the value
-            ``?`` stands for each channel that the run detects. Or loaded programs.
-        stage: Stage with a persistent world: file or name.
-        out: File for the catalog, ``NAME.yaml``.
-        feature: Channel of the object, for all programs with the parameter ``feature``.
-        actions: Largest number of actions.
-        until_habituated: True to end when all models have habituated.
-        seed: Seed of all random draws.
-        number: Number of this exploration among several with this seed.
-        backend: Name of the backend; the first installed one if ``None``.
-        cameras: Kind of the backend's cameras; the backend's default if ``None``.
-        between: Program that runs after each action.
-        algorithm: ``explore_catalog`` (Algorithm 3) or ``explore_models`` (Section 6.3).
-        constants: Constants of the algorithm by name, as text with units or in SI.
-        join: True to continue with additional programs, or with a changed stage.
-        folder: Folder to search for documents by name; the working folder if ``None``.
-        command: Command that repeats the exploration, for the provenance of the catalog.
-    """
-
-    programs: Sequence[str | RunRequest]
-    stage: str
-    out: Path
-    feature: str = "sat_10"
-    actions: int = 100
-    until_habituated: bool = False
-    seed: int = 0
-    number: int = 0
-    backend: str | None = None
-    cameras: str | None = None
-    between: str = "let_go"
-    algorithm: str = "explore_catalog"
-    constants: Mapping[str, str | float] = field(default_factory=dict)
-    join: bool = False
-    folder: Path | None = None
-    command: str = ""
+    programs: Sequence[str | RunRequest] = given(
+        "Actions, as ``NAME``, ``NAME:key=value`` or ``LABEL=NAME:key=value``; the value ``?`` "
+        "stands for each channel that the run detects. Or results of ``load``, whose stages do not "
+        "count.",
+        kw_only=False,
+        kind=list[str],
+        help="Actions: programs, as NAME, NAME:key=value, or LABEL=NAME:key=value. The value ? "
+        "stands for each channel that the run detects.",
+        flag="-",
+        metavar="PROGRAM",
+    )
+    stage: str | Path = given(
+        "Stage with a persistent world: file or name.",
+        kw_only=False,
+        kind=str,
+        group=_GROUP,
+    )
+    out: str | Path = given("File for the catalog, ``NAME.yaml``.", kw_only=False, kind=Path)
+    feature: str = given(
+        "Channel of the object, for all programs with the parameter ``feature``.",
+        default="sat_10",
+        kind=str,
+        group=_GROUP,
+    )
+    actions: int = given(
+        "Number of actions.",
+        default=100,
+        always=True,
+        kind=int,
+        group=_GROUP,
+        min=1,
+    )
+    until_habituated: bool = given(
+        "True to end when all models have habituated.",
+        default=False,
+        kind=bool,
+        help="End when all models have habituated.",
+        group=_GROUP,
+    )
+    seed: int = given(SEED, default=0, always=True, group=_GROUP)
+    number: int = given("Number of this exploration among several with this seed.", default=0)
+    backend: str | None = given(BACKEND, default=None, always=True, group=_GROUP)
+    cameras: str | None = given(CAMERAS, default=None, group=_GROUP)
+    between: str = given(
+        "Program that runs after each action, such as to release the object.",
+        default="let_go",
+        kind=str,
+        group=_GROUP,
+    )
+    algorithm: str = given(
+        "Algorithm: ``explore_catalog`` (Algorithm 3) or ``explore_models`` (Section 6.3).",
+        default="explore_catalog",
+        kind=str,
+        group=_GROUP,
+    )
+    constants: Mapping[str, str | float] = given(CONSTANTS, default_factory=dict)
+    resume: bool = given(
+        "True to continue an exploration that was begun there.", default=False, recorded=False
+    )
+    join: bool = given(
+        "True to continue it with additional programs, or with a changed stage.",
+        default=False,
+        kind=bool,
+        help="Continue with additional programs, or with a changed --stage.",
+    )
+    folder: Path | None = given(FOLDER, default=None)
+    command: str = given(COMMAND, default="", recorded=False)
+    on_action: Callable[[ActionOutcome, ExplorationStep], None] | None = given(
+        "Function called with the outcome of each new action, and with its reward.",
+        default=None,
+        recorded=False,
+    )
 
     def task(self) -> tuple[RunRequest, ExplorationTask]:
         """Return the first action with robot and stage, and the task, ready to run.
@@ -63,29 +117,29 @@ class ExploreRequest:
         """
         from cbdsl.api.requests.explored_actions import read_actions
         from cbdsl.api.requests.run_request import read_request
-        from cbdsl.backends.engines import default_engine
         from cbdsl.diagnostics.errors import UsageError
         from cbdsl.learning.catalogs.explorations import EXPLORATIONS
         from cbdsl.learning.constants import read_constants
         from cbdsl.training.exploration.exploration_task import ExplorationTask
 
-        if self.out.suffix != ".yaml":
-            raise UsageError(f"{self.out}: a catalog is <name>.yaml")
+        path, stage = Path(self.out), str(self.stage)
+        if path.suffix != ".yaml":
+            raise UsageError(f"{path}: a catalog is <name>.yaml")
         if self.algorithm not in EXPLORATIONS:
             raise UsageError.unknown("exploration", self.algorithm, EXPLORATIONS)
-        requests, explorable = read_actions(self.programs, self.feature, self.stage, self.folder)
+        requests, explorable = read_actions(self.programs, self.feature, stage, self.folder)
         run = requests[0]
         require_persistent(run.stage)
         constants = EXPLORATIONS[self.algorithm].Constants
         return run, ExplorationTask(
             actions=explorable,
-            between=read_request(self.between, self.stage, None, {}, folder=self.folder).program,
+            between=read_request(self.between, stage, None, {}, folder=self.folder).program,
             feature=self.feature,
             robot=run.robot,
             # Absolute paths remain valid in processes with other working folders.
             urdf=run.urdf.absolute(),
             stage=run.stage,
-            backend=default_engine() if self.backend is None else self.backend,
+            backend=engine_of(self),
             algorithm=self.algorithm,
             constants=read_constants(constants, self.constants, self.algorithm),
             seed=self.seed,
@@ -93,27 +147,19 @@ class ExploreRequest:
             count=self.actions,
             until_habituated=self.until_habituated,
             command=self.command or self._call(),
-            path=self.out.absolute(),
+            path=path.absolute(),
             cameras=self.cameras,
             joins=self.join,
         )
 
     def _call(self) -> str:
         """Return the call in Python that repeats the exploration."""
-        from cbdsl.api.requests.call_text import call_text, chosen, load_text
-
         programs = (
             repr(each) if isinstance(each, str) else load_text(each, each.values)
             for each in self.programs
         )
-        words = [f"[{', '.join(programs)}]", f"{self.stage!r}", f"{self.out.name!r}"]
-        left_out = ("programs", "stage", "out", "command", "join", "constants")
-        names = [name for name in type(self).__dataclass_fields__ if name not in left_out]
-        # These are always written: the default backend depends on the installation.
-        options = chosen(self, names, always=("seed", "actions", "backend"))
-        if self.constants:
-            options["constants"] = dict(self.constants)
-        return call_text("explore", words, options)
+        texts = {"programs": f"[{', '.join(programs)}]", "stage": repr(str(self.stage))}
+        return call_text("explore", self, **texts, out=repr(Path(self.out).name))
 
 
 def require_persistent(stage: StageDocument) -> None:

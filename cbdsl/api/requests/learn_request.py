@@ -3,61 +3,150 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from cbdsl.api.requests.declaration import (
+    BACKEND,
+    CAMERAS,
+    COMMAND,
+    CONSTANTS,
+    SEED,
+    call_text,
+    declaration,
+    engine_of,
+    given,
+    load_text,
+)
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.documents.document import Section
     from cbdsl.documents.document_digest import ProgramDigest
     from cbdsl.documents.relations import RelationsDocument
+    from cbdsl.learning.experience import Experience
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.training.learning_task import LearningTask
 
 
-@dataclass(frozen=True)
+_TRIAL, _ALGORITHM, _LIMITS = "Trial options", "Algorithm options", "Limit options"
+
+
+@declaration
 class LearnRequest:
-    """Trials of a program, each from scratch, with all their inputs.
+    """Trials of a program, each from scratch, with all their inputs."""
 
-    Attributes:
-        run: Program with its robot and its training stage.
-        out: File for the policy, ``NAME.yaml``; several trials write ``NAME_0.yaml`` and so on.
-        episodes: Total number of episodes of each trial.
-        seed: Seed of all random draws.
-        trials: Number of trials.
-        backend: Name of the backend; the first installed one if ``None``.
-        cameras: Kind of the backend's cameras; the backend's default if ``None``.
-        learner: Name of the algorithm.
-        constants: Constants of the algorithm by name, as text with units or in SI.
-        policy: Policy whose resources ``assimilate`` learns, or relations from which
-            ``name_relations`` goes on: file or name.
-        sequential: True to leave out actions that are compositions.
-        transitions: Maximum number of transitions of an episode; the program's if ``None``.
-        transition_time: Maximum time of an action without a change of state, s; the program's if
-            ``None``.
-        idle_time: Maximum time without a predicate of 0, s; the program's if ``None``.
-        episode_time: Maximum time of an episode, s; the program's if ``None``.
-        command: Command that repeats the learning, for the provenance of the documents.
-    """
+    program: str | Path | RunRequest = given(
+        "Result of ``load``, or a file or name for it.", kw_only=False
+    )
+    out: str | Path = given(
+        "File for the policy, ``NAME.yaml``; internal models are written beside it.",
+        kw_only=False,
+        kind=Path,
+    )
+    episodes: int = given(
+        "Total number of episodes.",
+        default=10,
+        always=True,
+        kind=int,
+        group=_TRIAL,
+        min=1,
+    )
+    seed: int = given(SEED, default=0, always=True, group=_TRIAL)
+    backend: str | None = given(BACKEND, default=None, always=True, group=_TRIAL)
+    cameras: str | None = given(CAMERAS, default=None, group=_TRIAL)
+    trials: int = given(
+        "Number of trials, each from scratch: ``NAME_0.yaml``, ``NAME_1.yaml``, ...",
+        default=1,
+        kind=int,
+        group=_TRIAL,
+        min=1,
+        max=10_000,
+    )
+    resume: bool = given(
+        "True to continue trials that were begun there.",
+        default=False,
+        recorded=False,
+        group="Process options",
+    )
+    sequential: bool = given(
+        "True to leave out actions that are compositions.",
+        default=False,
+        kind=bool,
+        help="Leave out actions that are compositions.",
+        group=_ALGORITHM,
+    )
+    learner: str = given(
+        "Name of the algorithm.",
+        default="accommodate",
+        kind=str,
+        help="Learner; cb show learners lists all.",
+        group=_ALGORITHM,
+    )
+    policy: str | Path | None = given(
+        "File or name of the policy whose resources ``assimilate`` learns, or of the relations from"
+        " which ``name_relations`` goes on.",
+        default=None,
+        kind=str | None,
+        help="With assimilate: learned policy of the schema; with name_relations: relations to go "
+        "on from. File or name.",
+        flag="--from",
+        group=_ALGORITHM,
+    )
+    constants: Mapping[str, str | float] = given(CONSTANTS, default_factory=dict, group=_ALGORITHM)
+    transitions: int | None = given(
+        "Maximum number of transitions of an episode [the program's].",
+        default=None,
+        kind=int | None,
+        group=_LIMITS,
+        min=1,
+    )
+    transition_time: float | None = given(
+        "Maximum time of one action without a change of state, s [the program's].",
+        default=None,
+        kind=float | None,
+        group=_LIMITS,
+        min=0.1,
+        max=86400,
+    )
+    idle_time: float | None = given(
+        "The same while no predicate is 0, s [the program's].",
+        default=None,
+        kind=float | None,
+        group=_LIMITS,
+        min=0.1,
+        max=86400,
+    )
+    episode_time: float | None = given(
+        "Maximum time of an episode, s, including the programs that it uses [the program's].",
+        default=None,
+        kind=float | None,
+        group=_LIMITS,
+        min=0.1,
+        max=86400,
+    )
+    command: str = given(COMMAND, default="", recorded=False)
+    on_episode: Callable[[Experience], None] | None = given(
+        "Function called with each new episode that runs in this process.",
+        default=None,
+        recorded=False,
+    )
 
-    run: RunRequest
-    out: Path
-    episodes: int = 10
-    seed: int = 0
-    trials: int = 1
-    backend: str | None = None
-    cameras: str | None = None
-    learner: str = "accommodate"
-    constants: Mapping[str, str | float] = field(default_factory=dict)
-    policy: str | None = None
-    sequential: bool = False
-    transitions: int | None = None
-    transition_time: float | None = None
-    idle_time: float | None = None
-    episode_time: float | None = None
-    command: str = ""
+    @cached_property
+    def run(self) -> RunRequest:
+        """Program with its robot and its training stage, read and checked."""
+        from cbdsl.api.load import load
+        from cbdsl.api.requests.run_request import RunRequest
+
+        return self.program if isinstance(self.program, RunRequest) else load(self.program)
+
+    @property
+    def path(self) -> Path:
+        """File for the policy."""
+        return Path(self.out)
 
     def checked_constants(self) -> Section:
         """Return the constants with the defaults of the algorithm.
@@ -77,7 +166,6 @@ class LearnRequest:
             DiagnosticsError: The policy has errors.
             UsageError: An item is unknown or unsuitable.
         """
-        from cbdsl.backends.engines import default_engine
         from cbdsl.storage.atomic_file import require_unlinked
         from cbdsl.training.learning_task import LearningTask
 
@@ -90,14 +178,14 @@ class LearnRequest:
             # Absolute paths remain valid in workers, whose working folders may differ.
             urdf=self.run.urdf.absolute(),
             stage=self.run.stage,
-            backend=default_engine() if self.backend is None else self.backend,
+            backend=engine_of(self),
             learner=self.learner,
             constants=self.checked_constants(),
             seed=self.seed,
             number=0,
             episodes=self.episodes,
             command=self.command or self._call(),
-            path=self.out.absolute(),
+            path=self.path.absolute(),
             cameras=self.cameras,
             earlier=self._earlier(),
         )
@@ -119,10 +207,10 @@ class LearnRequest:
         from cbdsl.documents.document import NAME_PATTERN
         from cbdsl.learning.learner import ASSIMILATE, NAME_RELATIONS
 
-        if self.out.suffix != ".yaml" or not re.fullmatch(NAME_PATTERN, self.out.stem):
-            raise UsageError(f"{self.out}: a policy is <name>.yaml, of letters, digits and _")
-        if self.out.is_dir():
-            raise UsageError(f"{self.out}: is a folder, and a policy is a file")
+        if self.path.suffix != ".yaml" or not re.fullmatch(NAME_PATTERN, self.path.stem):
+            raise UsageError(f"{self.path}: a policy is <name>.yaml, of letters, digits and _")
+        if self.path.is_dir():
+            raise UsageError(f"{self.path}: is a folder, and a policy is a file")
         if self.learner == ASSIMILATE and self.policy is None:
             raise UsageError("assimilate learns the resources of a policy, and none is named")
         if self.learner not in (ASSIMILATE, NAME_RELATIONS) and self.policy is not None:
@@ -164,7 +252,7 @@ class LearnRequest:
         from cbdsl.api.reading.relations import read_relations
         from cbdsl.diagnostics.errors import UsageError
 
-        earlier = read_relations(self.policy, self.run.library).document
+        earlier = read_relations(str(self.policy), self.run.library).document
         if earlier.program != self.run.program.name:
             raise UsageError(
                 f"{self.policy}: its tests are those of '{earlier.program}', not of "
@@ -188,7 +276,7 @@ class LearnRequest:
         digest = program_digest(run.program_file, run.library)
         if self.policy is None or self.learner != ASSIMILATE:
             return run.program, digest
-        loaded = read_policy(run.program, self.policy, run.program_file, run.library)
+        loaded = read_policy(run.program, str(self.policy), run.program_file, run.library)
         session = Session(run.library)
         program = program_to_assimilate(run.program_file, loaded, session, run.values)
         # A schema depends on the policy whose resources it chooses, and on programs that replace
@@ -212,11 +300,5 @@ class LearnRequest:
 
     def _call(self) -> str:
         """Return the call in Python that repeats the learning."""
-        from cbdsl.api.requests.call_text import call_text, chosen, load_text
-
         loaded = load_text(self.run, self.run.program.parameters)
-        always = ("episodes", "seed", "backend", "learner")
-        names = ("trials", "policy", "sequential", "transitions", "transition_time", "idle_time",
-                 "episode_time", "cameras")  # fmt: skip
-        options = chosen(self, always, always) | {"constants": dict(self.constants)}
-        return call_text("learn", [loaded, f"{self.out.name!r}"], options | chosen(self, names))
+        return call_text("learn", self, program=loaded, out=repr(self.path.name))

@@ -12,6 +12,12 @@ from typing import Annotated, Any, get_args, get_type_hints
 
 from typer.core import TyperCommand
 
+from cbdsl.cli.arguments.request_options import (
+    is_request,
+    read_request_options,
+    request_options,
+)
+
 
 class GroupedCommand(TyperCommand):
     """Command whose help lists the options of each group below the name of the group."""
@@ -42,10 +48,10 @@ def heading(group: type) -> str:
 
 
 # Typer derives options from the signature of a command. A parameter whose type is a dataclass is a
-# group: its fields, annotated as options, take its place in the signature that Typer reads. The
-# command receives the group.
+# group, or the request of a verb: its fields, annotated as options or declared as inputs, take its
+# place in the signature that Typer reads. The command receives the group or the request.
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command with an option for each field of its groups of options."""
+    """Return a command with an option for each field of its groups and requests."""
     signature = inspect.signature(command, eval_str=True)
     groups: dict[str, Any] = {
         name: parameter.annotation
@@ -53,17 +59,19 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
         if is_dataclass(parameter.annotation)
     }
 
+    options = {name: [*_options(group)] for name, group in groups.items()}
+
     def flat(**given: Any) -> None:
-        filled = {
-            name: group(**{field.name: given.pop(field.name) for field in fields(group)})
-            for name, group in groups.items()
-        }
+        filled = {}
+        for name, group in groups.items():
+            words = {each.name: given.pop(each.name) for each in options[name]}
+            filled[name] = group(**read_request_options(words) if is_request(group) else words)
         command(**given, **filled)
 
     parameters = [
         option
         for name, parameter in signature.parameters.items()
-        for option in (_options(groups[name]) if name in groups else (parameter,))
+        for option in options.get(name, (parameter,))
     ]
     flat.__name__, flat.__doc__, flat.__module__ = (
         command.__name__,
@@ -77,6 +85,9 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
 
 def _options(group: Any) -> Iterator[inspect.Parameter]:
     """Yield the options of a group as keyword parameters."""
+    if is_request(group):
+        yield from request_options(group)
+        return
     annotations = get_type_hints(group, include_extras=True)
     for field in fields(group):
         default = inspect.Parameter.empty if field.default is MISSING else field.default

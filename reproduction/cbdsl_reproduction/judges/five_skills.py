@@ -110,7 +110,7 @@ def learned(name: str, seed: int, body: BodyChoice) -> Path:
         policy = folder / _POLICIES / f"{own}.yaml"
         if not policy.exists():
             request = cbdsl.LearnRequest(
-                run=cbdsl.load(_file(folder, skill), stage=skill.stage, folder=folder),
+                program=cbdsl.load(_file(folder, skill), stage=skill.stage, folder=folder),
                 out=policy,
                 episodes=skill.episodes,
                 seed=seed,
