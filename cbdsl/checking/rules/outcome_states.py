@@ -94,6 +94,6 @@ def _reason(pattern: str, action: Action, program: CheckedProgram) -> str:
         if (member in shown) == (letter == Predicate.INACTIVE):
             together = "inactive" if member in shown else "active"
             return f"no action leaves '{member}' {together} beside the others"
-        if letter == Predicate.UNDEFINED and letter not in values_of(member, program):
+        if letter == Predicate.UNDEFINED and letter not in values_of(member, program, tells=True):
             return f"'{member}' is always defined"
     return ""
