@@ -138,10 +138,11 @@ class LearnRequest:
     @cached_property
     def run(self) -> RunRequest:
         """Program with its robot and its training stage, read and checked."""
-        from cbdsl.api.load import load
-        from cbdsl.api.requests.run_request import RunRequest
+        from cbdsl.api.requests.run_request import RunRequest, read_request
 
-        return self.program if isinstance(self.program, RunRequest) else load(self.program)
+        if isinstance(self.program, RunRequest):
+            return self.program
+        return read_request(str(self.program), None, None, {})
 
     @property
     def path(self) -> Path:
