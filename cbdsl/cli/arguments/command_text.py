@@ -23,7 +23,7 @@ def command_text(
     Args:
         context: Parameters of the command.
         words: First words, up to its arguments.
-        request: Declaration of the inputs, which tells which of them are recorded, and always.
+        request: Declaration of the inputs, with those that are recorded, and that always are.
         out: Name of the written file. Folders differ between computers, so that they are left out.
         also: Further recorded parameters.
         instead: Words of parameters with another spelling, by name.
