@@ -23,7 +23,7 @@ def command_text(
     Args:
         context: Parameters of the command.
         words: First words, up to its arguments.
-        request: Declaration of the inputs, with those that are recorded, and that always are.
+        request: Class of the request, whose fields say if they are recorded.
         out: Name of the written file. Folders differ between computers, so that they are left out.
         also: Further recorded parameters.
         instead: Words of parameters with another spelling, by name.
