@@ -376,7 +376,7 @@ def test_written_pages_hold_at_most_45000_words() -> None:
     reports = {DOCS / "results.md", *(DOCS / "reproduction").glob("*.md")}
     pages = {*PAGES, ROOT / "SECURITY.md"} - reports
     assert sum(words(page.read_text("utf-8")) for page in pages) <= 45000
-    assert words((ROOT / "README.md").read_text("utf-8")) <= 450
+    assert words((ROOT / "README.md").read_text("utf-8")) <= 600
 
 
 def test_llms_index_names_every_page_of_the_navigation() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -93,6 +94,49 @@ def test_published_files_are_built_by_tools_with_digests() -> None:
     for project in BUILDS.values():
         names = {Requirement(each).name for each in project["build-system"]["requires"]}
         assert names <= set(pinned)
+
+
+def test_metadata_of_archives_and_packages_has_the_version_and_the_title() -> None:
+    citation = read(ROOT / "CITATION.cff")
+    archives = [
+        json.loads((ROOT / name).read_text("utf-8")) for name in ("codemeta.json", ".zenodo.json")
+    ]
+    assert {each["version"] for each in archives} == {PROJECT["version"]}
+    assert archives[1]["title"] == citation["title"]
+    assert all(sorted(each["keywords"]) == sorted(citation["keywords"]) for each in archives)
+    recipe = (ROOT / "packaging/conda/recipe.yaml").read_text("utf-8")
+    assert f'version: "{PROJECT["version"]}"' in recipe
+    for folder in (ROOT / "distributions/cbdsl-ros2/ros").iterdir():
+        manifest = (folder / "package.xml").read_text("utf-8")
+        assert f"<version>{PROJECT['version']}</version>" in manifest
+
+
+def bounds(requirement: Requirement) -> str:
+    """Return the versions of a requirement, lowest first."""
+    return ",".join(sorted(map(str, requirement.specifier), reverse=True))
+
+
+def test_conda_recipe_has_the_requirements_of_the_kinematic_engine() -> None:
+    recipe = read(ROOT / "packaging/conda/recipe.yaml")
+    names = {"pin": "pinocchio", "opencv-python-headless": "py-opencv"}
+    wanted = {
+        f"{names.get(each.name, each.name)} {bounds(each)}"
+        for each in map(Requirement, [*PROJECT["dependencies"], *EXTRAS["kinematic"]])
+    }
+    given = {each for each in recipe["requirements"]["run"] if not each.startswith("python ")}
+    assert given == wanted - {"cbdsl"}
+
+
+def test_paper_has_the_sections_and_length_of_its_journal_and_cites_its_bibliography() -> None:
+    paper = (ROOT / "docs/paper/paper.md").read_text("utf-8")
+    _, head, body = paper.split("---\n", 2)
+    about = yaml.safe_load(head)
+    assert {"title", "tags", "authors", "affiliations", "date", "bibliography"} <= set(about)
+    for section in ("Summary", "Statement of need", "State of the field", "References"):
+        assert f"\n# {section}\n" in body
+    assert 750 <= len(body.split()) <= 1750
+    listed = (ROOT / "docs/paper" / about["bibliography"]).read_text("utf-8")
+    assert {*re.findall(r"\[@(\w+)\]", body)} == {*re.findall(r"(?m)^@\w+\{(\w+),", listed)}
 
 
 def test_citation_has_the_version_of_all_distributions() -> None:
