@@ -372,10 +372,10 @@ def words(text: str) -> int:
     return sum(bool(re.search("[A-Za-z]", word)) for word in text.split())
 
 
-def test_written_pages_hold_at_most_45000_words() -> None:
+def test_written_pages_hold_at_most_46500_words() -> None:
     reports = {DOCS / "results.md", *(DOCS / "reproduction").glob("*.md")}
     pages = {*PAGES, ROOT / "SECURITY.md"} - reports
-    assert sum(words(page.read_text("utf-8")) for page in pages) <= 45000
+    assert sum(words(page.read_text("utf-8")) for page in pages) <= 46500
     assert words((ROOT / "README.md").read_text("utf-8")) <= 600
 
 
