@@ -34,8 +34,8 @@ def closest_points(points: Floats, one: Integers, other: Integers, ends: Floats)
         points: Points of all hulls, m, shape (p, 3).
         one: First point of a hull, and the one after its last, shape (2,).
         other: The same of the other hull.
-        ends: Output: the closest point of either hull, shape (2, 3); if they overlap, a point of
-            both, as far as it is known.
+        ends: The closest point of either hull, shape (2, 3); if they overlap, a point of both, as
+            far as it is known. The search begins with the given points, which may be any.
 
     Returns:
         Distance of the hulls, m; 0 if they overlap.
@@ -43,7 +43,7 @@ def closest_points(points: Floats, one: Integers, other: Integers, ends: Floats)
     corners, chosen, room = np.empty((4, 3)), np.empty((4, 2), np.int64), np.empty((9, 4))
     shares, way, size, square = room[0], np.empty(3), 0, math.inf
     for axis in range(3):
-        way[axis] = points[one[0], axis] - points[other[0], axis]
+        way[axis] = ends[0, axis] - ends[1, axis]
     for _ in range(_MOST):
         first, second = _farthest(points, one, way, -1.0), _farthest(points, other, way, 1.0)
         known = False
@@ -81,8 +81,9 @@ def _sum_up(corners: Floats, shares: Floats, size: int, point: Floats) -> None:
 def _farthest(points: Floats, hull: Integers, way: Floats, sign: float) -> int:
     """Return the point of a hull that lies furthest along a direction (3,) or against it."""
     farthest, most = int(hull[0]), -math.inf
+    x, y, z = way[0], way[1], way[2]  # views of rows would take longer
     for i in range(hull[0], hull[1]):
-        along = sign * dot(points[i], way)
+        along = sign * (points[i, 0] * x + points[i, 1] * y + points[i, 2] * z)
         if along > most:
             farthest, most = i, along
     return farthest

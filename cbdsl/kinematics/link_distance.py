@@ -157,10 +157,11 @@ def _gap(pair: Any, arrays: DistanceArrays) -> float:
     """Return the gap between both shapes along the direction of a pair, at most their distance."""
     first, second = arrays.shapes[pair.first], arrays.shapes[pair.second]
     least, most = math.inf, -math.inf
-    for point in range(first.span[0], first.span[1]):
-        least = min(least, dot(pair.normal, arrays.points[point]))
-    for point in range(second.span[0], second.span[1]):
-        most = max(most, dot(pair.normal, arrays.points[point]))
+    points, x, y, z = arrays.points, pair.normal[0], pair.normal[1], pair.normal[2]
+    for k in range(first.span[0], first.span[1]):
+        least = min(least, points[k, 0] * x + points[k, 1] * y + points[k, 2] * z)
+    for k in range(second.span[0], second.span[1]):
+        most = max(most, points[k, 0] * x + points[k, 1] * y + points[k, 2] * z)
     gap: float = least - most - first.radius - second.radius
     return gap
 

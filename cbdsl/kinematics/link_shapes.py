@@ -119,7 +119,7 @@ def _simplified(corners: Floats) -> ConvexShape:
 
 def _distances(corners: Floats, hull: Floats) -> Floats:
     """Return the distances of corners (n, 3) from a hull, shape (n,)."""
-    points, ends = np.vstack([corners, hull]), np.empty((2, 3))
+    points, ends = np.vstack([corners, hull]), np.zeros((2, 3))
     own = np.array((len(corners), len(points)))
     each = [closest_points(points, np.array((k, k + 1)), own, ends) for k in range(len(corners))]
     return np.array(each)

@@ -13,7 +13,7 @@ from cbdsl.numeric.arrays import Floats, Integers
 from cbdsl.sensing.signals import Signals
 
 # Distance beyond the clearance within which links slow down, m, and the time constant, s.
-_NEAR, _TIME = 0.1, 0.15
+_NEAR, _TIME = 0.06, 0.15
 # Speed at which links part that are too near, m/s; their way in a tick is the margin.
 _PACE = 0.06
 # Largest share of the way to the clearance in a tick.

@@ -25,7 +25,7 @@ def drawn(rng: np.random.Generator, size: int) -> tuple[np.ndarray, object, obje
 @pytest.mark.parametrize("first", [1, 2, 8])
 @pytest.mark.parametrize("second", [1, 2, 8])
 def test_closest_points_of_random_hulls_are_those_of_coal(first: int, second: int) -> None:
-    rng, ends = np.random.default_rng([first, second]), np.empty((2, 3))
+    rng, ends = np.random.default_rng([first, second]), np.zeros((2, 3))
     for _ in range(100):
         (own, shape, at), (other, beside, there) = drawn(rng, first), drawn(rng, second)
         points, size = np.vstack([own, other]), len(own)
@@ -40,6 +40,6 @@ def test_closest_points_of_random_hulls_are_those_of_coal(first: int, second: in
 
 def test_closest_points_of_a_hull_with_coinciding_corners_are_found() -> None:
     points = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [1, 0, 0], [0.5, 0.2, 0]])
-    ends = np.empty((2, 3))
+    ends = np.zeros((2, 3))
     assert closest_points(points, np.array((0, 4)), np.array((4, 5)), ends) == pytest.approx(0.2)
     assert ends[0] == pytest.approx([0.5, 0.0, 0.0])
