@@ -97,7 +97,7 @@ def compose(positions: Floats, levels: LevelArrays, bends: bool, law: LawArrays)
             below, resisted = taken + rank, basis.directions[:0]
             values, threshold = sizes[:rank], law.guards[1]
             singular = _is_singular(values, end - start, levels.curved[level], threshold)
-            way = Way(norm(requested), levels.fractions[level], levels.errors[level])
+            way = Way(norm(requested), levels.fractions[level], levels.errors[level], _lever(own))
             if second and (delicate or singular or _is_near(values, threshold)):
                 left = _undone(own, residual, change, law, bounds)
                 if delicate or singular or norm(left) > _ACHIEVED * norm(residual):
@@ -211,6 +211,15 @@ def _curve(
         multipliers = balance(pull, basis, taken, middle)
         add_curvature(hessians[:start], multipliers[:start], 1.0, curvature)
     return curvature
+
+
+@compiled
+def _lever(rows: Floats) -> float:
+    """Return the root of the mean square of the singular values of rows (k, n)."""
+    square = 0.0
+    for row in rows:
+        square += dot(row, row)
+    return math.sqrt(square / len(rows))
 
 
 @compiled

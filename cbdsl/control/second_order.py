@@ -17,8 +17,10 @@ would oscillate for ever.
 
 At a saddle of the error, such as an arm stretched away from its target, J' v vanishes and S has a
 negative part: no step of first order helps. The level then takes a step d along the direction in
-which J' J + S has the most negative value m. Half the square of the error falls by p d + |m| d^2 /
-2, with the part p of J' e. The step is added if y gains less. It is as long as the request.
+which J' J + S has the negative value m that gains most. Half the square of the error falls by p d +
+|m| d^2 / 2, with the part p of J' e. The step is added if y gains less. It is as long as the
+level's rows need for the request, the whole rows: the part that the levels above leave may be
+short, and a step by that would be far longer and swing.
 
 Source: the hierarchical Newton method of Pfeiffer, Escande, Gergondet and Kheddar (2023,
 arXiv 2303.04428), with the displacement of one tick in place of the whole error.
@@ -35,12 +37,13 @@ from cbdsl.control.basis import Basis, gram_schmidt, project
 from cbdsl.control.eigen import diagonalize
 from cbdsl.numeric.arrays import Floats
 from cbdsl.numeric.compiled import compiled
-from cbdsl.numeric.vector import add, copy, dot, fill, norm, scale
+from cbdsl.numeric.vector import add, copy, dot, norm, scale
 
 # A level resists a direction if its curvature, relative to the remaining displacement, is above
 # this, m or rad: far below a link's length, and far above the effect of an encoder's resolution.
-_RESISTED = 1e-3
-# Multiple of it beyond which a negative curvature is worth leaving; weak ones would only swing.
+RESISTED = 1e-3
+# Multiple of it from which on a negative curvature is worth leaving: half a radian along it lowers
+# the error by a hundredth of its unit, about the tolerance of an arrival. Less is a long creep.
 _SADDLE = 100.0
 
 # Added to squared singular values that multipliers are divided by. They grow at a singularity, and
@@ -61,11 +64,13 @@ class Way(NamedTuple):
         requested: Length of the displacement that it requests in a tick.
         fraction: Share of the way that it requests.
         error: Length of the way; more than requested / fraction if bounds shorten the request.
+        lever: Root of the mean square of the singular values of its whole rows.
     """
 
     requested: float
     fraction: float
     error: float
+    lever: float
 
 
 @compiled
@@ -159,29 +164,26 @@ def newton_step(
         gained += pull * step
         for j in range(size):
             add(change, free[j], step * vectors[i, j])
+    last = len(resisted) - 1
     if way.requested == 0.0 or not lowest < -_SADDLE * least:
-        return change, resisted
-    inner, longest = _restrict(curvature, free), threshold
-    farther = max(way.error * way.fraction / way.requested, 1.0)
+        return change, resisted[:last]
+    inner = _restrict(curvature, free)
     for i in range(size):
-        scale(inner[i], farther)
+        scale(inner[i], _whole(way) * way.fraction / way.requested)
     for i in range(len(values)):
-        longest = max(longest, values[i])
         inner[i, i] += values[i] * values[i]
-    length, per_pull = way.requested / longest, farther / way.fraction
-    away = _leave_saddle(inner, values, along, length, gained, per_pull)
-    if norm(away) > 0.0:
-        last = len(resisted) - 1
-        fill(resisted[last], 0.0)
-        for j in range(size):
-            add(change, free[j], away[j])
-            add(resisted[last], free[j], away[j] / norm(away) * math.sqrt(-lowest))
+    away = _leave_saddle(inner, values, along, threshold, way, gained)
+    if not norm(away) > 0.0:
+        return change, resisted[:last]
+    for j in range(size):
+        add(change, free[j], away[j])
+        add(resisted[last], free[j], away[j] / norm(away) * math.sqrt(-lowest))
     return change, resisted
 
 
 @compiled
 def _leave_saddle(
-    inner: Floats, values: Floats, along: Floats, length: float, gained: float, per_pull: float
+    inner: Floats, values: Floats, along: Floats, threshold: float, way: Way, gained: float
 ) -> Floats:
     """Return a step down the curvature of an error, or zero if the ordinary step gains more.
 
@@ -189,11 +191,14 @@ def _leave_saddle(
         inner: Curvature J' J + S of the error in the free directions, shape (m, m); is overwritten.
         values: Singular values of the level's rows, shape (rank,).
         along: Requested displacement along each of them, shape (rank,).
-        length: Length of the step, rad.
+        threshold: Least divisor of the request, in the unit of the rows.
+        way: Way of the level to its target.
         gained: Product of the pull with the ordinary step.
-        per_pull: Gradient of the error per pull of the request.
     """
-    size = len(inner)
+    size, longest = len(inner), max(way.lever, threshold)
+    for i in range(len(values)):
+        longest = max(longest, values[i])
+    length, per_pull = way.requested / longest, _whole(way) / way.requested
     vectors, away, most = np.empty((size, size)), np.zeros(size), gained * per_pull
     diagonalize(inner, vectors)
     for i in range(size):
@@ -237,7 +242,14 @@ def _span_curvature(curvature: Floats, basis: Floats, taken: int) -> int:
 @compiled
 def least_resisted(way: Way) -> float:
     """Return the stiffness above which a level resists a direction."""
-    return _RESISTED * way.requested / way.fraction + 1e-15
+    return RESISTED * way.requested / way.fraction + 1e-15
+
+
+@compiled
+def _whole(way: Way) -> float:
+    """Return the length of a way; a level that searches knows only the way that it requests."""
+    bounded = way.requested / way.fraction
+    return way.error if way.error > bounded else bounded
 
 
 @compiled
@@ -257,11 +269,11 @@ def _restrict(matrix: Floats, free: Floats) -> Floats:
 def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, float, Floats]:
     """Return the positive part of a matrix (m, m), its lowest eigenvalue, and resisted directions.
 
-    The directions have shape (r, n); a row is left over if the lowest eigenvalue is a saddle's.
+    The directions have shape (r + 1, n), the last one of them 0.
     """
     size = len(inner)
     vectors, positive, lowest = np.empty((size, size)), np.zeros((size, size)), 0.0
-    resisted, count = np.zeros((size, free.shape[1])), 0
+    resisted, count = np.zeros((size + 1, free.shape[1])), 0
     diagonalize(inner, vectors)
     for i in range(size):
         stiffness = inner[i, i]
@@ -275,4 +287,4 @@ def _positive_part(inner: Floats, free: Floats, least: float) -> tuple[Floats, f
             for j in range(size):
                 add(resisted[count], free[j], math.sqrt(stiffness) * vectors[i, j])
             count += 1
-    return positive, lowest, resisted[: count + 1 if lowest < -_SADDLE * least else count]
+    return positive, lowest, resisted[: count + 1]

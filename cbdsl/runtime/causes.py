@@ -11,9 +11,10 @@ right angles to all motions of the level: the posture is singular. Then the curv
 
     J' J - sum_i e_i H_i + sum_j lambda_j H_j
 
-with the Hessians H is positive at a local optimum and negative along a direction at a saddle. It
-also gives the gain that a level at rest by its criterion still has nearby. Assumption: errors are
-small turns or plain differences, so that their slope is constant.
+with the Hessians H is positive at a local optimum and negative along a direction at a saddle, by
+more than the law regards as none. It also gives the gain that a level at rest by its criterion
+still has nearby. Assumption: errors are small turns or plain differences, so that their slope is
+constant.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.control.law import Step
+from cbdsl.control.second_order import RESISTED
 from cbdsl.diagnostics.counting import some
 from cbdsl.numeric.arrays import Floats
 
@@ -47,8 +49,6 @@ _SIDED = LIMITS, CLEARANCE
 _NO_PULL = 0.03
 # Share of the squared pull above which a holder counts.
 _TAKEN = 0.1
-# Share of the curvature below which a negative one is rounding.
-_FLAT = 0.02
 # Share of the squared error by which a level that is stuck can still improve nearby, and how near,
 # rad or m.
 _GAIN, _NEARBY = 0.02, 0.05
@@ -128,8 +128,7 @@ class Balance(NamedTuple):
         curvature = free.T @ own.T @ own @ free - bend
         is_creeping = _gain(curvature, free.T @ pull) > 0.5 * _GAIN * length * length
         if np.linalg.norm(pull) <= _NO_PULL * np.linalg.norm(own, 2) * length:
-            least = -_FLAT * np.abs(np.linalg.eigvalsh(bend)).max(initial=0.0)
-            is_saddle = np.linalg.eigvalsh(curvature).min(initial=0.0) < least
+            is_saddle = np.linalg.eigvalsh(curvature).min(initial=0.0) < -RESISTED * length
             return RestCause(SINGULAR if is_saddle else CREEPING if is_creeping else OPTIMUM)
         by = _holders(pull, holders)
         joints = tuple(self.joints[joint] for joint in at.tolist()) if LIMITS in by else ()

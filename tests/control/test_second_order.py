@@ -269,7 +269,7 @@ def test_stack_with_rounding_encoders_and_lagging_servos_rests(seed: int) -> Non
 def newton_step_of(
     curvature: Floats, basis: Floats, values: Floats, along: Floats, guards: Floats
 ) -> tuple[Floats, Floats]:
-    return newton_step(curvature, basis, 2, values, along, guards, Way(0.0, 1.0, 0.0))
+    return newton_step(curvature, basis, 2, values, along, guards, Way(0.0, 1.0, 0.0, 1.0))
 
 
 @pytest.mark.parametrize("bent_joints", [1, 3, 6])
@@ -350,8 +350,8 @@ def test_curvature_is_the_weighted_sum_of_hessians(rng: np.random.Generator) -> 
 
 
 def test_least_resisted_stiffness_is_a_share_of_the_bounded_error() -> None:
-    assert least_resisted_of(Way(0.004, 0.05, 9.0)) == pytest.approx(0.08e-3)
-    assert 0.0 < least_resisted_of(Way(0.0, 0.5, 0.0)) < 1e-12
+    assert least_resisted_of(Way(0.004, 0.05, 9.0, 1.0)) == pytest.approx(0.08e-3)
+    assert 0.0 < least_resisted_of(Way(0.0, 0.5, 0.0, 1.0)) < 1e-12
 
 
 @njit
@@ -366,14 +366,14 @@ def test_newton_step_is_damped_below_the_threshold_alone(value: float) -> None:
     """Without curvature, it is the damped step of first order."""
     damping, threshold = 0.01, 0.04
     guards, along = np.array([damping, threshold, 1.0]), np.array([0.3])
-    step, _ = step_of(np.zeros((2, 2)), np.array([value]), along, guards, Way(0.01, 0.1, 0.1))
+    step, _ = step_of(np.zeros((2, 2)), np.array([value]), along, guards, Way(0.01, 0.1, 0.1, 0.5))
     divisor = value**2 + damping * max(0.0, 1.0 - value**2 / threshold**2)
     np.testing.assert_allclose(step, [value * 0.3 / divisor, 0.0], atol=1e-12)
 
 
 @pytest.mark.parametrize("stiffness", [0.4, 0.6])
 def test_direction_counts_as_resisted_from_half_of_the_least_stiffness(stiffness: float) -> None:
-    way = Way(0.01, 0.1, 0.1)
+    way = Way(0.01, 0.1, 0.1, 0.5)
     curvature = np.diag([0.0, stiffness * least_resisted_of(way)])
     guards, none = np.array([0.01, 0.04, 1.0]), np.zeros(1)
     _, resisted = step_of(curvature, np.ones(1), none, guards, way)
@@ -382,17 +382,20 @@ def test_direction_counts_as_resisted_from_half_of_the_least_stiffness(stiffness
 
 
 @pytest.mark.parametrize("farther", [1.0, 5.0])
-def test_step_down_a_curvature_is_as_long_as_the_request(farther: float) -> None:
+@pytest.mark.parametrize("lever", [0.5, 1.5])
+def test_step_down_a_curvature_is_as_long_as_the_request_by_all_rows(
+    farther: float, lever: float
+) -> None:
     """The whole error bends the rows more than its bounded part, by the ratio of both."""
     requested, fraction, guards = 0.005, 0.1, np.array([0.01, 0.04, 1.0])
-    way = Way(requested, fraction, farther * requested / fraction)
+    way = Way(requested, fraction, farther * requested / fraction, lever)
     steep = np.array([0.6, -0.8])
     curvature = np.zeros((3, 3))
     curvature[1:, 1:] = -0.02 * np.outer(steep, steep)
     values = np.array([0.5])
     step, resisted = step_of(curvature, values, np.zeros(1), guards, way)
     side = np.sign(step[1])
-    np.testing.assert_allclose(step, side * requested / 0.5 * np.array([0, *steep]), atol=1e-9)
+    np.testing.assert_allclose(step, side * requested / lever * np.array([0, *steep]), atol=1e-9)
     np.testing.assert_allclose(resisted.T @ resisted, -curvature, atol=1e-12)
 
 
@@ -401,14 +404,14 @@ def test_step_down_a_curvature_needs_more_than_the_rows_of_the_level(
     bend: float, leaves: bool
 ) -> None:
     """A row of 0.5 outweighs a curvature of -0.2, not one of -0.3."""
-    guards, way = np.array([0.01, 0.04, 1.0]), Way(0.005, 0.1, 0.05)
+    guards, way = np.array([0.01, 0.04, 1.0]), Way(0.005, 0.1, 0.05, 0.5)
     step, _ = step_of(np.diag([bend, 0.0]), np.array([0.5]), np.zeros(1), guards, way)
     assert bool(step.any()) is leaves
 
 
 @pytest.mark.parametrize(("bend", "leaves"), [(-0.0049, False), (-0.0051, True)])
 def test_a_curvature_below_a_tenth_of_the_error_is_not_left(bend: float, leaves: bool) -> None:
-    guards, way = np.array([0.01, 0.04, 1.0]), Way(0.005, 0.1, 0.05)
+    guards, way = np.array([0.01, 0.04, 1.0]), Way(0.005, 0.1, 0.05, 0.5)
     step, resisted = step_of(np.diag([0.0, bend]), np.array([0.5]), np.zeros(1), guards, way)
     assert (bool(step.any()), len(resisted)) == (leaves, leaves)
 
@@ -423,7 +426,7 @@ def test_step_down_a_curvature_is_added_if_the_ordinary_step_gains_less(
     guards, values = np.array([damping, 0.04, 1.0]), np.array([0.5, 0.01])
     along = np.array([0.0, side * pull])
     curvature = np.diag([0.0, -0.02])
-    way = Way(requested, fraction, requested / fraction)
+    way = Way(requested, fraction, requested / fraction, 0.5)
     step, _ = step_of(curvature, values, along, guards, way)
     ordinary = values[1] * along[1] / (1e-4 + damping * (1.0 - 1e-4 / 0.04**2))
     gained = values[1] * along[1] * ordinary / fraction
@@ -431,3 +434,13 @@ def test_step_down_a_curvature_is_added_if_the_ordinary_step_gains_less(
     more = abs(values[1] * along[1]) * length / fraction + 0.5 * (0.02 - 1e-4) * length**2
     assert bool(more > gained) is added
     np.testing.assert_allclose(step[1], ordinary + added * side * length, rtol=1e-6)
+
+
+def test_level_that_searches_leaves_a_saddle_by_the_way_that_it_requests() -> None:
+    guards, curvature = np.array([0.01, 0.04, 1.0]), np.diag([0.0, -0.02])
+    steps = [
+        step_of(curvature, np.ones(1), np.zeros(1), guards, Way(0.005, 0.1, error, 1.0))[0]
+        for error in (0.05, np.nan)
+    ]
+    assert steps[0].any()
+    np.testing.assert_array_equal(*steps)
