@@ -11,10 +11,10 @@ right angles to all motions of the level: the posture is singular. Then the curv
 
     J' J - sum_i e_i H_i + sum_j lambda_j H_j
 
-with the Hessians H is positive at a local optimum and negative along a direction at a saddle, by
-more than the law regards as none. It also gives the gain that a level at rest by its criterion
-still has nearby. Assumption: errors are small turns or plain differences, so that their slope is
-constant.
+with the Hessians H is positive at a local optimum and negative along a direction at a saddle. The
+law's bound decides which values are none. The curvature also gives the gain that a level at rest by
+its criterion still has nearby. Assumption: errors are small turns or plain differences, so that
+their slope is constant.
 """
 
 from __future__ import annotations
