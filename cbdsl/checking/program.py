@@ -15,6 +15,7 @@ from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.program_context import ProgramContext, Steps
 from cbdsl.checking.rules.actions import Actions
 from cbdsl.checking.rules.compositions import Compositions
+from cbdsl.checking.rules.conditions import check_conditions
 from cbdsl.checking.rules.flow import check_flow
 from cbdsl.checking.rules.guards import check_guards
 from cbdsl.checking.rules.outcome_states import check_ends, read_ends
@@ -30,6 +31,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.automaton import Automaton, Tables
 from cbdsl.program.checked import Action, CheckedProgram, Guards
+from cbdsl.program.condition import ProgramCondition
 from cbdsl.program.controller import Composition, Primitive
 from cbdsl.program.steps import DocumentSpot, StepReader, written_steps
 from cbdsl.yaml_text.library import Library
@@ -172,6 +174,7 @@ class _ProgramCheck:
         background = self._background()
         check_guards(context)
         checked = actions.check()
+        conditions = check_conditions(context)
         are_complete = actions.are_complete
         are_shown = not (are_complete and actions.only_composed())
         tables = self._tables()
@@ -195,8 +198,8 @@ class _ProgramCheck:
             return UNKNOWN
         # The checks below need a sound program. A part with errors may be the use or the end that
         # another part seems to lack.
-        check_unused(context, used)
-        program = self._program(checked, tables, background)
+        check_unused(context, used | set(actions.conditions))
+        program = self._program(checked, tables, background, conditions)
         check_ends(context, program, ends)
         check_contradictions(context, program, self._actions.places)
         check_flow(context, program, self._automaton)
@@ -239,6 +242,7 @@ class _ProgramCheck:
         actions: list[Outcome[Action]],
         tables: Tables,
         background: Outcome[Composition | None],
+        conditions: Mapping[str, Outcome[ProgramCondition]],
     ) -> CheckedProgram:
         document = self._document
         return CheckedProgram(
@@ -261,6 +265,11 @@ class _ProgramCheck:
             failure=tuple(tables.failure),
             reasons=tables.failure,
             steps={str(step.expression): step.name for step in self._steps},
+            conditions={
+                name: condition
+                for name, condition in conditions.items()
+                if name in self._actions.conditions and not isinstance(condition, Unknown)
+            },
             guards=Guards(
                 document.guards.finger_force,
                 document.guards.hand_force,

@@ -115,8 +115,7 @@ class _StepText:
     def _when(self, box: Box) -> str:
         step = self._step
         kinds = {member: kind_of_member(member, self._document) for member in step.members}
-        programs = {member for member, kind in kinds.items() if kind == "program"}
-        return when_text(step.members, box, step.values, programs)
+        return when_text(step.members, box, step.values, kinds)
 
 
 def _scalar(text: str, *, flow: bool = False) -> str:

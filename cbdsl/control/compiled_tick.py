@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from cbdsl.control.conditions.condition_plan import note_conditions
 from cbdsl.control.conditions.predicate import note, require_settled
 from cbdsl.control.hessian import has_hessian, write_hessian
 from cbdsl.control.law_arrays import LawArrays
@@ -48,6 +49,7 @@ class ActingArrays(NamedTuple):
             slot does not move, shape (levels, n).
         joints: Joint index of each of the stack's n joints, shape (n,).
         steps: Steps of their encoders, rad or m, shape (n,).
+        watched: Numbers of the conditions to evaluate, shape (c,).
     """
 
     needed: Integers
@@ -56,6 +58,7 @@ class ActingArrays(NamedTuple):
     columns: Integers
     joints: Integers
     steps: Floats
+    watched: Integers
 
 
 class TickArrays(NamedTuple):
@@ -96,6 +99,8 @@ def tick(arrays: Handle) -> int:
     held: TickArrays = arrays.held
     signals, plan, acting, levels, law = held.signals, held.plan, held.acting, held.levels, held.law
     write_rows(signals, acting.needed, acting.clock[0])
+    if len(acting.watched) > 0:
+        note_conditions(acting.watched, plan.conditions, plan.operations, plan.terms, signals.table)
     levels.clock[0] = (levels.clock[0] + 1) % TICKS
     active = False
     for number in range(len(acting.order)):

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.control.conditions.condition_plan import ConditionPlan
 from cbdsl.control.conditions.onset import ONSET, OnsetForm
 from cbdsl.control.conditions.predicate import PREDICATE, ROOM, reset, room_of
 from cbdsl.control.potential import Potential, address_of
@@ -26,6 +27,7 @@ class PlanArrays(NamedTuple):
         windows: Windows of their predicates.
         listed: Joints that searches observe.
         onsets: Load changes that slots wait for, shape (o,) of ``onset.ONSET``.
+        conditions, operations, terms: Records of ``condition_plan.ConditionPlan``.
     """
 
     slots: Records
@@ -34,6 +36,9 @@ class PlanArrays(NamedTuple):
     windows: Floats
     listed: Integers
     onsets: Records
+    conditions: Records
+    operations: Records
+    terms: Records
 
 
 class SlotForm(NamedTuple):
@@ -111,6 +116,7 @@ class ControllerPlan:
         windows: Windows of the predicates.
         listed: Joints that searches observe.
         onsets: Onsets, shape (o,) of ``onset.ONSET``.
+        conditions: Conditions of the programs.
         version: Counter that changes with the arrays.
         notes, predicates, seeking: Views of ``slots``, shapes (s, 6), (s,) and (s,).
     """
@@ -120,6 +126,7 @@ class ControllerPlan:
         self.slots: NDArray[Any] = np.zeros(0, SLOT)
         self.parameters, self.before, self.windows = np.zeros(0), np.zeros(0), np.zeros(0)
         self.listed: Integers = np.zeros(0, dtype=np.int64)
+        self.conditions = ConditionPlan()
         self.version = 0
         self._take_parts()
         self._functions: list[Any] = []
@@ -177,9 +184,9 @@ class ControllerPlan:
     @property
     def arrays(self) -> PlanArrays:
         """Arrays in the form of compiled code; valid for one version."""
-        return PlanArrays(
-            self.slots, self.parameters, self.before, self.windows, self.listed, self.onsets
-        )
+        own = (self.slots, self.parameters, self.before, self.windows, self.listed, self.onsets)
+        also = self.conditions
+        return PlanArrays(*own, also.conditions, also.operations, also.terms)
 
     def _wait(self, form: OnsetForm | None) -> int:
         """Store a slot's load change; return its number, -1 for ``None``."""

@@ -331,6 +331,10 @@ class ProgramDocument(Document):
         WrapValidator(_required_without_alternative),
     ]
     """Triples, or compositions that act as one controller; required without ``use``."""
+    conditions: dict[Name, Text] = {}
+    """Comparisons of signals and quantities, joined by `and`, `or` and `not`, such as
+    `$hand.net.force.z < -7 N for 0.3 s`. Exits of steps name them; without steps, each is a letter
+    of the state."""
     background: Text | None = None
     """Composition that runs below every action in the remaining degrees of freedom."""
     steps: dict[Name, StepSection] = {}

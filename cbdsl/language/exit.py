@@ -10,7 +10,7 @@ to: STEP | "succeed" | "end" | "fail" [REASON]
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -140,7 +140,7 @@ def _part(scanner: Scanner) -> Clause:
 
 
 def when_text(
-    members: Sequence[str], box: Sequence[str], values: Sequence[str], programs: Container[str]
+    members: Sequence[str], box: Sequence[str], values: Sequence[str], kinds: Mapping[str, str]
 ) -> str:
     """Return the condition that members have some of their letters.
 
@@ -148,14 +148,15 @@ def when_text(
         members: Members of a step.
         box: Letters of each of them.
         values: Letters that each of them can have at all.
-        programs: Members that are programs; the others are controllers.
+        kinds: Kinds of the members; by default, they are controllers.
     """
     parts = []
     for member, letters, possible in zip(members, box, values, strict=True):
         if set(possible) <= set(letters):
             continue
-        kind = "program" if member in programs else "controller"
-        parts.append(f"{member} {_word(set(letters).intersection(possible), possible, kind)}")
+        kind = kinds.get(member, "controller")
+        word = _word(set(letters).intersection(possible), possible, kind)
+        parts.append({"true": member, "false": f"not {member}"}.get(word, f"{member} {word}"))
     return " and ".join(parts) or OTHERWISE
 
 

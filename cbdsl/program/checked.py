@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from cbdsl.program.condition import ProgramCondition
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.schema import Schema
 
@@ -24,6 +25,7 @@ class Action(NamedTuple):
         above: Number of controllers of the composition with priority over that program.
         background: Composition that runs below the action under its allocation; ``None`` for the
             background of its program.
+        conditions: Names of the conditions that are evaluated while it runs.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Action(NamedTuple):
     member: str = ""
     above: int = 0
     background: Composition | None = None
+    conditions: tuple[str, ...] = ()
 
     @property
     def part(self) -> str:
@@ -117,6 +120,7 @@ class CheckedProgram(NamedTuple):
         looks: Programs that define features of its schema, by name of the feature, in order of
             execution.
         steps: Names of its steps by action; empty for a policy over patterns of states.
+        conditions: Conditions by name, which are members, too, behind all others.
     """
 
     name: str
@@ -142,6 +146,7 @@ class CheckedProgram(NamedTuple):
     looks: Mapping[str, PriorLook] = {}
     lost_time: float | None = None
     steps: Mapping[str, str] = {}
+    conditions: Mapping[str, ProgramCondition] = {}
 
     @property
     def all_guards(self) -> Guards:

@@ -91,6 +91,8 @@ def _by_kind(program: CheckedProgram) -> dict[_Kind, str] | None:
     """Return members by their abstract kind, or ``None`` if two have the same kind."""
     used = {action.name: action.program for action in program.actions if action.program is not None}
     kinds: dict[_Kind, str] = {}
+    if program.conditions:
+        return None  # a condition has no kind that another program could share
     for name in program.members:
         child = used.get(name)
         kind = _abstract(program.primitives[name]) if child is None else ("program", child.name, "")

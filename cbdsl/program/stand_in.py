@@ -58,7 +58,8 @@ def stand_ins(program: CheckedProgram, other: CheckedProgram) -> list[StandIn]:
     return [
         StandIn(name, other.name, kind)
         for name in program.members
-        if name not in children or children[name].name != other.name
+        if name not in program.conditions
+        and (name not in children or children[name].name != other.name)
         for kind in sorted(
             theirs
             & (

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from cbdsl.documents.program import ControllerSection, ProgramDocument, StepSection
@@ -57,8 +58,17 @@ class WrittenStep(NamedTuple):
 
     @property
     def members(self) -> tuple[str, ...]:
-        """Names of its members, in written order."""
+        """Names of its controllers and programs, in written order."""
         return tuple(map(str, self.expression.terms))
+
+    def conditions(self, document: ProgramDocument) -> tuple[str, ...]:
+        """Return the conditions that its exits name, in the order of the document."""
+        named = set[str]()
+        for when in (when for entry in self.section.exits for when in entry):
+            with suppress(CompositionError):
+                named.update(str(part.term) for way in parse_when(when) for part in way)
+        named.difference_update(self.members)
+        return tuple(name for name in document.conditions if name in named)
 
 
 def written_steps(document: ProgramDocument, report: Report) -> Iterator[WrittenStep]:
@@ -74,7 +84,9 @@ def written_steps(document: ProgramDocument, report: Report) -> Iterator[Written
 
 
 def kind_of_member(name: str, document: ProgramDocument) -> str:
-    """Return the kind of a member: a program or a controller."""
+    """Return the kind of a member: a condition, a program or a controller."""
+    if name in document.conditions and name not in {**document.controllers, **document.use}:
+        return "condition"
     return "program" if name in document.use and name not in document.controllers else "controller"
 
 
@@ -105,6 +117,7 @@ def compiled(document: ProgramDocument) -> ProgramDocument:
     steps = list(written_steps(document, _refuse))
     actions = all_actions(document, steps)
     members = tuple(action for action in actions if len(parse(action).terms) == 1)
+    members += conditions_of(document, steps)
     tables = StepReader(document, steps, _refuse).automaton(members).tables()
     changed = {
         "steps": {},
@@ -115,6 +128,14 @@ def compiled(document: ProgramDocument) -> ProgramDocument:
         "failure": dict(tables.failure) or (),
     }
     return document.model_copy(update=changed)
+
+
+def conditions_of(document: ProgramDocument, steps: Sequence[WrittenStep]) -> tuple[str, ...]:
+    """Return the conditions that are letters of the state: those of exits; without steps, all."""
+    if not document.steps:
+        return tuple(document.conditions)
+    named = {name for step in steps for name in step.conditions(document)}
+    return tuple(name for name in document.conditions if name in named)
 
 
 def all_actions(document: ProgramDocument, steps: list[WrittenStep]) -> tuple[str, ...]:
@@ -167,17 +188,21 @@ class StepReader:
     def _step(self, written: WrittenStep) -> ProgramStep:
         path: Path = ("steps", written.name)
         exits = []
+        conditions = written.conditions(self._document)
+        open_ones = (OF_KIND["condition"],) * len(conditions)
         for i, entry in enumerate(written.section.exits):
             for when, target in entry.items():
                 boxes = self._boxes(when, written, (*path, "exits", i, when))
                 to = self._to(target, (*path, "exits", i, when))
                 if to is not None:
                     exits.append(Exit(boxes, to, ("exits", i, when)))
-        values = tuple(self._values(term.name) for term in written.expression.terms)
-        at_rest: Box = tuple("1s" if "s" in own else "1" for own in values)
+        own_values = tuple(self._values(term.name) for term in written.expression.terms)
+        values = own_values + open_ones
+        at_rest: Box = tuple("1s" if "s" in own else "1" for own in own_values) + open_ones
         # A success asks for arrival in any case; otherwise, a member that is stuck fails.
-        arrived = ("1",) * len(values)
-        for key, box in (("failed", _any_of("-", values)), ("then", (arrived,))):
+        arrived = ("1",) * len(own_values) + open_ones
+        undefined = _any_of("-", values, len(own_values))
+        for key, box in (("failed", undefined), ("then", (arrived,))):
             target = getattr(written.section, key)
             to = None if target is None else self._to(target, (*path, key))
             if to is not None and to.end == "success":
@@ -187,7 +212,8 @@ class StepReader:
                 if key == "then" and arrived != at_rest:
                     exits.append(Exit((at_rest,), To(end="failure"), (key,)))
         action, rest = str(written.expression), To(written.name)
-        return ProgramStep(written.name, action, written.members, values, tuple(exits), rest)
+        members = written.members + conditions
+        return ProgramStep(written.name, action, members, values, tuple(exits), rest)
 
     def _values(self, name: str) -> str:
         letters = OF_KIND[kind_of_member(name, self._document)]
@@ -205,6 +231,7 @@ class StepReader:
         boxes = []
         for way in ways:
             letters = {str(term): self._values(term.name) for term in written.expression.terms}
+            letters |= dict.fromkeys(written.conditions(self._document), OF_KIND["condition"])
             for part in way:
                 own = self._letters(part, written, path)
                 if own is None:
@@ -216,8 +243,10 @@ class StepReader:
 
     def _letters(self, part: Clause, written: WrittenStep, path: Path) -> str | None:
         name = str(part.term)
-        if name not in written.members:
-            details = {"name": name, "step": written.name, "names": list(written.members)}
+        conditions = written.conditions(self._document)
+        if name not in (*written.members, *conditions):
+            names = [*written.members, *self._document.conditions]
+            details = {"name": name, "step": written.name, "names": names}
             self._report("CB616", DocumentSpot(path, part.term.span, is_key=True), details)
             return None
         kind = kind_of_member(part.term.name, self._document)
@@ -243,6 +272,6 @@ class StepReader:
         return To(target.name)
 
 
-def _any_of(letter: str, values: Box) -> tuple[Box, ...]:
-    """Return the boxes in which one member has a letter."""
-    return tuple((*values[:place], letter, *values[place + 1 :]) for place in range(len(values)))
+def _any_of(letter: str, values: Box, size: int) -> tuple[Box, ...]:
+    """Return the boxes in which one of the first members has a letter."""
+    return tuple((*values[:place], letter, *values[place + 1 :]) for place in range(size))

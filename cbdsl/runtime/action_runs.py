@@ -31,6 +31,7 @@ class ActionRuns:
         children: Runs of the subprograms, by action.
         plan: Plan with the predicates of all controllers.
         slots: Slots of the program's controllers in the plan.
+        conditions: Numbers of the program's conditions in the plan, by name.
     """
 
     def __init__(
@@ -40,9 +41,12 @@ class ActionRuns:
         children: Mapping[str, ChildRun],
         plan: ControllerPlan,
         slots: slice,
+        conditions: Mapping[str, int],
     ) -> None:
         self._program, self._levels, self._children = program, levels, children
-        self._plan, self._slots = plan, slots
+        self._plan, self._slots, self._conditions = plan, slots, conditions
+        # Members that act: conditions are the last ones.
+        self._acting = len(program.members) - len(conditions)
         # Active levels of the current child, and the same above the background.
         self._of_child: Sequence[Active] | None = None
         self._all: Sequence[Active] = ()
@@ -53,9 +57,11 @@ class ActionRuns:
     def forget(self) -> None:
         """Compose the levels again, because the run begins."""
         self._of_action = ""
+        self._plan.conditions.watch((), tuple(self._conditions.values()))
 
     def start(self, action: Action, before: Action | None) -> None:
         """Start an action in place of another one, if any."""
+        self._plan.conditions.watch(self._numbers(action), self._numbers(before))
         self._noted = b""  # the members of the other action are read anew
         if before is not None:
             self._leave(before, action)
@@ -69,11 +75,21 @@ class ActionRuns:
 
     def stop(self, action: Action) -> None:
         """Stop an action."""
+        self._plan.conditions.watch((), self._numbers(action))
         child = self._children.get(action.name)
         if child is not None:
             child.deactivate()
         for run in self._levels.stacks.get(action.name, ()):
             run.deactivate()
+
+    def _numbers(self, action: Action | None) -> tuple[int, ...]:
+        """Return the numbers of the conditions that are evaluated while an action runs."""
+        return () if action is None else tuple(self._conditions[n] for n in action.conditions)
+
+    def strives(self, action: Action, state: str) -> bool:
+        """Return whether a member of an action is transient or seeks."""
+        acts = "0" in state[: self._acting]
+        return acts or any(run.seeking for run in self._levels.stacks[action.name])
 
     def _leave(self, before: Action, after: Action) -> None:
         child = self._children.get(before.name)
@@ -128,6 +144,8 @@ class ActionRuns:
         # Most ticks change no predicate, and a comparison of bytes shows this immediately. The
         # controllers of a child have other slots, so that its predicate is read in any case.
         noted = self._plan.predicates[self._slots].tobytes()
+        if action.conditions:
+            noted += "".join(self._letters(action)).encode()
         if noted != self._noted or action.program is not None:
             self._noted, self._reading = noted, self._read_members(action)
         return self._reading
@@ -142,7 +160,13 @@ class ActionRuns:
             state[self._program.members.index(action.part)] = "-" if is_waiting else own
         for lead in self._levels.leads.get(action.name, ()):
             state[lead.place] = lead.predicate
+        for name, letter in zip(action.conditions, self._letters(action), strict=True):
+            state[self._program.members.index(name)] = letter
         return "".join(state)
+
+    def _letters(self, action: Action) -> list[str]:
+        """Return the predicates of an action's conditions."""
+        return [self._plan.conditions.letter(number) for number in self._numbers(action)]
 
 
 Run = TypeVar("Run")

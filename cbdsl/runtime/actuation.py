@@ -28,8 +28,8 @@ from cbdsl.types.potential import POTENTIALS
 # Distance from its limit, beside the law's margin, at which a joint is at it, rad and m.
 _AT_LIMIT = 0.01, 0.001
 
-# Controllers, each with the names of its peers.
-_Acting = tuple[tuple[ControllerRun, tuple[str, ...]], ...]
+# Controllers, each with the names of its peers, and the conditions that are evaluated.
+_Acting = tuple[tuple[tuple[ControllerRun, tuple[str, ...]], ...], tuple[int, ...]]
 
 
 @dataclass(slots=True)
@@ -49,6 +49,7 @@ class ControllerBatch:
         selection: Required rows of the signal table.
         prepared: Runs that need preparation before the tick.
         computes: True if a preparation uses the rows of the tick.
+        watched: Conditions that are evaluated meanwhile.
         tick: Call of ``tick.tick`` with all arrays, valid while table and plan are of ``versions``.
     """
 
@@ -62,6 +63,7 @@ class ControllerBatch:
     selection: Selection
     prepared: tuple[ControllerRun, ...]
     computes: bool
+    watched: tuple[int, ...]
     tick: Callable[[], int] | None = None
     versions: tuple[int, int] = field(default=(-1, -1))
 
@@ -168,7 +170,8 @@ class Actuation:
     def _take_over(self, active: Sequence[Active]) -> ControllerBatch | None:
         """Return the controllers that act from now on; ``None`` if the program has ended."""
         last = self._last
-        if last is None or active is not last.active:
+        watched = self._plan.conditions.watched
+        if last is None or active is not last.active or watched is not last.watched:
             self._last = batch = self._batch(active) if active else None
             if batch is not None:
                 batch.active = active
@@ -240,6 +243,7 @@ class Actuation:
                 batch.columns,
                 batch.joints,
                 self._steps[batch.joints],
+                np.array(batch.watched, dtype=np.int64),
             ),
             step.stack.arrays,
             batch.law.arrays(step),
@@ -251,7 +255,8 @@ class Actuation:
 
     def _batch(self, active: Sequence[Active]) -> ControllerBatch:
         """Return the batch of the active controllers, allocated when they first act together."""
-        key = tuple([(item.run, tuple(item.peers)) for item in active])
+        runs = tuple([(item.run, tuple(item.peers)) for item in active])
+        key = runs, self._plan.conditions.watched
         batch = self._batches.get(key)
         if batch is None:
             batch = self._batches[key] = self._allocate(active)
@@ -264,6 +269,7 @@ class Actuation:
         joints, limits = signals.joints.pick(names), signals.kinematics
         stack = Stack([(run.controller.name, run.size) for run in runs], len(joints))
         rows = [row for run in runs for row in run.needs] + self.load_guards.rows
+        rows += self._plan.conditions.rows()
         return ControllerBatch(
             active,
             runs,
@@ -280,6 +286,7 @@ class Actuation:
             signals.select(rows),
             tuple([run for run in runs if run.preparation.is_needed]),
             any([run.preparation.computes for run in runs]),
+            self._plan.conditions.watched,
         )
 
 

@@ -341,6 +341,8 @@ def resources_of(program: CheckedProgram) -> Sequence[Resource]:
     for composition in compositions:
         for controller in composition.controllers if composition else ():
             resources.update(dict.fromkeys(controller.resources))
+    for condition in program.conditions.values():
+        resources.update(dict.fromkeys(condition.resources))
     for action in program.actions:
         if action.program is not None:
             resources.update(dict.fromkeys(resources_of(action.program)))

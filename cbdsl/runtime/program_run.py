@@ -75,6 +75,10 @@ class ProgramRun:
         self._lost = LostObjects(program, signals.vision, signals.robot.vision.channels.aliases)
         make.aim()
         self.runs: tuple[ControllerRun, ...] = make.all
+        conditions = {
+            name: plan.conditions.add(each, {r: signals.bind(r) for r in each.resources}, period)
+            for name, each in program.conditions.items()
+        }
         self.children = subprogram_runs(program, partial(self._inner, signals, plan))
         looks = {
             feature: self._inner(signals, plan, look.program, f"look for {feature}")
@@ -84,7 +88,7 @@ class ProgramRun:
         # These keys differ from all names of actions, because they consist of several words.
         self.children |= {f"look for {feature}": each for feature, each in looks.items()}
         slots = slice(first, first + len(self.runs))
-        self._running = ActionRuns(program, self._levels, self.children, plan, slots)
+        self._running = ActionRuns(program, self._levels, self.children, plan, slots, conditions)
         self._rewards = Rewards(program, self._levels, self.children)
         self._clock = ActionClock(program, period)
 
@@ -284,8 +288,7 @@ class ProgramRun:
         """Return whether an action has used up its time, in total or without activity."""
         if self._clock.is_over:
             return True
-        strives = "0" in state or any(run.seeking for run in self._levels.stacks[action.name])
-        return self._clock.is_idle(strives=strives)
+        return self._clock.is_idle(strives=self._running.strives(action, state))
 
     def _transit(self, state: str) -> None:
         assert self._action is not None

@@ -108,4 +108,5 @@ class Rewards:
             return "1"
         leads = (lead for some in self._levels.leads.values() for lead in some)
         rewardable = any(lead.earners for lead in leads)
-        return "1" if changed and not rewardable and "1" in state and not stuck else "-"
+        acting = state[: len(state) - len(self._program.conditions)]
+        return "1" if changed and not rewardable and "1" in acting and not stuck else "-"

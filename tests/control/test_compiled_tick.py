@@ -138,7 +138,7 @@ class Bench:
         )
         acting = ActingArrays(
             np.zeros(0, np.int64), np.zeros(1, np.int64), self.acting, self.columns, JOINTS,
-            self.steps,
+            self.steps, np.zeros(0, np.int64),
         )  # fmt: skip
         arrays = TickArrays(
             signals, self.plan.arrays, acting, stack.arrays, law.arrays(step), self.references,

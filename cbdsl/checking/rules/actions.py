@@ -10,7 +10,7 @@ from cbdsl.checking.rules.compositions import Compositions
 from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.steps import WrittenStep
+from cbdsl.program.steps import WrittenStep, conditions_of
 
 
 class Actions:
@@ -23,7 +23,8 @@ class Actions:
         steps: Steps whose compositions are valid.
 
     Attributes:
-        members: Actions of a single term; a state has one predicate for each.
+        members: Actions of a single term, then conditions; a state has one predicate for each.
+        conditions: Conditions among the members.
         are_read: True if each action could be read, and occurs once.
         lack_a_member: True if the policy chooses an action of a single term that the list lacks.
     """
@@ -40,7 +41,10 @@ class Actions:
         listed = self._read()
         self._written = _with_steps(listed, steps)
         expressions = [expression for expression, _ in self._written]
-        self.members = tuple(str(e.terms[0]) for e in expressions if len(e.terms) == 1)
+        terms = tuple(str(e.terms[0]) for e in expressions if len(e.terms) == 1)
+        self.conditions = conditions_of(context.document, steps)
+        self.members = terms + self.conditions
+        self._watched = {str(s.expression): s.conditions(context.document) for s in steps}
         written = context.source.known(context.document.actions, "actions")
         self.are_read = (
             not isinstance(written, Unknown)
@@ -82,7 +86,14 @@ class Actions:
 
     def check(self) -> list[Outcome[Action]]:
         """Return the actions in their order; those with errors are unknown."""
-        return [self._action(expression, steps) for expression, steps in self._written]
+        actions = [self._action(expression, steps) for expression, steps in self._written]
+        return [a if isinstance(a, Unknown) else self._watching(a) for a in actions]
+
+    def _watching(self, action: Action) -> Action:
+        """Return an action with the conditions of its step; without steps, with all."""
+        is_step = bool(self._context.document.steps)
+        watched = self._watched.get(action.name, ()) if is_step else self.conditions
+        return action._replace(conditions=watched) if watched else action
 
     def _action(self, expression: Expression, steps: Steps) -> Outcome[Action]:
         term = expression.terms[0]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+
 from cbdsl.checking.knowledge.impossible_states import is_always_defined
 from cbdsl.checking.program_context import ProgramContext, Steps
-from cbdsl.language.exit import OF_KIND
+from cbdsl.language.exit import LETTERS, OF_KIND
 from cbdsl.program.automaton import Automaton, Exit, ProgramStep, Tables, meet, of_tables
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Controller
@@ -44,8 +46,9 @@ def automaton_of(program: CheckedProgram, written: Automaton | None = None) -> A
 def active_members(action: Action) -> tuple[str, ...]:
     """Return the names of the members that are active while an action runs."""
     if action.composition is None:
-        return (action.name,)
-    return tuple(primitive.name for primitive in action.composition.primitives)
+        return (action.name, *action.conditions)
+    names = tuple(primitive.name for primitive in action.composition.primitives)
+    return names + action.conditions
 
 
 def values_of(member: str, program: CheckedProgram, *, tells: bool) -> str:
@@ -56,6 +59,10 @@ def values_of(member: str, program: CheckedProgram, *, tells: bool) -> str:
         program: Checked program.
         tells: True if a controller that is stuck has another letter than one that has arrived.
     """
+    condition = program.conditions.get(member)
+    if condition is not None:
+        letters = OF_KIND["condition"]
+        return letters.replace("-", "") if condition.is_always_defined else letters
     primitive = program.primitives.get(member)
     if primitive is None:
         return OF_KIND["program"]
@@ -166,9 +173,16 @@ class _FlowCheck:
         programs = {action.name for action in self._program.actions if action.program is not None}
         for name in self._paths:
             step = self._automaton.steps[name]
-            undefined = (Predicate.UNDEFINED.value,) * len(step.members)
-            if meet(undefined, step.values) and programs.isdisjoint(step.members):
-                idle[name] = step.decide(undefined).step
+            undefined = tuple(
+                LETTERS if member in self._program.conditions else Predicate.UNDEFINED.value
+                for member in step.members
+            )
+            box = meet(undefined, step.values)
+            if box is None or not programs.isdisjoint(step.members):
+                continue
+            # Only one target for all values of its conditions is certain.
+            tos = {step.decide(letters).step for letters in itertools.product(*box)}
+            idle[name] = tos.pop() if len(tos) == 1 else name
         for name in list(idle):
             cycle = [name]
             while idle.get(cycle[-1], "") and idle[cycle[-1]] not in cycle:

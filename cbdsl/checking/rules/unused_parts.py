@@ -12,10 +12,10 @@ def check_unused(context: ProgramContext, used: Collection[str]) -> None:
 
     Args:
         context: Program context.
-        used: Controllers and programs that some action or the background refers to.
+        used: Controllers, programs and conditions that the program refers to.
     """
     document, source = context.document, context.source
-    for section in ("controllers", "use"):
+    for section in ("controllers", "use", "conditions"):
         for name in getattr(document, section):
             if name not in used:
                 context.add("CB701", source.key(section, name), name=name)

@@ -50,7 +50,8 @@ def automaton_data(program: CheckedProgram) -> dict[str, Any] | None:
     if automaton is None:
         return None
     names = {action: program.steps.get(action, action) for action in automaton.steps}
-    programs = {action.name for action in program.actions if action.program is not None}
+    kinds = {action.name: "program" for action in program.actions if action.program is not None}
+    kinds |= dict.fromkeys(program.conditions, "condition")
     return {
         "start": names[automaton.start],
         "steps": [
@@ -59,7 +60,7 @@ def automaton_data(program: CheckedProgram) -> dict[str, Any] | None:
                 "action": step.action,
                 "exits": [
                     {
-                        "when": when_text(step.members, box, step.values, programs),
+                        "when": when_text(step.members, box, step.values, kinds),
                         "to": names[exit_.to.step] if exit_.to.step else str(exit_.to),
                     }
                     for exit_ in step.exits
