@@ -165,7 +165,7 @@ class _Campaign:
             with open_robot(self.request, backend=self.backend, cameras=self.cameras) as robot:
                 for seed in seeds:
                     result = robot.run(seed, context=self.context)
-                    yield result, result.rewarded or result.outcome == "success"
+                    yield result, result.succeeded
             return
         with simulate(self.request, backend=self.backend, cameras=self.cameras) as simulation:
             for seed in seeds:

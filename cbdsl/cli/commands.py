@@ -20,6 +20,7 @@ SUMMARIES = {
     "list": "List the documents that commands find by name from this folder, with their paths.",
     "run": "Run a program on a robot and print each change of its state.",
     "why": "Print the first cause of an episode that failed or was not rewarded.",
+    "compare": "Compare the success rates of two programs, policies or robots with the same seeds.",
     "explain": "Print the meaning of a diagnostic, its reason, and a wrong and a correct example.",
     "show": "Show types, potentials, resources, plug-ins, programs, meshes, and what was learned.",
     "new": "Write a robot, program or stage to start from.",

@@ -4,26 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Open
 from cbdsl.cli.episodes.pages import open_page, require_room, write_page
-from cbdsl.cli.episodes.recorder import Recorder
-from cbdsl.cli.episodes.simulation import needing_simulation, simulation
+from cbdsl.cli.episodes.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
+from cbdsl.cli.episodes.simulation import needing_simulation
 from cbdsl.cli.run import RunOptions
-from cbdsl.diagnostics.errors import UsageError
-from cbdsl.runtime.recording_folder import RecordingFolder
-
-if TYPE_CHECKING:
-    from cbdsl.reporting.why.diagnosis import Diagnosis
-    from cbdsl.reporting.why.history import FailureCause, History
-    from cbdsl.runtime.episode_result import EpisodeResult
 
 What = Annotated[
     str,
@@ -62,8 +55,8 @@ def why(
     unknown = False
     with _recordings(what, options) as files:
         for file in files:
-            history, diagnosis = _diagnosed(file)
-            row = _row(history, diagnosis)
+            history, diagnosis = diagnosed(file)
+            row = diagnosis_row(history, diagnosis)
             print(json.dumps(row, ensure_ascii=False) if as_json else _text(row), flush=True)
             unknown |= diagnosis.failed and diagnosis.cause is None
             if page is not None and diagnosis.failed:
@@ -87,61 +80,17 @@ def _recordings(what: str, options: RunOptions) -> Iterator[Iterator[Path]]:
         yield iter(find_recordings(path))
         return
     with TemporaryDirectory() as folder:
-        yield _recorded(what, options, Path(folder))
-
-
-def _recorded(program: str, options: RunOptions, folder: Path) -> Iterator[Path]:
-    """Run the episodes of a program, and yield their recordings."""
-    options.require_exclusive()
-    request = options.request(program)
-    opened = simulation(request, options.backend, gui=options.gui, cameras=options.cameras)
-    with opened as (backend, kinematics):
-        from cbdsl.backends.backend import AttendedBackend
-        from cbdsl.runtime.episode import EpisodeError, Runner
-        from cbdsl.runtime.episode_observer import EpisodeListeners, EpisodeObservers
-
-        if isinstance(backend, AttendedBackend):
-            raise UsageError("on a real robot, cb run --record FOLDER and cb why FOLDER")
-        runner = Runner(request.robot, kinematics, request.program, backend)
+        options.require_exclusive()
         seeds = range(options.seed, options.seed + options.episodes)
-        recorder = Recorder(folder, request, backend, seeds, overwrite=True, prints=False)
-        for seed in seeds:
-            ended: list[EpisodeResult] = []
-            # An episode that cannot go on is recorded up to its error.
-            with suppress(EpisodeError), recorder.episode(seed, ended) as recording:
-                listeners = EpisodeListeners(on_end=ended.append)
-                observer = EpisodeObservers(listeners, recording)
-                runner.run(request.stage, seed, options.context, observer)
-            yield RecordingFolder(folder).files(seed)[1]
-
-
-def _diagnosed(file: Path) -> tuple[History, Diagnosis]:
-    from cbdsl.reporting.recorded import read_recording
-    from cbdsl.reporting.why.diagnosis import diagnose
-    from cbdsl.reporting.why.history import History
-
-    history = History(read_recording(file))
-    return history, diagnose(history)
-
-
-def _row(history: History, diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return the diagnosis of an episode as JSON data."""
-    result = history.result
-    return {
-        "program": result["program"],
-        "stage": result["stage"],
-        "seed": result["seed"],
-        "failed": diagnosis.failed,
-        "ending": result["ending"],
-        "cause": None if diagnosis.cause is None else _cause(history, diagnosis.cause),
-        "others": [_cause(history, each) for each in diagnosis.others],
-        "ruled_out": diagnosis.ruled_out,
-        "missing": diagnosis.missing,
-    }
-
-
-def _cause(history: History, cause: FailureCause) -> dict[str, Any]:
-    return {**cause._asdict(), "time": round(float(history.time[cause.tick]), 4)}
+        yield recorded_episodes(
+            options.request(what),
+            options.backend,
+            options.cameras,
+            seeds,
+            Path(folder),
+            context=options.context,
+            gui=options.gui,
+        )
 
 
 def _text(row: dict[str, Any]) -> str:

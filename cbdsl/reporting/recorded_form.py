@@ -55,6 +55,7 @@ class _Limits(BaseModel, strict=True):
     idle_time: float | None = None
     episode_time: float | None = None
     lost_time: float | None = None
+    success: list[str] = []
     reasons: dict[str, str] = {}
 
 
@@ -82,6 +83,7 @@ class _Robot(BaseModel, strict=True):
     urdf: str
     folder: str
     singular_value: float
+    lead: float | None = None
     couplings: dict[str, list[str | float]]
     cameras: dict[str, _Camera] = {}
     cells: dict[str, str] = {}

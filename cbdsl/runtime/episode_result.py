@@ -46,3 +46,8 @@ class EpisodeResult:
     far: tuple[str, ...] = ()
     causes: Mapping[str, str] = field(default_factory=dict)
     halted: bool = False
+
+    @property
+    def succeeded(self) -> bool:
+        """True if the episode was rewarded or reached a state of success."""
+        return self.rewarded or self.outcome == "success"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -60,8 +61,9 @@ _ABSENT = (-1, np.nan, 0, np.nan, np.nan, -1)
 #: Recorded facts of a controller, one bit each, the lowest first.
 FLAGS = ("seeking", "exhausted", "astray", "stuck", "lacks_hold")
 #: Sight of a channel's object: in no image and not remembered, in the images of one camera alone,
-#: in all images without a position, remembered but in no image, seen, and seen beside others.
-SIGHT = ("unseen", "partly", "ambiguous", "hidden", "seen", "several")
+#: in all images without a position, remembered but in no image with and without an explanation,
+#: seen, and seen beside others.
+SIGHT = ("unseen", "partly", "ambiguous", "hidden", "missing", "seen", "several")
 
 
 class Recording(EpisodeObserver):
@@ -123,7 +125,7 @@ class Recording(EpisodeObserver):
         self._cells: tuple[str, ...] = ()
         self._channels: tuple[str, ...] = ()
         self._leads: dict[str, str] = {}
-        self._singular_value = robot.control.singular_value
+        self._settings: Any = robot.control
         self._ticks = 0
 
     @property
@@ -143,7 +145,7 @@ class Recording(EpisodeObserver):
         if not self._leads:
             self._leads = dict(_leads(tick.run))
         self._cells = tuple(".".join(key) for key in tick.signals.touch.cells)
-        self._singular_value = tick.actuation.settings.singular_value
+        self._settings = tick.actuation.settings
         self._predicates.append("".join(run.predicate for _, run in runs))
         row = {
             "time": observation.time,
@@ -263,7 +265,8 @@ class Recording(EpisodeObserver):
                 "name": self._robot.name,
                 "urdf": self._urdf.read_text("utf-8", errors="replace"),
                 "folder": str(self._urdf.parent.resolve()),
-                "singular_value": self._singular_value,
+                "singular_value": self._settings.singular_value,
+                "lead": self._settings.lead if math.isfinite(self._settings.lead) else None,
                 "couplings": {
                     name: coupling.recorded for name, coupling in self._robot.couplings.items()
                 },
@@ -303,7 +306,10 @@ def members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
 
 def limits(program: CheckedProgram) -> dict[str, dict[str, object]]:
     """Return the limits of transitions and times, s, and the stated failures, by program."""
-    keys = ("transitions", "transition_time", "idle_time", "episode_time", "lost_time", "reasons")
+    keys = (
+        "transitions", "transition_time", "idle_time", "episode_time", "lost_time", "success",
+        "reasons",
+    )  # fmt: skip
     return {each.name: {key: getattr(each, key) for key in keys} for each in _programs(program)}
 
 
@@ -343,7 +349,8 @@ def _sight(instances: Instances) -> int:
         seen = [bool(sightings) for sightings in cameras]
         return SIGHT.index("ambiguous" if all(seen) else "partly" if any(seen) else "unseen")
     if not any(seen):
-        return SIGHT.index("hidden")
+        is_hidden = instances.memories[number].is_accounted_for
+        return SIGHT.index("hidden" if is_hidden else "missing")
     return SIGHT.index("several" if len(instances.known) > 1 else "seen")
 
 

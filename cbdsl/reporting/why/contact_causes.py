@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cbdsl.kinematics.quaternion import quaternion_about, turned
+from cbdsl.numeric.arrays import Floats
 from cbdsl.reporting.why.history import ControllerCourse, FailureCause, History, spans
 
 # Angle between a hand and its orientation at the object above which it is turned, rad.
@@ -16,8 +18,10 @@ _TURNED = math.radians(15)
 _UNTURNED = 0.8
 # Distance that an object moves because of a touch, m, and the force of that touch, N.
 _MOVED, _TOUCH = 0.03, 0.2
-# Distance of an object beyond the open fingers at which they cannot close on it, m.
-_BESIDE = 0.03
+# Number of ticks of a change of action.
+_CHANGE = 3
+# Share of the mean distance of open fingers from their centre up to which an object is between.
+_BETWEEN = 0.7
 
 
 class GraspAttempt(NamedTuple):
@@ -38,7 +42,7 @@ def contact(history: History) -> Iterator[FailureCause]:
     """Yield the contacts that a hand missed or lost, and never had again."""
     for hand in history.hands:
         courses = [each for each in history.courses if each.effector == hand and each.grasps]
-        held = np.any([each.letters == "1" for each in courses], axis=0)
+        held = np.any([each.rests for each in courses], axis=0)
         last_held = max(np.flatnonzero(held), default=-1)
         for kind in (_slips, _strays, _misses):
             events = list(kind(history, courses))
@@ -50,13 +54,16 @@ def contact(history: History) -> Iterator[FailureCause]:
 
 def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
     """Yield the ticks in which a hand that held an object felt it no more."""
-    held = np.any([each.letters == "1" for each in courses], axis=0)
-    in_contact = np.any([np.isin(each.letters, ("0", "1")) for each in courses], axis=0)
+    held = np.any([each.rests for each in courses], axis=0)
+    in_contact = np.any([each.defined for each in courses], axis=0)
+    # At a change of action no controller of the hand is active for a tick or two.
+    for first, last in spans(~in_contact):
+        in_contact[first : last + 1] |= first > 0 and last - first < _CHANGE
     for first, last in spans(in_contact):
         ends = last + 1
         if ends > history.last or not held[first:ends].any():
             continue
-        losers = [each for each in courses if each.letters[ends] == "-"]
+        losers = [each for each in courses if history.lacks(each)[last : ends + 1].any()]
         if not losers or _opens(history, courses[0].effector, ends):
             continue
         force = float(history.forces(courses[0].effector)[max(first, last - 5) : ends].max())
@@ -68,9 +75,9 @@ def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
 
 def _opens(history: History, hand: str, tick: int) -> bool:
     """Return whether a member opens or shapes a hand at a tick."""
-    around = slice(max(0, tick - 3), tick + 3)
+    before = slice(max(0, tick - _CHANGE), tick)
     return any(
-        each.member and each.effector == hand and not each.grasps and each.acts[around].any()
+        each.member and each.effector == hand and not each.grasps and each.acts[before].any()
         for each in history.courses
     )
 
@@ -85,21 +92,28 @@ def _strays(history: History, courses: list[ControllerCourse]) -> Iterator[Failu
 
 def _misses(history: History, courses: list[ControllerCourse]) -> Iterator[FailureCause]:
     """Yield the attempts of a hand that closed on nothing, by time, with their reason."""
-    attempts = [each for course in courses for each in _attempts(course)]
+    attempts = [each for course in courses for each in _attempts(history, course)]
     for attempt in sorted(attempts, key=lambda each: each.last):
         yield _miss(history, attempt)
 
 
-def _attempts(course: ControllerCourse) -> Iterator[GraspAttempt]:
-    seeking, closed = course.flag("seeking"), course.flag("exhausted")
+def _attempts(history: History, course: ControllerCourse) -> Iterator[GraspAttempt]:
+    """Yield the attempts of a member: its search was exhausted, or an action ended without it."""
+    if not course.member:
+        return
+    on_way = sum((each.letters != "X" for each in history.approaches), np.zeros(len(history.time)))
+    ended = {*np.flatnonzero(history.lacks(course) & (course.letters != "-")).tolist()}
     for first, last in spans(course.letters != "X"):
         ticks = np.arange(first, last + 1)
-        if not course.member or np.isin(course.letters[ticks], ("0", "1")).any():
+        if course.defined[ticks].any():
             continue
-        tried = ticks[seeking[ticks]]
-        ended = ticks[closed[ticks]]
-        if len(ended):
-            yield GraspAttempt(course, int(tried[0]) if len(tried) else first, int(ended[0]))
+        tried = ticks[course.flag("seeking")[ticks]]
+        over = [*ticks[course.flag("exhausted")[ticks]]]
+        # A hand that is still on its way to an object has not tried to close.
+        if len(tried) or (on_way[ticks] == 0).all():
+            over += ended & {last, last + 1, last + 2}
+        if over:
+            yield GraspAttempt(course, int(tried[0]) if len(tried) else first, int(min(over)))
 
 
 def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
@@ -108,21 +122,21 @@ def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
     closed = f"{course.name} closed on nothing"
     place = _approached(history, first)
     if place is None:
-        if any(history.places.get(each.base) is not None for each in history.courses):
+        if history.approaches:
             clause = "before any controller had brought the hand to an object"
             return FailureCause("wrong_order", first, f"{closed}, {clause}")
         return FailureCause("no_grasp", last, closed)
     signal, position = place
     fingers = history.fingers(course.effector, first)
-    if len(fingers):
+    if len(fingers) > 1:
         centre = fingers.mean(axis=0)
-        radius = float(np.linalg.norm(fingers - centre, axis=1).max())
+        radius = _BETWEEN * float(np.linalg.norm(fingers - centre, axis=1).mean())
         beside = float(np.linalg.norm((position - centre)[:2]))
-        if beside > radius + _BESIDE:
-            clause = f"{closed}, {100 * beside:.1f} cm beside {signal}: its fingers reach"
+        if beside > radius:
+            clause = f"{closed}, {100 * beside:.1f} cm beside {signal}: its fingers hold within"
             numbers = {"beside": beside, "radius": radius}
             return FailureCause("translation", first, f"{clause} {100 * radius:.1f} cm", numbers)
-    return _turned(history, attempt, closed) or FailureCause(
+    return _turned(history, first, closed) or FailureCause(
         "no_grasp", last, f"{closed} at {signal}"
     )
 
@@ -130,10 +144,10 @@ def _miss(history: History, attempt: GraspAttempt) -> FailureCause:
 def _approached(history: History, tick: int) -> tuple[str, np.ndarray] | None:
     """Return the object that a controller had approached by a tick, and its known position."""
     latest, place = -1, None
-    for course in history.courses:
-        values = history.places.get(course.base)
+    for course in history.approaches:
+        values = history.places[course.base]
         acted = np.flatnonzero(course.acts[: tick + 1])
-        if values is None or course.unit != "m" or not len(acted) or acted[-1] <= latest:
+        if not len(acted) or acted[-1] <= latest:
             continue
         known = np.flatnonzero(~np.isnan(values[: tick + 1, 0]))
         if len(known):
@@ -141,62 +155,71 @@ def _approached(history: History, tick: int) -> tuple[str, np.ndarray] | None:
     return place
 
 
-def _turned(history: History, attempt: GraspAttempt, closed: str) -> FailureCause | None:
-    """Return the orientation that a hand did not have when it closed, if any."""
-    tick = attempt.first
+def _turned(history: History, tick: int, closed: str) -> FailureCause | None:
+    """Return the orientation that a hand did not have at a tick, if any."""
+    signals = history.summary["signals"]
     courses = [
         each
         for each in history.courses
-        if history.summary["signals"].get(each.feedback, {}).get("type") == "orientation"
+        if signals.get(each.feedback, {}).get("type") == "orientation"
     ]
-    for course in courses:
-        acted = np.flatnonzero(course.acts[: tick + 1] & ~np.isnan(course.errors[: tick + 1]))
-        if not len(acted):
-            continue
-        initial, left = float(course.errors[acted[0]]), float(course.errors[acted[-1]])
-        if left > _TURNED:
-            kind = "no_rotation" if left > _UNTURNED * initial else "rotation"
-            clause = (
-                f"{closed}: {course.name} was still {course.measure(left)} from its orientation"
-            )
-            return FailureCause(kind, tick, clause, {"error": left, "initial": initial})
-    return _against_sight(history, attempt, courses, closed) or _idle(courses, attempt, closed)
-
-
-def _idle(
-    courses: list[ControllerCourse], attempt: GraspAttempt, closed: str
-) -> FailureCause | None:
-    """Return the controllers of orientation that did not act before the hand closed, if all."""
-    if courses and not any(each.acts[: attempt.first + 1].any() for each in courses):
+    acted = [each for each in courses if each.acts[: tick + 1].any()]
+    if courses and not acted:
         clause = f"{closed}: {courses[0].name} had not turned the hand before"
-        return FailureCause("no_rotation", attempt.first, clause)
-    return None
+        return FailureCause("no_rotation", tick, clause)
+    for course in acted:
+        errors = course.errors[: tick + 1][~np.isnan(course.errors[: tick + 1])]
+        if len(errors) and errors[-1] > _TURNED:
+            kind = "no_rotation" if errors[-1] > _UNTURNED * errors[0] else "rotation"
+            left = course.measure(float(errors[-1]))
+            clause = f"{closed}: {course.name} was still {left} from its orientation"
+            return FailureCause(kind, tick, clause, {"error": float(errors[-1])})
+    wrong = _at_odds(history, tick, acted, courses)
+    if wrong is None:
+        return None
+    clause = f"{closed}, turned by {math.degrees(wrong[1]):.0f} deg against {wrong[0]}"
+    return FailureCause("rotation", tick, clause, {"angle": wrong[1]})
 
 
-def _against_sight(
-    history: History, attempt: GraspAttempt, courses: list[ControllerCourse], closed: str
-) -> FailureCause | None:
-    """Return the turn of a hand against the orientation that an object shows, if any."""
-    signals = history.recorded.signals
-    for signal, facts in history.summary["signals"].items():
-        if facts.get("type") != "orientation" or not history.channels(signal):
-            continue
-        for course in courses:
-            if course.base != signal:
-                continue
-            turn = signals[course.feedback][attempt.first].T @ signals[signal][attempt.first]
+def _at_odds(
+    history: History, tick: int, acted: list[ControllerCourse], courses: list[ControllerCourse]
+) -> tuple[str, float] | None:
+    """Return what shows another orientation of a hand, and the angle, rad, if any does.
+
+    These are the object that a reference is relative to, and constants of other controllers, whose
+    tilts are compared.
+    """
+    values = history.recorded.signals
+    for course in acted:
+        if history.channels(course.base):
+            turn = values[course.feedback][tick].T @ values[course.base][tick]
             angle = math.acos(min(1.0, max(-1.0, (float(np.trace(turn)) - 1.0) / 2.0)))
             if angle > _TURNED:
-                clause = f"{closed}, turned by {math.degrees(angle):.0f} deg against {signal}"
-                return FailureCause("rotation", attempt.first, clause, {"angle": angle})
+                return course.base, angle
+        for other in courses:
+            tilts = [_tilt(each.reference) for each in (course, other)]
+            if other.feedback == course.feedback and tilts[0] is not None and tilts[1] is not None:
+                angle = math.acos(min(1.0, max(-1.0, float(tilts[0] @ tilts[1]))))
+                if angle > _TURNED:
+                    return other.name, angle
     return None
+
+
+def _tilt(reference: str) -> Floats | None:
+    """Return the z axis of a constant orientation, shape (3,); ``None`` for another reference."""
+    try:
+        vector = np.array([float(each) for each in reference.split(",")])
+    except ValueError:
+        return None
+    angle = float(np.linalg.norm(vector))
+    return turned(quaternion_about(vector / (angle or 1.0), angle), np.array([0.0, 0.0, 1.0]))
 
 
 def _moved(history: History) -> Iterator[FailureCause]:
     """Yield the objects that a touch moved before a hand held them, if no hand ever did."""
     for hand in history.hands:
         courses = [each for each in history.courses if each.effector == hand and each.grasps]
-        if np.any([each.letters == "1" for each in courses]):
+        if np.any([each.rests for each in courses]):
             continue
         touched = np.flatnonzero(history.forces(hand) > _TOUCH)
         approached = _approached(history, history.last)
@@ -212,4 +235,7 @@ def _moved(history: History) -> Iterator[FailureCause]:
         if len(beyond):
             far = float(np.nanmax(distances[touched[0] :]))
             clause = f"{hand} moved {signal} by {100 * far:.1f} cm before it held it"
-            yield FailureCause("moved_by_touch", int(touched[0]), clause, {"distance": far})
+            tick = int(touched[0])
+            yield _turned(history, tick, clause) or FailureCause(
+                "moved_by_touch", tick, clause, {"distance": far}
+            )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -27,11 +28,11 @@ def order(history: History) -> Iterator[FailureCause]:
             ),
             None,
         )
-        lacks = np.flatnonzero(course.letters == "-")
+        lacks = np.flatnonzero(history.lacks(course))
         if required is None or not course.member or not len(lacks) or not required.grasps:
             continue
         hand = [each for each in history.courses if each.effector == required.effector]
-        tried = np.any([each.letters == "1" for each in hand if each.grasps], axis=0)
+        tried = np.any([each.rests for each in hand if each.grasps], axis=0)
         if tried[: lacks[0]].any() or lacks[-1] < max(np.flatnonzero(tried), default=-1):
             continue
         closed = [np.flatnonzero(each.flag("exhausted")) for each in hand if each.grasps]
@@ -43,8 +44,9 @@ def order(history: History) -> Iterator[FailureCause]:
 def course(history: History) -> Iterator[FailureCause]:
     """Yield the way in which the actions ended; these are causes only without any other."""
     own = [each for each in history.transitions if each["depth"] == 0]
-    limits = history.summary.get("limits", {}).get(history.result["program"], {})
+    limits = history.limits
     yield from _stated(history)
+    yield from _inner(history)
     yield from _cycle(history, own)
     if history.result.get("outcome") or history.result.get("halted"):
         return
@@ -77,12 +79,26 @@ def _stated(history: History) -> Iterator[FailureCause]:
                 return
 
 
+def _inner(history: History) -> Iterator[FailureCause]:
+    """Yield the first end of a used program whose policy had no action for its state."""
+    for before, after in pairwise(history.transitions):
+        is_end = before["depth"] == after["depth"] + 1 and before["time"] == after["time"]
+        place = history.summary["members"][after["program"]]
+        name = before.get("use", "").rsplit(".", 1)[-1]
+        if not is_end or name not in place or before["state"] == before["next_state"]:
+            continue
+        if after["next_state"][place.index(name)] == "-":
+            clause = f"{name} had no action for state {before['next_state']}"
+            yield FailureCause("no_action", history.tick(before["time"]), clause, rank=END)
+            return
+
+
 def _seconds(history: History, transition: Mapping[str, Any]) -> float:
     return float(transition["ticks"] * np.median(np.diff(history.time)))
 
 
 def _cycle(history: History, own: Sequence[Mapping[str, Any]]) -> Iterator[FailureCause]:
-    """Yield the first round of the shortest cycle that lasted to the end."""
+    """Yield the first repetition of the shortest cycle that lasted to the end."""
     steps = [(each["state"], each["action"], each["next_state"]) for each in own]
     for length in range(1, _LONGEST + 1):
         rounds = 1
@@ -93,10 +109,10 @@ def _cycle(history: History, own: Sequence[Mapping[str, Any]]) -> Iterator[Failu
         ):
             rounds += 1
         if rounds >= _ROUNDS:
-            first = own[len(own) - length * rounds]
+            again = own[len(own) - length * (rounds - 1)]
             names = ", ".join(dict.fromkeys(step[1] for step in steps[-length:]))
             clause = f"{names} repeated the same states {rounds} times without progress"
-            tick = max(0, history.tick(first["time"]) - first["ticks"])
+            tick = max(0, history.tick(again["time"]) - again["ticks"])
             yield FailureCause(
                 "cycle", tick, clause, {"rounds": rounds, "length": length}, rank=END
             )

@@ -61,10 +61,7 @@ class Diagnosis(NamedTuple):
 
 def diagnose(history: History) -> Diagnosis:
     """Return the first cause of an episode; the truth of a simulation is not read."""
-    result = history.result
-    failed = result.get("outcome") != "success" and (
-        not result["rewarded"] or result.get("outcome") == "failure" or bool(result.get("halted"))
-    )
+    failed = history.failed
     missing = (
         ""
         if history.is_complete

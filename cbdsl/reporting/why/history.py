@@ -51,7 +51,7 @@ class ControllerCourse(NamedTuple):
     Attributes:
         name: Name, qualified by the uses of programs.
         member: Member that it determines; empty if it determines none.
-        feedback, base, effector, unit, requires: Names as in a recording's triple.
+        feedback, reference, base, effector, unit, requires: Texts as in a recording's triple.
         letters: Predicate by tick, shape (T,).
         errors: Norm of the residual by tick, shape (T,), NaN while undefined.
         acts: True while it is a level of the stack, shape (T,).
@@ -64,6 +64,7 @@ class ControllerCourse(NamedTuple):
     name: str
     member: str
     feedback: str
+    reference: str
     base: str
     effector: str
     unit: str
@@ -79,6 +80,18 @@ class ControllerCourse(NamedTuple):
     def flag(self, name: str) -> Mask:
         """Return the ticks in which a fact of ``FLAGS`` holds, shape (T,)."""
         return self.flags[:, FLAGS.index(name)]
+
+    @property
+    def defined(self) -> Mask:
+        """True while it is active and its error is defined, shape (T,)."""
+        defined: Mask = np.isin(self.letters, ("0", "1")) & ~np.isnan(self.errors)
+        return defined
+
+    @property
+    def rests(self) -> Mask:
+        """True while it is at rest, shape (T,)."""
+        rests: Mask = (self.letters == "1") & self.defined
+        return rests
 
     @property
     def program(self) -> str:
@@ -130,6 +143,21 @@ class History:
         return result
 
     @property
+    def limits(self) -> Mapping[str, Any]:
+        """Limits and outcomes that the main program states; empty if unrecorded."""
+        limits: Mapping[str, Any] = self.summary.get("limits", {}).get(self.result["program"], {})
+        return limits
+
+    @property
+    def failed(self) -> bool:
+        """True if the episode was halted, or did not reach a success or, without one, a reward."""
+        outcome = self.result.get("outcome", "")
+        succeeded = outcome == "success" or (
+            self.result["rewarded"] and not outcome and not self.limits.get("success")
+        )
+        return bool(self.result.get("halted")) or not succeeded
+
+    @property
     def is_complete(self) -> bool:
         """True if the recording holds the facts of controllers and of sight."""
         return {"flags", "sight", "errors"} <= self.recorded.arrays.keys()
@@ -144,6 +172,19 @@ class History:
         """Transitions of all programs, by time."""
         transitions: Sequence[Mapping[str, Any]] = self.summary["transitions"]
         return transitions
+
+    def lacks(self, course: ControllerCourse) -> Mask:
+        """Return the ticks in which a controller is undefined, shape (T,).
+
+        A recorded tick has the letters after its transition, which may have ended its activity.
+        """
+        mask, use = course.letters == "-", course.program.rstrip(".")
+        for each in self.transitions:
+            members = self.summary["members"][each["program"]]
+            if course.member in members and each.get("use", "") == use:
+                state = each["next_state"]
+                mask[self.tick(each["time"])] |= state[members.index(course.member)] == "-"
+        return mask
 
     def tick(self, time: float) -> int:
         """Return the last tick up to a time, s."""
@@ -188,6 +229,11 @@ class History:
     def hands(self) -> Sequence[str]:
         """Effectors that feel the forces that their controllers control."""
         return tuple(dict.fromkeys(each.effector for each in self.courses if each.grasps))
+
+    @cached_property
+    def approaches(self) -> Sequence[ControllerCourse]:
+        """Courses that bring a position to a seen object."""
+        return [each for each in self.courses if each.unit == "m" and each.base in self.places]
 
     def forces(self, hand: str) -> Floats:
         """Return the largest force of a hand's load cells by tick, N, shape (T,)."""
@@ -275,6 +321,7 @@ def _courses(recorded: Recorded) -> Iterator[ControllerCourse]:
             name,
             summary.get("leads", {}).get(name, ""),
             triple["feedback"],
+            triple["reference"],
             triple.get("base", ""),
             triple.get("effector", ""),
             triple.get("unit", ""),

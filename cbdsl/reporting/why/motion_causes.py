@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cbdsl.reporting.why.history import END, EVENT, ControllerCourse, FailureCause, History, Mask
+from cbdsl.reporting.why.history import ControllerCourse, FailureCause, History, Mask
 from cbdsl.runtime import causes
 
 # Time before the end of an action in which a level's holder counts, s.
@@ -30,24 +30,34 @@ _KINDS = {
 
 
 def motion(history: History) -> Iterator[FailureCause]:
-    """Yield the members that ended an action short of their targets, and never arrived later."""
-    ends = [
-        history.tick(each["time"])
-        for each in history.transitions
+    """Yield the levels that ended an action short of their targets, and never arrived later.
+
+    These are members, and levels towards seen objects, which matter even below a member.
+    """
+    ends = [history.tick(each["time"]) for each in history.transitions]
+    over = [
+        tick
+        for tick, each in zip(ends, history.transitions, strict=True)
         if each["state"] == each["next_state"]
     ]
     for course in history.courses:
         # A level that no joint moves is a question about the world, and its answer is no cause.
-        if not course.member or course.grasps or not course.ranks.any():
+        by_others = (course.holders >= 0) & (course.holders < len(history.courses))
+        if course.grasps or not (course.ranks.any() or by_others.any()):
+            continue
+        if not (course.member or course in history.approaches):
             continue
         short = _is_short(course)
         arrived = np.flatnonzero((course.letters == "1") & ~course.flag("stuck"))
         last_arrived = max(arrived, default=-1)
-        ticks = [t for t in (*ends, history.last) if short[max(0, t - 1) : t + 1].any()]
-        ticks += list(np.flatnonzero(course.flag("stuck") & (np.arange(len(short)) > last_arrived)))
+        ticks = [*(over if course.member else ends), history.last]
+        ticks = [t for t in ticks if short[max(0, t - 1) : t + 1].any()]
+        if course.member:
+            ticks += list(np.flatnonzero(course.flag("stuck")))
         late = sorted(t for t in ticks if t > last_arrived)
-        if late:
-            yield _held(history, course, late[0])
+        cause = _held(history, course, late[0]) if late else None
+        if cause is not None:
+            yield cause
 
 
 def _is_short(course: ControllerCourse) -> Mask:
@@ -57,8 +67,8 @@ def _is_short(course: ControllerCourse) -> Mask:
     return short
 
 
-def _held(history: History, course: ControllerCourse, end: int) -> FailureCause:
-    """Return the cause that kept a level from its target until a tick."""
+def _held(history: History, course: ControllerCourse, end: int) -> FailureCause | None:
+    """Return the cause that kept a level from its target until a tick; ``None`` if it moved."""
     acting = np.flatnonzero(_is_short(course)[: end + 1])
     end = int(acting[-1])
     begin = end
@@ -71,8 +81,7 @@ def _held(history: History, course: ControllerCourse, end: int) -> FailureCause:
     late = slice(max(begin, end - history.ticks(_LOOKED_AT)), end + 1)
     numbers = {"error": error}
     kind, reason = _reason(history, course, late, numbers)
-    rank = END if kind == "slow" else EVENT
-    return FailureCause(kind, since, f"{left}{reason}", numbers, rank=rank)
+    return FailureCause(kind, since, f"{left}{reason}", numbers) if kind else None
 
 
 def _reason(
@@ -110,7 +119,7 @@ def _reason(
     smallest = float(np.nanmin(arrays["level_singular_value"][late, history.column(course)]))
     if share < _SMALL_SHARE and smallest < history.summary["robot"]["singular_value"]:
         return "stuck", f" close to a singularity: its smallest singular value was {smallest:.2g}"
-    return "slow", f", of whose motion it got {100 * share:.0f} %"
+    return "", ""
 
 
 def _beyond(history: History, course: ControllerCourse, tick: int) -> tuple[float, float] | None:

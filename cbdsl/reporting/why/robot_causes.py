@@ -8,8 +8,10 @@ import numpy as np
 
 from cbdsl.reporting.why.history import HALT, FailureCause, History, spans
 
-# A joint lags if it is this far behind its reference for this long, rad or m, and s.
-_LAG, _LAG_TIME = 0.12, 0.3
+# A joint lags if it is this share of the largest lead behind its reference for this long, s.
+_LAG, _LAG_TIME = 0.5, 0.3
+# Share of the ticks until the end in which a joint that does not follow lags.
+_MOSTLY = 0.5
 # Force of a load cell above which a hand is in contact, N; contacts hold joints back.
 _CONTACT = 0.3
 
@@ -23,19 +25,18 @@ def robot(history: History) -> Iterator[FailureCause]:
 
 
 def _lagging(history: History) -> Iterator[FailureCause]:
-    arrays = history.recorded.arrays
+    arrays, lead = history.recorded.arrays, history.summary["robot"].get("lead")
+    if not lead:
+        return
     lag = np.abs(arrays["references"] - arrays["positions"])
     forces = [np.zeros(len(lag)), *map(history.forces, history.hands)]
     lag[np.max(forces, axis=0) > _CONTACT] = 0.0
     for joint, name in enumerate(history.summary["joints"]):
-        late = [
-            (first, last)
-            for first, last in spans(lag[:, joint] > _LAG)
-            if last - first >= history.ticks(_LAG_TIME)
-        ]
-        # A joint that catches up was only slow.
-        if late and late[-1][1] == history.last:
-            first = late[-1][0]
+        late = lag[:, joint] > _LAG * lead
+        ticks = [first for first, last in spans(late) if last - first >= history.ticks(_LAG_TIME)]
+        # A joint that catches up was only slow. References restart at each action.
+        if ticks and late[ticks[0] :].mean() > _MOSTLY and late[-history.ticks(1.0) :].any():
+            first = ticks[0]
             worst = float(lag[first:, joint].max())
             yield FailureCause(
                 "not_followed",

@@ -90,6 +90,11 @@ class PositionMemory:
         """True if the newest images show the object as large as ever."""
         return self.position is not None and self._seen == self._shown
 
+    @property
+    def is_accounted_for(self) -> bool:
+        """True if the newest images show the object, or its absence in them is explained."""
+        return self._accounted == self._shown
+
     def has_shrunk(self, sizes: Sequence[float], aside: Sequence[float]) -> bool:
         """Return whether an object looks smaller than before, without a partial occlusion.
 

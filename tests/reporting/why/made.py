@@ -15,7 +15,7 @@ TICKS = 120
 CONTROLLERS = ("reach", "hold", "posture")
 _ROBOT = """
 <robot name="arm">
-  <link name="base"/><link name="upper"/><link name="lower"/><link name="pad"/>
+  <link name="base"/><link name="upper"/><link name="lower"/><link name="pad"/><link name="nail"/>
   <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>
     <axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
   <joint name="elbow" type="revolute"><parent link="upper"/><child link="lower"/>
@@ -23,6 +23,8 @@ _ROBOT = """
   </joint>
   <joint name="tip" type="fixed"><parent link="lower"/><child link="pad"/>
     <origin xyz="0.5 0 0"/></joint>
+  <joint name="side" type="fixed"><parent link="lower"/><child link="nail"/>
+    <origin xyz="0.5 0.08 0"/></joint>
 </robot>
 """
 
@@ -69,7 +71,7 @@ def made(result: dict[str, Any] | None = None, **changes: Any) -> History:
         },
         "controllers": list(CONTROLLERS),
         "joints": ["shoulder", "elbow"],
-        "load_cells": ["hand.thumb"],
+        "load_cells": ["hand.thumb", "hand.finger"],
         "guards": ["hand"],
         "predicates": ["0XX"] * TICKS,
         "transitions": [transition("XXX", "reach", "0XX", 0.0, 1)],
@@ -91,8 +93,8 @@ def made(result: dict[str, Any] | None = None, **changes: Any) -> History:
         },
         "scene": {},
         "robot": {
-            "urdf": _ROBOT, "folder": ".", "couplings": {}, "singular_value": 0.04,
-            "cells": {"hand.thumb": "pad"},
+            "urdf": _ROBOT, "folder": ".", "couplings": {}, "singular_value": 0.04, "lead": 0.12,
+            "cells": {"hand.thumb": "pad", "hand.finger": "nail"},
             "tips": {"arm": {"joint": "shoulder", "link": "pad", "offset": [0, 0, 0]}},
         },
     }  # fmt: skip
@@ -105,7 +107,7 @@ def made(result: dict[str, Any] | None = None, **changes: Any) -> History:
         "errors": 0.1 * ones,
         "flags": flags("stuck", 0, slice(0, 0)),
         "sight": np.full((TICKS, 1), SIGHT.index("seen")),
-        "loads": np.zeros((TICKS, 1, 6)),
+        "loads": np.zeros((TICKS, 2, 6)),
         "level_priority": (ones * [0, -1, 1]).astype(int),
         "level_share": ones,
         "level_rank": 3 * ones.astype(int),

@@ -43,7 +43,14 @@ def sight(code: str, ticks: slice = END, usual: str = "seen") -> np.ndarray:
                            "sight": sight("ambiguous", usual="unseen")}),
         ("lost", 60, {"predicates": _LOST, "signal_stereo__red": _GONE, "sight": sight("unseen")}),
         ("occluded", 40, {"predicates": _LOST, "signal_stereo__red": _GONE,
-                          "sight": sight("hidden", slice(40, 60))}),
+                          "sight": sight("hidden", slice(40, TICKS))}),
+        ("lost", 50, {"predicates": _LOST, "signal_stereo__red": _GONE,
+                      "sight": np.where(np.arange(TICKS)[:, None] < 60,
+                                        sight("missing", slice(50, 60)), sight("unseen"))}),
+        ("wrong_order", 0, {"predicates": ["X-X"] * TICKS,
+                            "level_priority": -np.ones((TICKS, 3), dtype=int),
+                            "flags": flags("seeking", 1, slice(0, 60))
+                            | flags("exhausted", 1, END)}),
         ("out_of_reach", 0, {"transitions": _TIMED_OUT,
                              "signal_stereo__red": np.tile([1.2, 0.0, 0.0], (TICKS, 1))}),
         ("held", 0, {"transitions": _TIMED_OUT, "level_share": course(0.1, 0, END, 1.0),
@@ -55,7 +62,7 @@ def sight(code: str, ticks: slice = END, usual: str = "seen") -> np.ndarray:
         ("wrong_object", 60, {"predicates": ["X0X"] * TICKS, "flags": flags("astray", 1, END)}),
         ("no_action", 60, {"transitions": [transition("XXX", "reach", "1XX", 1.0, 60)],
                            "predicates": predicates(("0XX", 60), ("1XX", 60))}),
-        ("cycle", 0, {"predicates": ["X0X"] * TICKS, "transitions": [
+        ("cycle", 60, {"predicates": ["X0X"] * TICKS, "transitions": [
             transition("1X", "a", "X1", 0.5 * n + 0.25, 15) if n % 2 == 0
             else transition("X1", "b", "1X", 0.5 * n + 0.25, 15) for n in range(6)]}),
         ("not_followed", 60, {"references": np.where(np.arange(TICKS)[:, None] < 60, 0.0, 0.5)
@@ -98,18 +105,6 @@ def test_diagnose_of_a_miss_compares_the_fingers_with_the_object(
     )
     assert diagnosis.cause is not None
     assert diagnosis.cause.kind == kind
-
-
-def test_diagnose_before_any_approach_names_the_order() -> None:
-    diagnosis = diagnose(
-        made(
-            predicates=["X-X"] * TICKS,
-            level_priority=-np.ones((TICKS, 3), dtype=int),
-            flags=flags("seeking", 1, slice(0, 60)) | flags("exhausted", 1, END),
-        )
-    )
-    assert diagnosis.cause is not None
-    assert diagnosis.cause.kind == "wrong_order"
 
 
 def test_diagnose_ignores_a_slip_that_was_made_good() -> None:

@@ -1,0 +1,387 @@
+"""Judge of ``cb why``: episodes with injected causes, and the first causes that it names.
+
+``python -m cbdsl_reproduction.first_causes --seeds 20`` runs the judged programs. Explanations were
+developed with ``--set developed``, which has other programs. Injections act through programs,
+stages, and the simulated backend; ``cb why`` reads recordings alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import cbdsl
+from cbdsl.backends.simulated_backend import SimulatedBackend
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.kinematics.pose import Pose
+from cbdsl.numeric.proportion import exact_interval
+from cbdsl.reporting.recorded import read_recording
+from cbdsl.reporting.why.diagnosis import diagnose
+from cbdsl.reporting.why.history import History
+from cbdsl.runtime.episode import EpisodeError
+from cbdsl.runtime.episode_observer import EpisodeObserver, EpisodeObservers
+from cbdsl.runtime.episode_result import EpisodeResult
+from cbdsl.runtime.explanation import named_runs
+from cbdsl.runtime.recording import Recording
+from cbdsl.runtime.tick import Tick
+from cbdsl.yaml_text.library import Library
+
+Edits = Mapping[str, Sequence[tuple[str, str]]]
+#: The seven kinds of FailGen (AHA, arXiv 2410.00371).
+PUBLISHED = (
+    "no_grasp", "slip", "translation", "rotation", "no_rotation", "wrong_order", "wrong_object",
+)  # fmt: skip
+# Difference of the first tick from the injection that counts as right, s.
+_NEAR = 0.2
+# Tick-wise injections act from this time on, s.
+_LATER = 1.5
+
+
+class Fault(EpisodeObserver):
+    """Fault of the world or the backend, injected between two control ticks.
+
+    Attributes:
+        time: Time of the first injection, s; ``None`` before it.
+        repeats: True if it is injected whenever it is due.
+    """
+
+    repeats = False
+
+    def __init__(self, backend: SimulatedBackend[Any]) -> None:
+        self.backend, self.engine = backend, backend.truth
+        self.time: float | None = None
+
+    def note_tick(self, tick: Tick) -> None:
+        """Inject the fault when it is due."""
+        if (self.time is None or self.repeats) and self.is_due(tick):
+            self.time = tick.observation.time if self.time is None else self.time
+            self.inject()
+
+    def is_due(self, tick: Tick) -> bool:
+        """Return whether the fault is due in a tick."""
+        return tick.observation.time >= _LATER
+
+    def inject(self) -> None:
+        """Inject the fault."""
+        raise NotImplementedError
+
+    def take_away(self, distance: float) -> None:
+        """Put the first object elsewhere on its level, by a distance, m."""
+        name = self.engine.names()[-1]
+        pose = self.engine.pose(name)
+        self.engine.put_back(
+            name, Pose(pose.position + np.array([0.0, distance, 0.0]), pose.rotation)
+        )
+
+
+class Removal(Fault):
+    """Removal of the object during the approach."""
+
+    def inject(self) -> None:
+        self.engine.remove(self.engine.names()[-1])
+
+
+class Slip(Fault):
+    """Object that leaves the hand whenever the hand has moved it for half a second."""
+
+    repeats, _held = True, 0
+
+    def is_due(self, tick: Tick) -> bool:
+        moves = ("up", "move", "carry")
+        runs = named_runs(tick.run)
+        is_moving = any(n.split(".")[-1] in moves and r.predicate == "0" for n, r in runs)
+        self._held = self._held + 1 if is_moving else 0
+        return self._held > 0.5 / self.backend.control_period
+
+    def inject(self) -> None:
+        self.take_away(0.25)
+
+
+class Touch(Fault):
+    """Object that moves whenever the hand touches it."""
+
+    repeats = True
+
+    def is_due(self, tick: Tick) -> bool:
+        return bool((np.linalg.norm(tick.signals.touch.loads[..., :3], axis=-1) > 0.3).any())
+
+    def inject(self) -> None:
+        self.take_away(0.15)
+
+
+class FrozenJoint(Fault):
+    """Drive of one joint of the arm that stops."""
+
+    def inject(self) -> None:
+        joints = [n for n, j in enumerate(self.backend._joints.names) if j.endswith(("_4", "4"))]
+        joint, apply = joints[-1], self.backend.apply
+        frozen = float(self.backend.observe().positions[joint])
+
+        def applied(reference: Any) -> None:
+            changed = np.array(reference, dtype=float)
+            changed[joint] = frozen
+            apply(changed)
+
+        self.backend.apply = applied  # type: ignore[method-assign]
+
+
+class Halt(Fault):
+    """Sensor that gives no number any more."""
+
+    def inject(self) -> None:
+        observe = self.backend.observe
+
+        def broken() -> Any:
+            observation = observe()
+            return replace(observation, positions=np.full_like(observation.positions, np.nan))
+
+        self.backend.observe = broken  # type: ignore[method-assign]
+
+
+class OneEye(Fault):
+    """Camera that sees nothing from the beginning."""
+
+    def __init__(self, backend: SimulatedBackend[Any]) -> None:
+        super().__init__(backend)
+        observe = self.backend.observe
+
+        def half() -> Any:
+            observation = observe()
+            if not observation.regions:
+                return observation
+            blind = next(iter(observation.regions))
+            return replace(observation, regions={**observation.regions, blind: {}})
+
+        self.backend.observe = half  # type: ignore[method-assign]
+
+    def inject(self) -> None:
+        """Leave the world as it is."""
+
+
+class Injection(NamedTuple):
+    """Injected cause of a failure.
+
+    Attributes:
+        kind: Expected kind of the first cause; empty for a cause that is not on the list.
+        program: Name of the program.
+        edits: Replacements in the texts of programs and stages, by their names.
+        fault: Fault of world or backend, if any.
+        stage: Name of the stage; empty for the program's.
+    """
+
+    kind: str
+    program: str
+    edits: Edits = MappingProxyType({})
+    fault: Callable[[SimulatedBackend[Any]], Fault] | None = None
+    stage: str = ""
+
+
+_PICK = "pick_and_lift"
+_STEPS = (
+    "  reachtouch: {then: ease, failed: back_off}\n  ease: {then: grip}\n"
+    "  grip: {then: lift, failed: back_off}\n"
+)
+_SWAPPED = (
+    "  grip: {then: ease, failed: back_off}\n  ease: {then: reachtouch}\n"
+    "  reachtouch: {then: lift, failed: back_off}\n"
+)
+_OFF = '    reference: "stereo.$feature + [0 cm, 14 cm, 0 cm]"\n'
+_AT = "    reference: stereo.$feature\n"
+_DOWN, _TILTED = (
+    "    reference: [180 deg, 0 deg, 0 deg]\n",
+    "    reference: [130 deg, 0 deg, 0 deg]\n",
+)
+_TOP = "  reach: posture ◁ orient ◁ approach\n"
+
+#: Injections with which explanations were developed.
+DEVELOPED = (
+    Injection("no_grasp", _PICK, {"reachtouch": [("within: 2 cm, until: 1.5 rad", "within: 2 cm, until: 0.4 rad")]}),
+    Injection("slip", _PICK, fault=Slip),
+    Injection("translation", _PICK, {"reachtouch": [(_AT, _OFF)]}),
+    Injection("rotation", _PICK, {"reachtouch": [(_DOWN, _TILTED)]}),
+    Injection("wrong_order", _PICK, {_PICK: [(_STEPS, _SWAPPED), ("back_off: {then: reachtouch}", "back_off: {then: grip}")]}),
+    Injection("never_seen", "reach", stage="absent"),
+    Injection("lost", _PICK, fault=Removal),
+    Injection("occluded", _PICK, fault=OneEye),
+    Injection("out_of_reach", "reach", stage="out_of_reach"),
+    Injection("held", "take", {"take": [("shape ◁ posture ◁ turn ◁ over", "shape ◁ turn ◁ over ◁ posture")]}),
+    Injection("no_action", _PICK, {"reachtouch": [("  X0*: reach ◁ touch\n", "")]}),
+    Injection("time", _PICK, {_PICK: [("episode_time: 90 s", "episode_time: 4 s")]}),
+    Injection("not_followed", _PICK, fault=FrozenJoint),
+    Injection("backend", _PICK, fault=Halt),
+    Injection("moved_by_touch", _PICK, fault=Touch),
+)  # fmt: skip
+
+_GRIP, _PANDA = "panda_grasp", "panda_pick"
+#: Injections into programs that were not used for the development.
+JUDGED = (
+    Injection("no_grasp", _PANDA, {_GRIP: [("until: 2 mm", "until: 30 mm")]}),
+    Injection("slip", _PANDA, fault=Slip),
+    Injection("translation", _PANDA, {_GRIP: [(_AT, '    reference: "stereo.$feature + [0 cm, 12 cm, 0 cm]"\n')]}),
+    Injection("rotation", _PANDA, {_GRIP: [(_DOWN, "    reference: [100 deg, 0 deg, 0 deg]\n")]}),
+    Injection("wrong_order", _PANDA, {_PANDA: [("  grasp: {then: hold}\n", ""), ("  retreat: {then: succeed}", "  retreat: {then: grasp}\n  grasp: {then: succeed}"), ("hold undefined: grasp", "hold undefined: end")]}),
+    Injection("never_seen", _PANDA, {"cube_before_panda": [("color: [1, 0, 0]", "color: [0.5, 0.5, 0.5]")]}),
+    Injection("lost", _PANDA, fault=Removal),
+    Injection("occluded", _PANDA, fault=OneEye),
+    Injection("out_of_reach", _PANDA, {"cube_before_panda": [("size: [60 cm, 120 cm, 4 cm]", "size: [140 cm, 120 cm, 4 cm]"), ("position: [58 cm,", "position: [98 cm,"), ("x: [40 cm, 58 cm]", "x: [86 cm, 90 cm]")]}),
+    Injection("held", _PANDA, {_GRIP: [(_TOP, "  reach: orient ◁ approach ◁ posture\n")]}),
+    Injection("no_action", _PANDA, {_GRIP: [("  1X: touch\n", "")]}),
+    Injection("time", _PANDA, {_PANDA: [("episode_time: 90 s", "episode_time: 3 s")]}),
+    Injection("not_followed", _PANDA, fault=FrozenJoint),
+    Injection("backend", _PANDA, fault=Halt),
+    Injection("moved_by_touch", _PANDA, fault=Touch),
+)  # fmt: skip
+
+
+class Verdict(NamedTuple):
+    """Verdict on the explanation of one episode.
+
+    Attributes:
+        kind: Injected kind.
+        named: Kind of the named first cause; empty for "I do not know".
+        failed: True if the episode failed; others have nothing to explain.
+        late: Difference of the first tick from the injection, s; NaN without a time.
+        sentence: Words of the named cause.
+    """
+
+    kind: str
+    named: str
+    failed: bool
+    late: float
+    sentence: str
+
+
+def verdicts(
+    injection: Injection, seeds: Sequence[int], backend: str, keep: Path | None = None
+) -> Iterator[Verdict]:
+    """Run the episodes of an injection, and yield the verdicts on their explanations.
+
+    Args:
+        injection: Injected cause.
+        seeds: Seeds of the episodes.
+        backend: Name of the simulated backend.
+        keep: Folder that keeps the recordings, if any.
+    """
+    with TemporaryDirectory() as folder:
+        program = _write(injection.edits, Path(folder), injection.program)
+        request = cbdsl.load(program, stage=injection.stage or None)
+        for seed in seeds:
+            # A new backend for each episode: faults change it.
+            with cbdsl.simulate(request, backend=backend, cameras="ideal") as world:
+                robot = world.robot.backend
+                assert isinstance(robot, SimulatedBackend)
+                fault = injection.fault(robot) if injection.fault else None
+                recording = Recording(request.program, request.robot, request.urdf)
+                ended: list[EpisodeResult] = []
+                observers = [recording, _End(ended), *([fault] if fault else [])]
+                # An episode that cannot go on is recorded up to its error.
+                with suppress(EpisodeError):
+                    world.robot.runner().run(
+                        request.stage, seed, observer=EpisodeObservers(*observers)
+                    )
+                target = Path(folder) if keep is None else keep / injection.kind
+                file = recording.write(target, ended[0])
+            yield _verdict(injection.kind, file, None if fault is None else fault.time)
+
+
+class _End(EpisodeObserver):
+    """Keeper of the result."""
+
+    def __init__(self, ended: list[EpisodeResult]) -> None:
+        self._ended = ended
+
+    def note_end(self, result: EpisodeResult) -> None:
+        self._ended.append(result)
+
+
+def _verdict(kind: str, file: Path, time: float | None) -> Verdict:
+    history = History(read_recording(file))
+    diagnosis = diagnose(history)
+    cause = diagnosis.cause
+    if cause is None:
+        return Verdict(kind, "", diagnosis.failed, np.nan, "; ".join(diagnosis.ruled_out))
+    late = np.nan if time is None else float(history.time[cause.tick]) - time
+    return Verdict(kind, cause.kind, diagnosis.failed, late, cause.sentence)
+
+
+def _write(edits: Edits, folder: Path, program: str) -> str | Path:
+    """Write the edited documents to a folder, and return the program to run."""
+    library = Library()
+    for name, replacements in edits.items():
+        kind = StageDocument if library.find(StageDocument, name) else ProgramDocument
+        text = library.text(library.locate(kind, name))
+        for before, after in replacements:
+            if text.count(before) < 1:
+                raise ValueError(f"{name}: '{before.strip()}' is not in its text")
+            text = text.replace(before, after, 1)
+        (folder / f"{name}.yaml").write_text(text, "utf-8")
+    if not edits:
+        return program
+    # Documents beside a program are found before others of the same name.
+    target = folder / f"{program}.yaml"
+    if not target.exists():
+        target.write_text(library.text(library.locate(ProgramDocument, program)), "utf-8")
+    return target
+
+
+def table(results: Sequence[Verdict]) -> str:
+    """Return the right first causes by kind as a table in Markdown, with exact intervals."""
+    lines = ["| injected | failed | first cause right | within 0.2 s | named instead |"]
+    lines.append("| --- | --- | --- | --- | --- |")
+    groups: dict[str, list[Verdict]] = defaultdict(list)
+    for result in results:
+        if result.failed:
+            groups[result.kind].append(result)
+    for kind, group in groups.items():
+        right = [each for each in group if each.named == kind]
+        timed = [each for each in right if not np.isnan(each.late)]
+        near = sum(abs(each.late) <= _NEAR for each in timed)
+        other = Counter(each.named or "I do not know" for each in group if each.named != kind)
+        names = ", ".join(f"{name} {count}" for name, count in other.items())
+        when = f"{near} of {len(timed)}" if timed else ""
+        lines.append(f"| {kind} | {len(group)} | {len(right)} of {len(group)} | {when} | {names} |")
+    for name, kinds in (("all", tuple(groups)), ("published", PUBLISHED)):
+        own = [each for kind in kinds for each in groups.get(kind, ())]
+        if own:
+            hits = sum(each.named == each.kind for each in own)
+            low, high = exact_interval(hits, len(own))
+            share = f"{hits} of {len(own)} ({100 * low:.0f} to {100 * high:.0f} %)"
+            lines.append(f"| {name} | {len(own)} | {share} | | |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Run the injections of one set, and print verdicts and table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--set", choices=("developed", "judged"), default="judged")
+    parser.add_argument("--seeds", type=int, default=2, help="Episodes of each injection.")
+    parser.add_argument("--first", type=int, default=900, help="First seed.")
+    parser.add_argument("--kinds", default="", help="Kinds, parted by commas [all].")
+    parser.add_argument("--backend", default="mujoco")
+    parser.add_argument("--keep", type=Path, help="Folder that keeps the recordings.")
+    options = parser.parse_args()
+    chosen = DEVELOPED if options.set == "developed" else JUDGED
+    results = []
+    for injection in chosen:
+        if options.kinds and injection.kind not in options.kinds.split(","):
+            continue
+        seeds = range(options.first, options.first + options.seeds)
+        for verdict in verdicts(injection, seeds, options.backend, options.keep):
+            results.append(verdict)
+            print(json.dumps(verdict._asdict()), flush=True)
+    print(table(results))
+
+
+if __name__ == "__main__":
+    main()
