@@ -11,6 +11,7 @@ from pydantic import BaseModel, Field, ValidationError
 
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import parse_urdf
+from cbdsl.runtime.recording import HOLDERS
 
 # Numbers in the size of a part: edges, a radius, or a radius and a height.
 _SIZES = {"box": 3, "ball": 1, "cylinder": 2}
@@ -199,8 +200,7 @@ def array_faults(summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]])
         ):
             yield f"{name}: is of {array.dtype}"
     count = len(summary["controllers"])
-    # The indices after the controllers stand for joint limits and reach.
-    if arrays["level_held_by"].max(initial=-1) > count + 2:
+    if arrays["level_held_by"].max(initial=-1) >= count + len(HOLDERS):
         yield "level_held_by: names a controller that is not there"
 
 

@@ -20,7 +20,7 @@ from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.meshes.simplified_mesh import simplified
-from cbdsl.runtime.causes import LIMITS, OPTIMUM, SINGULAR
+from cbdsl.runtime.causes import CLEARANCE, LIMITS, OPTIMUM, SINGULAR
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.episode_observer import EpisodeObserver
@@ -57,6 +57,9 @@ _LEVEL = {
     "level_held_by": np.int16,
 }
 _ABSENT = (-1, np.nan, 0, np.nan, np.nan, -1)
+
+#: Holders whose recorded indices follow those of the controllers.
+HOLDERS = (LIMITS, OPTIMUM, SINGULAR, CLEARANCE)
 
 #: Recorded facts of a controller, one bit each, the lowest first.
 FLAGS = ("seeking", "exhausted", "astray", "stuck", "lacks_hold")
@@ -294,8 +297,10 @@ class Recording(EpisodeObserver):
 
 def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[float, ...]:
     """Return the numbers of ``_LEVEL``; holder indices count the limits after all controllers."""
-    holders = [*names, LIMITS, OPTIMUM, SINGULAR]
-    held_by = holders.index(level.held_by) if level.held_by else -1
+    holders = [*names, *HOLDERS]
+    # A clearance is named with its pairs of links.
+    name = level.held_by if level.held_by in holders else CLEARANCE
+    held_by = holders.index(name) if level.held_by else -1
     return (priority, level.share, level.rank, level.singular_value, level.predicted, held_by)
 
 

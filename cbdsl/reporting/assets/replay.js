@@ -40,7 +40,7 @@ function makeCameras({ cameras }) {
 
 // The stack in a tick: who acts, and who takes whose freedom.
 function makeLevels(data) {
-  const { arrays, controllers } = data, count = controllers.length, holders = [...controllers, "joint limits", "local optimum", "singular posture"];
+  const { arrays, controllers } = data, count = controllers.length, holders = [...controllers, "joint limits", "local optimum", "singular posture", "clearance"];
   const period = arrays.time.length > 1 ? arrays.time[1] - arrays.time[0] : 1;
   const cell = (content, kind = "") => {
     const td = Object.assign(document.createElement("td"), { className: kind });

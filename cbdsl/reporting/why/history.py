@@ -15,7 +15,7 @@ from cbdsl.numeric.arrays import Floats
 from cbdsl.reporting.drawn_links import read_links
 from cbdsl.reporting.link_pose import placed
 from cbdsl.reporting.recorded import Recorded
-from cbdsl.runtime.recording import FLAGS, SIGHT
+from cbdsl.runtime.recording import FLAGS, HOLDERS, SIGHT
 
 Mask = NDArray[np.bool_]
 _IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
@@ -178,7 +178,8 @@ class History:
 
         A recorded tick has the letters after its transition, which may have ended its activity.
         """
-        mask, use = course.letters == "-", course.program.rstrip(".")
+        use = course.program.rstrip(".")
+        mask: Mask = course.letters == "-"
         for each in self.transitions:
             members = self.summary["members"][each["program"]]
             if course.member in members and each.get("use", "") == use:
@@ -293,9 +294,7 @@ class History:
 
     def holder(self, index: int) -> str:
         """Return the name of a holder by its recorded index; empty for none."""
-        from cbdsl.runtime.causes import LIMITS, OPTIMUM, SINGULAR
-
-        return [*self.recorded.controllers, LIMITS, OPTIMUM, SINGULAR, ""][index]
+        return [*self.recorded.controllers, *HOLDERS, ""][index]
 
 
 def spans(mask: Mask) -> Iterator[tuple[int, int]]:

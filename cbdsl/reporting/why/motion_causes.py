@@ -23,6 +23,7 @@ _KINDS = {
     causes.LIMITS: "limit",
     causes.OUT_OF_REACH: "out_of_reach",
     causes.BLOCKED: "not_followed",
+    causes.CLEARANCE: "guard",
     causes.OPTIMUM: "stuck",
     causes.SINGULAR: "stuck",
     causes.CREEPING: "stuck",
