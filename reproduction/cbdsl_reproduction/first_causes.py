@@ -48,8 +48,8 @@ _NEAR = 0.2
 _LATER = 1.5
 
 
-class Fault(EpisodeObserver):
-    """Fault of the world or the backend, injected between two control ticks.
+class WorldFault(EpisodeObserver):
+    """WorldFault of the world or the backend, injected between two control ticks.
 
     Attributes:
         time: Time of the first injection, s; ``None`` before it.
@@ -85,14 +85,14 @@ class Fault(EpisodeObserver):
         )
 
 
-class Removal(Fault):
+class Removal(WorldFault):
     """Removal of the object during the approach."""
 
     def inject(self) -> None:
         self.engine.remove(self.engine.names()[-1])
 
 
-class Slip(Fault):
+class InjectedSlip(WorldFault):
     """Object that leaves the hand whenever the hand has moved it for half a second."""
 
     repeats, _held = True, 0
@@ -108,19 +108,7 @@ class Slip(Fault):
         self.take_away(0.25)
 
 
-class Touch(Fault):
-    """Object that moves whenever the hand touches it."""
-
-    repeats = True
-
-    def is_due(self, tick: Tick) -> bool:
-        return bool((np.linalg.norm(tick.signals.touch.loads[..., :3], axis=-1) > 0.3).any())
-
-    def inject(self) -> None:
-        self.take_away(0.15)
-
-
-class FrozenJoint(Fault):
+class FrozenJoint(WorldFault):
     """Drive of one joint of the arm that stops."""
 
     def inject(self) -> None:
@@ -136,7 +124,7 @@ class FrozenJoint(Fault):
         self.backend.apply = applied  # type: ignore[method-assign]
 
 
-class Halt(Fault):
+class Halt(WorldFault):
     """Sensor that gives no number any more."""
 
     def inject(self) -> None:
@@ -149,7 +137,7 @@ class Halt(Fault):
         self.backend.observe = broken  # type: ignore[method-assign]
 
 
-class OneEye(Fault):
+class OneEye(WorldFault):
     """Camera that sees nothing from the beginning."""
 
     def __init__(self, backend: SimulatedBackend[Any]) -> None:
@@ -176,18 +164,19 @@ class Injection(NamedTuple):
         kind: Expected kind of the first cause; empty for a cause that is not on the list.
         program: Name of the program.
         edits: Replacements in the texts of programs and stages, by their names.
-        fault: Fault of world or backend, if any.
+        fault: WorldFault of world or backend, if any.
         stage: Name of the stage; empty for the program's.
     """
 
     kind: str
     program: str
     edits: Edits = MappingProxyType({})
-    fault: Callable[[SimulatedBackend[Any]], Fault] | None = None
+    fault: Callable[[SimulatedBackend[Any]], WorldFault] | None = None
     stage: str = ""
 
 
-_PICK = "pick_and_lift"
+_PICK, _TOUCH, _GRIP, _PANDA = "pick_and_lift", "reachtouch", "panda_grasp", "panda_pick"
+_STAGE = "cube_before_panda"
 _STEPS = (
     "  reachtouch: {then: ease, failed: back_off}\n  ease: {then: grip}\n"
     "  grip: {then: lift, failed: back_off}\n"
@@ -196,55 +185,70 @@ _SWAPPED = (
     "  grip: {then: ease, failed: back_off}\n  ease: {then: reachtouch}\n"
     "  reachtouch: {then: lift, failed: back_off}\n"
 )
-_OFF = '    reference: "stereo.$feature + [0 cm, 14 cm, 0 cm]"\n'
+_RETRY, _AGAIN = "back_off: {then: reachtouch}", "back_off: {then: grip}"
 _AT = "    reference: stereo.$feature\n"
-_DOWN, _TILTED = (
-    "    reference: [180 deg, 0 deg, 0 deg]\n",
-    "    reference: [130 deg, 0 deg, 0 deg]\n",
-)
+_OFF = '    reference: "stereo.$feature + [0 cm, {} cm, 0 cm]"\n'
+_DOWN = "    reference: [180 deg, 0 deg, 0 deg]\n"
+_TILTED = "    reference: [130 deg, 0 deg, 0 deg]\n"
 _TOP = "  reach: posture ◁ orient ◁ approach\n"
+_BELOW = "  reach: orient ◁ approach ◁ posture\n"
 
 #: Injections with which explanations were developed.
 DEVELOPED = (
-    Injection("no_grasp", _PICK, {"reachtouch": [("within: 2 cm, until: 1.5 rad", "within: 2 cm, until: 0.4 rad")]}),
-    Injection("slip", _PICK, fault=Slip),
-    Injection("translation", _PICK, {"reachtouch": [(_AT, _OFF)]}),
-    Injection("rotation", _PICK, {"reachtouch": [(_DOWN, _TILTED)]}),
-    Injection("wrong_order", _PICK, {_PICK: [(_STEPS, _SWAPPED), ("back_off: {then: reachtouch}", "back_off: {then: grip}")]}),
+    Injection("no_grasp", _PICK, {_TOUCH: [("2 cm, until: 1.5 rad", "2 cm, until: 0.4 rad")]}),
+    Injection("slip", _PICK, fault=InjectedSlip),
+    Injection("translation", _PICK, {_TOUCH: [(_AT, _OFF.format(14))]}),
+    Injection("rotation", _PICK, {_TOUCH: [(_DOWN, _TILTED)]}),
+    Injection("wrong_order", _PICK, {_PICK: [(_STEPS, _SWAPPED), (_RETRY, _AGAIN)]}),
     Injection("never_seen", "reach", stage="absent"),
     Injection("lost", _PICK, fault=Removal),
     Injection("occluded", _PICK, fault=OneEye),
     Injection("out_of_reach", "reach", stage="out_of_reach"),
-    Injection("held", "take", {"take": [("shape ◁ posture ◁ turn ◁ over", "shape ◁ turn ◁ over ◁ posture")]}),
-    Injection("no_action", _PICK, {"reachtouch": [("  X0*: reach ◁ touch\n", "")]}),
+    Injection("no_action", _PICK, {_TOUCH: [("  X0*: reach ◁ touch\n", "")]}),
     Injection("time", _PICK, {_PICK: [("episode_time: 90 s", "episode_time: 4 s")]}),
     Injection("not_followed", _PICK, fault=FrozenJoint),
     Injection("backend", _PICK, fault=Halt),
-    Injection("moved_by_touch", _PICK, fault=Touch),
-)  # fmt: skip
+)
 
-_GRIP, _PANDA = "panda_grasp", "panda_pick"
 #: Injections into programs that were not used for the development.
 JUDGED = (
     Injection("no_grasp", _PANDA, {_GRIP: [("until: 2 mm", "until: 30 mm")]}),
-    Injection("slip", _PANDA, fault=Slip),
-    Injection("translation", _PANDA, {_GRIP: [(_AT, '    reference: "stereo.$feature + [0 cm, 12 cm, 0 cm]"\n')]}),
-    Injection("rotation", _PANDA, {_GRIP: [(_DOWN, "    reference: [100 deg, 0 deg, 0 deg]\n")]}),
-    Injection("wrong_order", _PANDA, {_PANDA: [("  grasp: {then: hold}\n", ""), ("  retreat: {then: succeed}", "  retreat: {then: grasp}\n  grasp: {then: succeed}"), ("hold undefined: grasp", "hold undefined: end")]}),
-    Injection("never_seen", _PANDA, {"cube_before_panda": [("color: [1, 0, 0]", "color: [0.5, 0.5, 0.5]")]}),
+    Injection("slip", _PANDA, fault=InjectedSlip),
+    Injection("translation", _PANDA, {_GRIP: [(_AT, _OFF.format(12))]}),
+    Injection(
+        "wrong_order",
+        _PANDA,
+        {
+            _PANDA: [
+                ("  grasp: {then: hold}\n", ""),
+                ("retreat: {then: succeed}", "retreat: {then: grasp}\n  grasp: {then: succeed}"),
+                ("hold undefined: grasp", "hold undefined: end"),
+            ]
+        },
+    ),
+    Injection("never_seen", _PANDA, {_STAGE: [("color: [1, 0, 0]", "color: [0.5, 0.5, 0.5]")]}),
     Injection("lost", _PANDA, fault=Removal),
     Injection("occluded", _PANDA, fault=OneEye),
-    Injection("out_of_reach", _PANDA, {"cube_before_panda": [("size: [60 cm, 120 cm, 4 cm]", "size: [140 cm, 120 cm, 4 cm]"), ("position: [58 cm,", "position: [98 cm,"), ("x: [40 cm, 58 cm]", "x: [86 cm, 90 cm]")]}),
-    Injection("held", _PANDA, {_GRIP: [(_TOP, "  reach: orient ◁ approach ◁ posture\n")]}),
+    Injection(
+        "out_of_reach",
+        _PANDA,
+        {
+            _STAGE: [
+                ("size: [60 cm, 120 cm, 4 cm]", "size: [140 cm, 120 cm, 4 cm]"),
+                ("position: [58 cm,", "position: [98 cm,"),
+                ("x: [40 cm, 58 cm]", "x: [86 cm, 90 cm]"),
+            ]
+        },
+    ),
+    Injection("held", _PANDA, {_GRIP: [(_TOP, _BELOW)]}),
     Injection("no_action", _PANDA, {_GRIP: [("  1X: touch\n", "")]}),
     Injection("time", _PANDA, {_PANDA: [("episode_time: 90 s", "episode_time: 3 s")]}),
     Injection("not_followed", _PANDA, fault=FrozenJoint),
     Injection("backend", _PANDA, fault=Halt),
-    Injection("moved_by_touch", _PANDA, fault=Touch),
-)  # fmt: skip
+)
 
 
-class Verdict(NamedTuple):
+class CauseVerdict(NamedTuple):
     """Verdict on the explanation of one episode.
 
     Attributes:
@@ -264,7 +268,7 @@ class Verdict(NamedTuple):
 
 def verdicts(
     injection: Injection, seeds: Sequence[int], backend: str, keep: Path | None = None
-) -> Iterator[Verdict]:
+) -> Iterator[CauseVerdict]:
     """Run the episodes of an injection, and yield the verdicts on their explanations.
 
     Args:
@@ -305,14 +309,14 @@ class _End(EpisodeObserver):
         self._ended.append(result)
 
 
-def _verdict(kind: str, file: Path, time: float | None) -> Verdict:
+def _verdict(kind: str, file: Path, time: float | None) -> CauseVerdict:
     history = History(read_recording(file))
     diagnosis = diagnose(history)
     cause = diagnosis.cause
     if cause is None:
-        return Verdict(kind, "", diagnosis.failed, np.nan, "; ".join(diagnosis.ruled_out))
+        return CauseVerdict(kind, "", diagnosis.failed, np.nan, "; ".join(diagnosis.ruled_out))
     late = np.nan if time is None else float(history.time[cause.tick]) - time
-    return Verdict(kind, cause.kind, diagnosis.failed, late, cause.sentence)
+    return CauseVerdict(kind, cause.kind, diagnosis.failed, late, cause.sentence)
 
 
 def _write(edits: Edits, folder: Path, program: str) -> str | Path:
@@ -335,11 +339,11 @@ def _write(edits: Edits, folder: Path, program: str) -> str | Path:
     return target
 
 
-def table(results: Sequence[Verdict]) -> str:
+def table(results: Sequence[CauseVerdict]) -> str:
     """Return the right first causes by kind as a table in Markdown, with exact intervals."""
     lines = ["| injected | failed | first cause right | within 0.2 s | named instead |"]
     lines.append("| --- | --- | --- | --- | --- |")
-    groups: dict[str, list[Verdict]] = defaultdict(list)
+    groups: dict[str, list[CauseVerdict]] = defaultdict(list)
     for result in results:
         if result.failed:
             groups[result.kind].append(result)

@@ -184,7 +184,7 @@ def _turned(history: History, tick: int, closed: str) -> FailureCause | None:
 def _at_odds(
     history: History, tick: int, acted: list[ControllerCourse], courses: list[ControllerCourse]
 ) -> tuple[str, float] | None:
-    """Return what shows another orientation of a hand, and the angle, rad, if any does.
+    """Return the name of another orientation that a hand should have, and the angle, rad.
 
     These are the object that a reference is relative to, and constants of other controllers, whose
     tilts are compared.
