@@ -52,8 +52,8 @@ def compare(
     """Compare the success rates of two programs, policies or robots with the same seeds.
 
     A and B are programs, each with its own stage, policy, schema, backend and parameters. The
-    interval of 95 % holds at all numbers of pairs. The comparison ends when it is decided, or when the remaining seeds cannot decide it. The first seed of which one succeeded is
-    explained as by cb why.
+    interval of 95 % holds at all numbers of pairs. The comparison ends when it is decided, or when
+    the remaining seeds cannot decide it. The first seed with one success is explained as by cb why.
 
     Exit 0, or 3 if B is decidedly worse. Exit 1 if a document has errors, and 2 if a program cannot
     run.
