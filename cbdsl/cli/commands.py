@@ -41,7 +41,7 @@ SUMMARIES = {
 GROUPS = ("show", "new", "export", "drive")
 
 #: Modules of commands that are not named like their command.
-_MODULES = {"show": "show.show", "why": "episodes.why"}
+_MODULES = {"show": "show.show", "why": "failures.why"}
 
 #: Requirements of this project that add commands.
 _PROVIDERS = {

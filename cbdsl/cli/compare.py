@@ -16,7 +16,7 @@ from cbdsl.api.load import load
 from cbdsl.backends.engines import default_engine
 from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.arguments.options import Cameras
-from cbdsl.cli.episodes.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
+from cbdsl.cli.failures.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
 from cbdsl.diagnostics.errors import UsageError
 
 if TYPE_CHECKING:

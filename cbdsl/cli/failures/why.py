@@ -14,8 +14,8 @@ import typer
 from cbdsl.cli.arguments.option_groups import grouped
 from cbdsl.cli.arguments.options import Open
 from cbdsl.cli.episodes.pages import open_page, require_room, write_page
-from cbdsl.cli.episodes.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
 from cbdsl.cli.episodes.simulation import needing_simulation
+from cbdsl.cli.failures.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
 from cbdsl.cli.run import RunOptions
 
 What = Annotated[
