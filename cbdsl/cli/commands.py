@@ -30,6 +30,7 @@ SUMMARIES = {
     "explore": "Explore the affordances of an object until its models have habituated (Chapter 6).",
     "report": "Write a self-contained page of learned documents.",
     "calibrate": "Estimate the positions of a robot's cameras from views of a ball in its hand.",
+    "playground": "Show a page on which a program is edited, checked, drawn and run, until Ctrl-C.",
     "lsp": "Serve an editor over the standard streams: diagnostics while typing, completion, "
     "hover.",
     "fmt": "Format documents: uniform indentation and spacing, without superfluous empty lines.",
@@ -41,7 +42,11 @@ SUMMARIES = {
 GROUPS = ("show", "new", "export", "drive")
 
 #: Modules of commands that are not named like their command.
-_MODULES = {"show": "show.show", "why": "failures.why"}
+_MODULES = {
+    "show": "show.show",
+    "why": "failures.why",
+    "playground": "episodes.playground",
+}
 
 #: Requirements of this project that add commands.
 _PROVIDERS = {

@@ -1,17 +1,5 @@
 // The live page: what the server tells, and what it is asked for.
 
-// Asks the server for something; its answer, or null where it refuses, which is told.
-function makeAsking(token) {
-  return async (request) => {
-    const headers = { "Content-Type": "application/json", "X-Cbdsl-Token": token };
-    const response = await fetch("request", { method: "POST", headers, body: JSON.stringify(request) });
-    const answer = await response.json();
-    byId("problem").hidden = response.ok;
-    if (!response.ok) byId("problem").textContent = answer.problem;
-    return response.ok ? answer : null;
-  };
-}
-
 // The program's members, each with its letter, and the action.
 function showState(members, frame) {
   if (frame.stack) {

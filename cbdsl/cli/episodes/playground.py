@@ -1,0 +1,134 @@
+"""``cb playground``: a page on which a program is edited, checked, drawn and run."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import webbrowser
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Lock
+from time import sleep
+from typing import Annotated, Any
+
+import typer
+
+from cbdsl.cli.arguments.options import Program
+from cbdsl.cli.output.terminal import print_line
+from cbdsl.cli.process.termination import stop_requests
+from cbdsl.documents.document import NAME_PATTERN
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.reporting.bundle import Bundle
+from cbdsl.reporting.live.feed import Feed
+from cbdsl.reporting.live.page_server import LiveServer, RequestError
+from cbdsl.reporting.template import filled
+from cbdsl.yaml_text.library import Library
+
+Port = Annotated[
+    int, typer.Option("--live-port", min=0, max=65535, help="Port of the page [a free one].")
+]
+Open = Annotated[bool, typer.Option("--open/--no-open", help="Show the page in the browser.")]
+
+_CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
+# Longest time of a check and of a run, s.
+_CHECK, _RUN = 30.0, 180.0
+_PERIOD = 0.1
+_SCRIPTS = ("page.js", "data.js", "asking.js", "automaton.js", "playground.js")
+
+
+def playground(program: Program = "let_go", port: Port = 0, open_page: Open = True) -> None:
+    """Show a page on which a program is edited, checked, drawn and run, until Ctrl-C.
+
+    Only browsers of this machine reach the page. Runs use the kinematic backend. The file of the
+    program is read, and never written.
+    """
+    library = Library()
+    text = library.text(library.locate(ProgramDocument, program))
+    requests = PlaygroundRequests()
+    server = LiveServer(Feed(), lambda token: playground_page(text, token), requests, port)
+    with stop_requests() as stopped:
+        try:
+            print_line(f"playground at {server.url}; Ctrl-C ends it")
+            if open_page:
+                webbrowser.open(server.url)
+            while not stopped():
+                sleep(_PERIOD)
+        finally:
+            requests.close()
+            server.close()
+
+
+def playground_page(text: str, token: str) -> str:
+    """Return the page with a program; its results come from its server.
+
+    Args:
+        text: Text of the program.
+        token: Token that requests have to contain.
+    """
+    data = Bundle().text({"text": text, "token": token})
+    styles = ("page.css", "playground.css")
+    return filled("playground.html", "playground", styles, _SCRIPTS, data, {}, connects=True)
+
+
+class PlaygroundRequests:
+    """Requests of the page, each by the commands that users type, in a process of its own."""
+
+    def __init__(self) -> None:
+        self._turn = Lock()
+        self._process: subprocess.Popen[str] | None = None
+
+    def __call__(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return diagnostics and automaton of a program, or the output of its run.
+
+        Args:
+            request: ``text`` of the program, and ``seed`` for a run.
+
+        Raises:
+            RequestError: Another request is executed, or this one took too long.
+        """
+        text, seed = str(request["text"]), request.get("seed")
+        if not self._turn.acquire(blocking=False):
+            raise RequestError("the previous request is still being executed")
+        try:
+            with TemporaryDirectory() as folder:
+                file = Path(folder) / f"{_name(text)}.yaml"
+                file.write_bytes(text.encode("utf-8", "replace"))
+                return self._check(file) if seed is None else self._run(file, int(seed))
+        finally:
+            self._turn.release()
+
+    def _check(self, file: Path) -> Mapping[str, Any]:
+        report = json.loads(self._output(_CHECK, "validate", "--json", str(file)))
+        shown = "" if report["errors"] else self._output(_CHECK, "show", "program", file, "--json")
+        automaton = json.loads(shown)["automaton"] if shown.startswith("{") else None
+        return {"findings": report["findings"], "automaton": automaton}
+
+    def _run(self, file: Path, seed: int) -> Mapping[str, Any]:
+        words = ("run", str(file), "--backend", "kinematic", "--seed", str(seed))
+        return {"output": self._output(_RUN, *words)}
+
+    def _output(self, seconds: float, *words: str | Path) -> str:
+        """Return the output of a command."""
+        with subprocess.Popen(
+            [*_CB, *map(str, words)], text=True, stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        ) as self._process:  # fmt: skip
+            try:
+                return self._process.communicate(timeout=seconds)[0]
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                raise RequestError(f"it took longer than {seconds:g} s") from None
+
+    def close(self) -> None:
+        """End the command that runs."""
+        if self._process is not None:
+            self._process.kill()
+
+
+def _name(text: str) -> str:
+    """Return the name of a document, which is that of its file."""
+    match = re.search(r"(?m)^name: *(\w+) *$", text)
+    return match[1] if match and re.search(NAME_PATTERN, match[1]) else "playground"
