@@ -16,7 +16,6 @@ from typing import Annotated, Any
 
 import typer
 
-from cbdsl.cli.arguments.options import Program
 from cbdsl.cli.output.terminal import print_line
 from cbdsl.cli.process.termination import stop_requests
 from cbdsl.documents.document import NAME_PATTERN
@@ -27,6 +26,7 @@ from cbdsl.reporting.live.page_server import LiveServer, RequestError
 from cbdsl.reporting.template import filled
 from cbdsl.yaml_text.library import Library
 
+Program = Annotated[str, typer.Argument(help="Program to begin with: file or name.")]
 Port = Annotated[
     int, typer.Option("--live-port", min=0, max=65535, help="Port of the page [a free one].")
 ]
