@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from cbdsl.checking.effector_kinds import carries, has_signal
 from cbdsl.checking.open_members import MemberExchange, OpenMember
 from cbdsl.checking.program import examine_program, examiner
 from cbdsl.checking.robot.checked_robot import CheckedRobot
@@ -102,17 +103,7 @@ def _candidates(wanted: Allotment, robot: CheckedRobot) -> list[str]:
     if wanted.kind == CHANNEL:
         return list(channel_names(document.vision.channels)) if document.cameras else []
     names = [*document.effectors, *document.groups]
-    return [name for name in names if _has(wanted.type, name, robot)]
-
-
-def _has(kind: str, effector: str, robot: CheckedRobot) -> bool:
-    """Return whether an effector, or each member of a group, has a signal of a type."""
-    members = robot.document.members(effector)
-    if kind == "force":
-        return all(member in robot.document.load_cells for member in members)
-    if kind == "configuration":
-        return True
-    return all(f"{member}.{kind}" in robot.resources for member in members)
+    return [name for name in names if has_signal(wanted.type, name, robot)]
 
 
 def _allocation(
@@ -142,20 +133,6 @@ def _apart(names: Sequence[str], robot: CheckedRobot) -> str:
         name for name in names if name in {*robot.document.effectors, *robot.document.groups}
     ]
     for one, other in itertools.pairwise(effectors):
-        if not _carries(one, other, robot) and not _carries(other, one, robot):
+        if not carries(one, other, robot) and not carries(other, one, robot):
             return f"'{other}' is not mounted on '{one}'"
     return ""
-
-
-def _carries(one: str, other: str, robot: CheckedRobot) -> bool:
-    """Return whether an effector, or each member of a group, carries another or its member."""
-    document, model = robot.document, robot.model
-    carriers, carried = document.members(one), document.members(other)
-    if model is None or len(carriers) != len(carried):
-        return False
-    return all(
-        robot.moves(carrier, model.joints[joint].child)
-        for carrier, load in zip(carriers, carried, strict=True)
-        for joint in document.effectors[load].joints
-        if joint in model.joints
-    )

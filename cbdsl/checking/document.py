@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
 from cbdsl.storage.contents import is_file
+from cbdsl.types.role import ROBOT
 from cbdsl.yaml_text.loaded import Loaded
 
 if TYPE_CHECKING:
@@ -62,11 +64,25 @@ def check_program(
     from cbdsl.checking.program import examine_program  # robots and stages do without
     from cbdsl.checking.rules.stage_colors import check_colors
 
-    parameters = loaded.document.parameters
-    values = {key: value for key, value in session.values.items() if key in parameters}
-    program = examine_program(loaded.path, values, session, diagnostics)
-    if not isinstance(program, Unknown) and not diagnostics.failed:
-        check_colors(loaded, program, session, diagnostics)
+    roles = {ROBOT, *loaded.document.roles} if loaded.document.roles else set()
+    known = roles.union(loaded.document.parameters)
+    values = {key: value for key, value in session.values.items() if key in known}
+    for robot in _robots(loaded, values, session):
+        program = examine_program(loaded.path, {**values, **robot}, session, diagnostics)
+        if not isinstance(program, Unknown) and not diagnostics.failed:
+            check_colors(loaded, program, session, diagnostics)
+
+
+def _robots(
+    loaded: Loaded[ProgramDocument], values: Mapping[str, str], session: Session
+) -> list[dict[str, str]]:
+    """Return the values that name each robot of a program: all at hand that fill its roles."""
+    if not loaded.document.roles or ROBOT in values:
+        return [{}]
+    from cbdsl.checking.roles import fitting_robots
+
+    reasons = fitting_robots(loaded, session)
+    return [{ROBOT: name} for name, reason in reasons.items() if not reason] or [{}]
 
 
 def check_schema(
@@ -91,7 +107,7 @@ def _references(loaded: Loaded[Document], session: Session, diagnostics: Diagnos
     library = session.library
     for key, kind in kind_of(type(loaded.document)).references.items():
         name, model = getattr(loaded.document, key), KINDS.get(kind).model
-        if name is not None:
+        if name:
             find_document(model, name, loaded.source.place(key), library, diagnostics)
 
 

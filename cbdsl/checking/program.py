@@ -33,6 +33,7 @@ from cbdsl.program.automaton import Automaton, Tables
 from cbdsl.program.checked import Action, CheckedProgram, Guards
 from cbdsl.program.condition import ProgramCondition
 from cbdsl.program.controller import Composition, Primitive
+from cbdsl.types.role import ROBOT
 from cbdsl.program.steps import DocumentSpot, StepReader, written_steps
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
@@ -57,18 +58,21 @@ def check_program(
     session, diagnostics = Session(library), Diagnostics()
     path = session.library.locate(ProgramDocument, path_or_name)
     values = with_ or {}
-    loaded = session.library.read_sound_parts(path, ProgramDocument)
-    known = loaded.source.declared(loaded.document.parameters, "parameters")
+    loaded = session.library.read_as_written(path, ProgramDocument)
+    document = loaded.document
+    known = loaded.source.declared({**document.parameters, **document.roles}, "parameters")
     for name in values:
-        if name not in known:
-            raise UsageError(f"{path}: {_no_parameter(name, list(known))}")
+        if name not in known and not (name == ROBOT and document.roles):
+            raise UsageError(f"{path}: {_unknown(name, values[name], document, list(known))}")
     checked = examine_program(path, values, session, diagnostics)
     if isinstance(checked, Unknown) or diagnostics.failed:
         raise DiagnosticsError(causes_first(diagnostics.sorted(), session.library))
     return checked
 
 
-def _no_parameter(name: str, known: list[str]) -> str:
+def _unknown(name: str, value: str, document: ProgramDocument, known: list[str]) -> str:
+    if name == ROBOT:
+        return f"this program is for robot '{document.robot}' alone, and not for '{value}'"
     listed = ", ".join(known) or "none"
     return f"unknown parameter '{name}'{suggestion(name, known)} (known: {listed})"
 
@@ -117,8 +121,15 @@ def _examine(
     budget.depth += 1
     budget.count += 1
     try:
-        loaded = session.library.read_sound_parts(path, ProgramDocument)
+        loaded = session.library.read_as_written(path, ProgramDocument)
         diagnostics.extend(loaded.diagnostics)
+        if loaded.document.roles:
+            from cbdsl.checking.roles import bound_program  # programs of one robot do without
+
+            bound = bound_program(loaded, values, session, diagnostics)
+            if isinstance(bound, Unknown):
+                return UNKNOWN
+            loaded, values = bound, {k: v for k, v in values.items() if k != ROBOT}
         return _ProgramCheck(loaded, values, session, diagnostics, budget).check()
     except DiagnosticsError as error:
         diagnostics.extend(error.diagnostics)

@@ -19,6 +19,7 @@ from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.types.role import ROBOT
 from cbdsl.yaml_text.loaded import Loaded
 
 if TYPE_CHECKING:
@@ -90,28 +91,29 @@ class UsedPrograms:
         if isinstance(path, Unknown):
             return UNKNOWN
         try:
-            used = self._session.library.read_sound_parts(path, ProgramDocument)
+            used = self._session.library.read_as_written(path, ProgramDocument)
         except DiagnosticsError as error:
             self._diagnostics.extend(error.diagnostics)
             return UNKNOWN
-        if not self._dependencies.is_for_the_robot(used.document.robot, use.program, steps):
+        robot = used.document.robot or self._loaded.document.robot
+        if not self._dependencies.is_for_the_robot(robot, use.program, steps):
             return UNKNOWN
-        values = self._values(name, use, used)
+        values, parts = self._values(name, use, used), self._parts(used.document)
         faults = Diagnostics()
-        program = self._examine(path, values, faults)
+        program = self._examine(path, {**parts, **values}, faults)
         # A program may fail with the given values because of these values, or because of faults of
         # its own. A second check with its default values decides. Faults of values are reported
         # here, where the values are written.
         if faults.failed and not faults.holds(_ENDLESS):
             own = Diagnostics()
-            self._examine(path, {}, own)
+            self._examine(path, parts, own)
             if not own.failed:
                 # A value that is missing because of its own error may be needed to run.
                 given = self._source.known(use.with_, "use", name, "with")
                 if not isinstance(given, Unknown) and len(values) == len(given):
                     # Each value is tried alone beside the defaults. If only their combination
                     # fails, the first value is reported.
-                    wrong = [key for key in values if not self._runs(path, {key: values[key]})]
+                    wrong = [k for k in values if not self._runs(path, {**parts, k: values[k]})]
                     self._unsuitable.append((name, path, (*wrong, *values)[0], faults))
                 return UNKNOWN
             faults = own  # errors with its own values, too
@@ -122,6 +124,14 @@ class UsedPrograms:
         if isinstance(program, Unknown):
             return UNKNOWN
         return self._decided(name, use, program, path, values)
+
+    def _parts(self, used: ProgramDocument) -> dict[str, str]:
+        """Return the robot, and the effectors in roles of the same name, for a used program."""
+        own = self._loaded.document
+        if not used.roles:
+            return {}
+        same = {name: own.parameters[name] for name in used.roles if name in own.roles}
+        return {ROBOT: own.robot, **same}
 
     def _decided(
         self, name: str, use: Use, program: CheckedProgram, path: Path, values: Mapping[str, str]
@@ -186,7 +196,8 @@ class UsedPrograms:
     def _values(self, name: str, use: Use, used: Loaded[ProgramDocument]) -> dict[str, str]:
         """Return the parameters of a used program, with this program's own replaced."""
         source, values = self._source, {}
-        parameters = used.source.declared(used.document.parameters, "parameters")
+        own = {**used.document.parameters, **used.document.roles}
+        parameters = used.source.declared(own, "parameters")
         for key, text in use.with_.items():
             steps = ("use", name, "with", key)
             if key not in parameters:

@@ -154,6 +154,7 @@ class RunOptions:
     policy: Policy = None
     schema: Schema = None
     with_: With = field(default_factory=list)
+    robot: Robot = None
     calibration: Calibration = None
     body: BodyNumber = None
     gui: Gui = False
@@ -179,7 +180,7 @@ class RunOptions:
             program,
             self.stage,
             self.policy,
-            read_assignments(self.with_),
+            read_assignments(self.with_, robot=self.robot),
             schema=self.schema,
             calibration=self.calibration,
             body=self.body,

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.options import Paths
+from cbdsl.cli.arguments.options import Paths, Robot
 from cbdsl.cli.validation import STANDARD_INPUT_NAME, check_paths
 
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.
@@ -34,6 +34,7 @@ StdinName = Annotated[
 def validate(
     paths: Paths,
     with_: With = [],  # noqa: B006 (typer)
+    robot: Robot = None,
     form: Form = "text",
     as_json: Json = False,
     strict: Strict = False,
@@ -44,7 +45,7 @@ def validate(
 
     Exit 0 without errors, 1 with errors, 2 for wrong arguments or an internal error.
     """
-    values = read_assignments(with_)
+    values = read_assignments(with_, robot=robot)
     if fix:
         from cbdsl.cli.fix import fix_paths
 

@@ -29,7 +29,8 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
     """Return the SHA-256 of a document's content, in hexadecimal.
 
     The description, comments, layout and explicit default values do not change it. The content of a
-    mesh counts, and its path does not. The drivers of a robot do not count.
+    mesh counts, and its path does not. Drivers do not count, nor roles, because
+    the robot and the effectors in them do.
 
     Args:
         document: Document.
@@ -42,7 +43,7 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
         mode="json",
         by_alias=True,
         exclude_defaults=True,
-        exclude={"description", "drivers", *leave_out},
+        exclude={"description", "drivers", "roles", *leave_out},
         context={"by_content": True},
     )
     # Sorted keys make the text independent of the order in the document.

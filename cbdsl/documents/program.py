@@ -286,7 +286,7 @@ def _required_without_alternative(
     # here and counts as given, so that its fault is not reported a second time.
     if not info.data.get(ProgramDocument.alternatives[str(info.field_name)], True):
         raise PydanticKnownError("missing")
-    return {} if info.field_name == "controllers" else ()
+    return {"controllers": {}, "actions": (), "robot": ""}[str(info.field_name)]
 
 
 class StepSection(Section):
@@ -306,12 +306,19 @@ class StepSection(Section):
 class ProgramDocument(Document):
     """Behaviour: controllers and a policy over their states."""
 
-    alternatives: ClassVar[Mapping[str, str]] = {"actions": "steps", "controllers": "use"}
+    alternatives: ClassVar[Mapping[str, str]] = {"robot": "roles", "actions": "steps", "controllers": "use"}
 
     kind: Literal["program"]
     """Kind of this document: a program."""
-    robot: Name
-    """Robot of the program."""
+    roles: dict[Name, Text] = {}
+    """Parts of any robot, in place of ``robot``, by name: `effector of force on arm`, `effector of
+    position other than arm`; parameters stand for them."""
+    robot: Annotated[
+        Name,
+        Field(default_factory=lambda: _ABSENT, validate_default=True),
+        WrapValidator(_required_without_alternative),
+    ]
+    """Robot of the program; required without ``roles``."""
     stage: Name | None = None
     """Stage to run on, unless another one is named."""
     parameters: dict[Name, str] = {}

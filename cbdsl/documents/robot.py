@@ -409,6 +409,8 @@ class RobotDocument(Document):
     """Groups of joints that move, by name."""
     groups: dict[Name, Group] = {}
     """Effectors that programs can name together."""
+    roles: dict[Name, Name] = {}
+    """Effectors that programs for any robot take first, by their roles."""
     couplings: dict[str, Coupling] = {}
     """Passive joints, by name."""
     load_cells: dict[Name, dict[Name, LoadCell]] = {}

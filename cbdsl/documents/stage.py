@@ -126,6 +126,13 @@ class StageDocument(Document):
         return self
 
 
+def empty_stage(robot: str) -> StageDocument:
+    """Return a stage for a robot on which there is nothing."""
+    return StageDocument(
+        cbdsl=1, kind="stage", name="empty", robot=robot, contexts={"still": Context()}
+    )
+
+
 STAGE = Kind(
     StageDocument,
     folder="programs/stages",

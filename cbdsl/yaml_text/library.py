@@ -45,6 +45,7 @@ class Library:
         self.here = here or Path.cwd()
         self._given = {Path(os.path.realpath(path)): data for path, data in (given or {}).items()}
         self._read: dict[Path, Loaded[Any]] = {}
+        self._bound: dict[Path, Loaded[Any]] = {}
         self._files_by_name: dict[tuple[type[Document], str, Path | None], Path] = {}
         self._named: dict[Path, set[Path]] = {}
         self._real: dict[Path, Path] = {}
@@ -134,11 +135,23 @@ class Library:
         Raises:
             DiagnosticsError: No part of the file can be checked.
         """
+        return self._bound.get(self.real(path)) or self.read_as_written(path, kind)
+
+    def read_as_written(self, path: Path, kind: type[D]) -> Loaded[D]:
+        """Read the sound parts of a document without a robot in its roles.
+
+        Raises:
+            DiagnosticsError: No part of the file can be checked.
+        """
         key = self.real(path)
         if key not in self._read or not isinstance(self._read[key].document, kind):
             self._read[key] = read_sound_parts(path, kind, self.text(path))
         loaded: Loaded[D] = self._read[key]
         return loaded
+
+    def bind(self, loaded: Loaded[Any]) -> None:
+        """Let readers of a program with roles see it with a robot in them, until the next one."""
+        self._bound[self.real(loaded.path)] = loaded
 
     def replace(self, path: Path, data: bytes) -> bool:
         """Replace the contents of a file by other bytes, and drop its cached document.
@@ -151,6 +164,7 @@ class Library:
         before = self._given.get(key)
         self._given[key] = data
         self._read.pop(key, None)
+        self._bound.clear()
         kinds = {declared_kind((each or b"").decode("utf-8", "replace")) for each in (before, data)}
         if len(kinds) > 1:
             # A name refers to a file of one kind alone.

@@ -179,9 +179,12 @@ def _read_stage(
 ) -> StageDocument:
     from cbdsl.api.reading.clean import require_clean
     from cbdsl.diagnostics.errors import UsageError
-    from cbdsl.documents.stage import StageDocument
+    from cbdsl.documents.program import ProgramDocument
+    from cbdsl.documents.stage import StageDocument, empty_stage
 
     wanted = name or program.stage
+    if wanted is None and library.read_as_written(program_file, ProgramDocument).document.roles:
+        return empty_stage(program.robot)
     if wanted is None:
         known = _stages_for(program.robot, program_file, library)
         raise UsageError(f"{program.name} names no stage; give one (known: {known})")

@@ -139,6 +139,7 @@ class _RobotCheck:
         for name, effector in self._robot.effectors.items():
             self._effector(name, effector)
         self._groups()
+        self._roles()
         self._masters()
         self._couplings()
         self._load_cells()
@@ -165,6 +166,11 @@ class _RobotCheck:
             self._diagnostics.add(
                 "CB306", place, names=postures, name=effector.start, effector=name
             )
+
+    def _roles(self) -> None:
+        known = [*self._robot.effectors, *self._robot.groups]
+        for role, name in self._robot.roles.items():
+            self._known(name, known, ("roles", role), "effector")
 
     def _groups(self) -> None:
         for name, group in self._robot.groups.items():

@@ -21,7 +21,8 @@ def check_unused(context: ProgramContext, used: Collection[str]) -> None:
                 context.add("CB701", source.key(section, name), name=name)
     for name in document.parameters:
         if name not in context.scope.used:
-            context.add("CB702", source.key("parameters", name), name=name)
+            section = "roles" if name in document.roles else "parameters"
+            context.add("CB702", source.key(section, name), name=name)
     _hidden(context)
 
 

@@ -73,3 +73,11 @@ With = Annotated[
     list[str],
     typer.Option("--with", help="Parameter of the program, such as arm=left_arm; may be repeated."),
 ]
+Robot = Annotated[
+    str | None,
+    typer.Option(
+        "--robot",
+        help="Robot of a program with roles: file or name [the first one that fits].",
+        autocompletion=names_of("robot"),
+    ),
+]

@@ -8,7 +8,7 @@ from cbdsl.checking.allocations import allocations
 from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
 from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.options import ShownProgram
+from cbdsl.cli.arguments.options import Robot, ShownProgram
 from cbdsl.cli.output.terminal import print_json, print_table
 from cbdsl.cli.show.formats import PLAIN, Format, Json, PlainFormat, read_format
 from cbdsl.cli.show.program import With
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 def show_allocations(
     name: ShownProgram,
     with_: With = [],  # noqa: B006 (typer)
+    robot: Robot = None,
     format_: PlainFormat = "text",
     as_json: Json = False,
 ) -> None:
@@ -29,7 +30,7 @@ def show_allocations(
     All combinations for the section resources are checked as separate programs.
     """
     form = read_format(format_, as_json, PLAIN)
-    session, values = Session(), read_assignments(with_)
+    session, values = Session(), read_assignments(with_, robot=robot)
     # Errors of the program itself come first: all of its allocations would repeat them.
     check_program(name, values, session.library)
     path = session.library.locate(ProgramDocument, name)

@@ -8,7 +8,7 @@ import typer
 
 from cbdsl.checking.program import check_program
 from cbdsl.cli.arguments.assignments import read_assignments
-from cbdsl.cli.arguments.options import ShownProgram
+from cbdsl.cli.arguments.options import Robot, ShownProgram
 from cbdsl.cli.output.terminal import print_json
 from cbdsl.cli.show.formats import Format, Json, drawing, read_format
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
@@ -41,6 +41,7 @@ FormatOption = Annotated[
 def show_program(
     name: ShownProgram,
     with_: With = [],  # noqa: B006 (typer)
+    robot: Robot = None,
     format_: FormatOption = "text",
     as_json: Json = False,
 ) -> None:
@@ -50,7 +51,7 @@ def show_program(
     possible rewards, and the policy. The formats dot, mermaid and svg draw a graph.
     """
     form = read_format(format_, as_json)
-    program = check_program(name, read_assignments(with_))
+    program = check_program(name, read_assignments(with_, robot=robot))
     if form is Format.JSON:
         print_json(program_data(program))
     elif form is Format.TEXT:

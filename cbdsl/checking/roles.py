@@ -1,0 +1,226 @@
+"""Binding of a program's roles to the effectors of a robot (Sections 8.2 and 8.3)."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.checking.effector_kinds import carries, has_signal
+from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.nearest import suggestion
+from cbdsl.diagnostics.outcome import UNKNOWN, Outcome, Unknown
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.types.role import RELATIONS, ROBOT, Role, role
+from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.loaded import Loaded
+
+
+class Binding(NamedTuple):
+    """Effectors in the roles of a program.
+
+    Attributes:
+        effectors: Effector by role.
+        refusal: Reason why they do not fit; empty if they do.
+    """
+
+    effectors: Mapping[str, str]
+    refusal: str
+
+
+def read_roles(document: ProgramDocument) -> dict[str, Role]:
+    """Return the roles of a program that can be read, by name."""
+    known = ((name, role(text)) for name, text in document.roles.items())
+    return {name: each for name, each in known if each is not None}
+
+
+def check_roles(loaded: Loaded[ProgramDocument], diagnostics: Diagnostics) -> None:
+    """Check that each role has a known kind, and relates to an earlier role."""
+    document, source = loaded.document, loaded.source
+    if source.holds("robot"):
+        related = [(source.key("roles"), "the roles")]
+        diagnostics.add("CB415", source.key("robot"), related=related, name=document.robot)
+    for place, (name, text) in enumerate(document.roles.items()):
+        earlier, known = list(document.roles)[:place], role(text)
+        wrong = () if known is None else set(known.relations.values()).difference(earlier)
+        if known is None or wrong:
+            problem = f"role '{', '.join(sorted(wrong))}' is not stated above" if wrong else text
+            names = earlier if wrong else []
+            diagnostics.add(
+                "CB413", source.place("roles", name), names=names, name=name, problem=problem
+            )
+        if source.holds("parameters", name):
+            related = [(source.key("parameters", name), "the parameter")]
+            diagnostics.add("CB703", source.key("roles", name), related=related, name=name,
+                            other="parameter")  # fmt: skip
+
+
+def bindings(
+    roles: Mapping[str, Role], robot: CheckedRobot, values: Mapping[str, str]
+) -> Iterator[Binding]:
+    """Yield each choice of effectors of the right kinds, fitting or not.
+
+    Args:
+        roles: Roles by name.
+        robot: Robot.
+        values: Given effectors by role.
+    """
+    own = list(robot.document.effectors)
+    choices = [
+        [values[name]] if name in values else [e for e in own if has_signal(each.wanted.type, e, robot)]
+        for name, each in roles.items()
+    ]  # fmt: skip
+    for chosen in itertools.product(*choices):
+        effectors = dict(zip(roles, chosen, strict=True))
+        yield Binding(effectors, _refusal(roles, effectors, robot))
+
+
+def bind(
+    loaded: Loaded[ProgramDocument], robot: CheckedRobot, values: Mapping[str, str]
+) -> Loaded[ProgramDocument] | str:
+    """Return a program with effectors of a robot in its roles, or the reason why there are none.
+
+    An effector with the name of a role comes first, then the one that the robot's document names
+    for it. Several that remain equal are a reason to refuse.
+
+    Args:
+        loaded: Program with roles.
+        robot: Robot.
+        values: Given effectors by role, and other values.
+    """
+    document, roles = loaded.document, read_roles(loaded.document)
+    for name, each in roles.items():
+        problem = _unfilled(name, each, robot, values)
+        if problem:
+            return problem
+    every = list(bindings(roles, robot, values))
+    fitting = [each.effectors for each in every if not each.refusal]
+    if not fitting:
+        return f"robot '{robot.document.name}' does not fill the roles: {every[0].refusal}"
+    preferred = robot.document.roles
+    ranks = [
+        tuple((e == name, e == preferred.get(name)) for name, e in each.items()) for each in fitting
+    ]
+    best = [each for each, rank in zip(fitting, ranks, strict=True) if rank == max(ranks)]
+    if len(best) > 1:
+        name = next(name for name in roles if len({each[name] for each in best}) > 1)
+        listed = " or ".join(dict.fromkeys(f"{name}={each[name]}" for each in best))
+        return (
+            f"robot '{robot.document.name}' fills role '{name}' in several ways: choose {listed}, "
+            "or name one in 'roles' of its document"
+        )
+    update = {
+        "robot": robot.document.name,
+        "parameters": {**document.parameters, **best[0]},
+        "resources": {**document.resources, **_groups(document, roles)},
+    }
+    return loaded._replace(document=document.model_copy(update=update))
+
+
+def bound_program(
+    loaded: Loaded[ProgramDocument],
+    values: Mapping[str, str],
+    session: Session,
+    diagnostics: Diagnostics,
+) -> Outcome[Loaded[ProgramDocument]]:
+    """Return a program with the effectors of a robot in its roles; the library keeps it.
+
+    Args:
+        loaded: Program with roles.
+        values: Given robot, effectors by role, and other values.
+        session: Session with the documents read so far.
+        diagnostics: Diagnostics so far.
+
+    Returns:
+        Program on the given robot, or on the first one at hand that fits; unknown if none does.
+    """
+    check_roles(loaded, diagnostics)
+    if diagnostics.failed:
+        return UNKNOWN
+    reasons = {}
+    names = (values[ROBOT],) if ROBOT in values else robots_at_hand(loaded.path, session.library)
+    for name in names:
+        bound = _on(name, loaded, values, session, diagnostics if ROBOT in values else None)
+        if isinstance(bound, Loaded):
+            session.library.bind(bound)
+            return bound
+        reasons[name] = bound
+    place = loaded.source.key("roles")
+    problem = "; ".join(filter(None, reasons.values()))
+    if problem or not reasons:
+        diagnostics.add("CB414", place, name=loaded.document.name, problem=problem or "no robot")
+    return UNKNOWN
+
+
+def _on(
+    name: str,
+    loaded: Loaded[ProgramDocument],
+    values: Mapping[str, str],
+    session: Session,
+    diagnostics: Diagnostics | None,
+) -> Loaded[ProgramDocument] | str:
+    """Return a program on a robot, or the reason against it; empty if the robot has errors."""
+    library, own = session.library, Diagnostics()
+    file = library.find(RobotDocument, name, loaded.path)
+    if file is None:
+        known = robots_at_hand(loaded.path, library)
+        return f"there is no robot '{name}'{suggestion(name, known)} (known: {', '.join(known)})"
+    body = session.body(file, own)
+    if isinstance(body, Unknown):
+        (diagnostics or own).extend(own.sorted())
+        return ""
+    return bind(loaded, body, values)
+
+
+def robots_at_hand(path: Path, library: Library) -> list[str]:
+    """Return the names of the robots that a program may run on."""
+    return library.names(RobotDocument, path)
+
+
+def fitting_robots(loaded: Loaded[ProgramDocument], session: Session) -> dict[str, str]:
+    """Return the reason against each robot at hand, which is empty for one that fits."""
+    return {
+        name: bound if isinstance(bound := _on(name, loaded, session.values, session, None), str) else ""
+        for name in robots_at_hand(loaded.path, session.library)
+    }  # fmt: skip
+
+
+def _unfilled(name: str, own: Role, robot: CheckedRobot, values: Mapping[str, str]) -> str:
+    """Return why no effector can be in a role at all; empty if one can."""
+    document, known = robot.document, [*robot.document.effectors, *robot.document.groups]
+    kind = own.wanted.type
+    if name not in values:
+        has_one = any(has_signal(kind, each, robot) for each in document.effectors)
+        listed = ", ".join(document.effectors)
+        return "" if has_one else (
+            f"robot '{document.name}' has no effector of {kind} for role '{name}' (it has {listed})"
+        )  # fmt: skip
+    given = values[name]
+    if given not in known:
+        listed = ", ".join(known)
+        return f"robot '{document.name}' has no effector '{given}' for role '{name}' (it has {listed})"
+    if not has_signal(kind, given, robot):
+        return f"'{given}' of robot '{document.name}' has no signal of {kind}, which role '{name}' needs"
+    return ""
+
+
+def _refusal(roles: Mapping[str, Role], effectors: Mapping[str, str], robot: CheckedRobot) -> str:
+    for name, each in roles.items():
+        if each.on and not carries(effectors[each.on], effectors[name], robot):
+            return f"'{effectors[name]}' is not {RELATIONS[0]} '{effectors[each.on]}'"
+        if each.other and effectors[each.other] == effectors[name]:
+            return f"'{effectors[name]}' is in both roles '{each.other}' and '{name}'"
+    return ""
+
+
+def _groups(document: ProgramDocument, roles: Mapping[str, Role]) -> dict[str, dict[str, str]]:
+    """Return the groups of roles that are replaced together: an arm with what it carries."""
+    groups: dict[str, dict[str, str]] = {}
+    for name, each in roles.items():
+        first = next((key for key, group in groups.items() if each.on in group), name)
+        groups.setdefault(first, {})[name] = f"effector of {each.wanted.type}"
+    return groups
