@@ -33,8 +33,8 @@ from cbdsl.program.automaton import Automaton, Tables
 from cbdsl.program.checked import Action, CheckedProgram, Guards
 from cbdsl.program.condition import ProgramCondition
 from cbdsl.program.controller import Composition, Primitive
-from cbdsl.types.role import ROBOT
 from cbdsl.program.steps import DocumentSpot, StepReader, written_steps
+from cbdsl.types.role import ROBOT
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
 

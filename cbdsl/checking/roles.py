@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -55,8 +55,8 @@ def check_roles(loaded: Loaded[ProgramDocument], diagnostics: Diagnostics) -> No
             )
         if source.holds("parameters", name):
             related = [(source.key("parameters", name), "the parameter")]
-            diagnostics.add("CB703", source.key("roles", name), related=related, name=name,
-                            other="parameter")  # fmt: skip
+            details = {"name": name, "other": "parameter"}
+            diagnostics.add("CB703", source.key("roles", name), related=related, **details)
 
 
 def bindings(
@@ -69,11 +69,10 @@ def bindings(
         robot: Robot.
         values: Given effectors by role.
     """
-    own = list(robot.document.effectors)
     choices = [
-        [values[name]] if name in values else [e for e in own if has_signal(each.wanted.type, e, robot)]
+        [values[name]] if name in values else _candidates(each, robot)
         for name, each in roles.items()
-    ]  # fmt: skip
+    ]
     for chosen in itertools.product(*choices):
         effectors = dict(zip(roles, chosen, strict=True))
         yield Binding(effectors, _refusal(roles, effectors, robot))
@@ -101,11 +100,7 @@ def bind(
     fitting = [each.effectors for each in every if not each.refusal]
     if not fitting:
         return f"robot '{robot.document.name}' does not fill the roles: {every[0].refusal}"
-    preferred = robot.document.roles
-    ranks = [
-        tuple((e == name, e == preferred.get(name)) for name, e in each.items()) for each in fitting
-    ]
-    best = [each for each, rank in zip(fitting, ranks, strict=True) if rank == max(ranks)]
+    best = _preferred(fitting, robot.document.roles)
     if len(best) > 1:
         name = next(name for name in roles if len({each[name] for each in best}) > 1)
         listed = " or ".join(dict.fromkeys(f"{name}={each[name]}" for each in best))
@@ -119,6 +114,19 @@ def bind(
         "resources": {**document.resources, **_groups(document, roles)},
     }
     return loaded._replace(document=document.model_copy(update=update))
+
+
+def _preferred(
+    fitting: Sequence[Mapping[str, str]], names: Mapping[str, str]
+) -> list[Mapping[str, str]]:
+    """Return the choices with the most roles, the first ones first, that have a named effector.
+
+    Args:
+        fitting: Effectors by role.
+        names: Effectors that the robot's document names, by role.
+    """
+    ranks = [[(e == name, e == names.get(name)) for name, e in each.items()] for each in fitting]
+    return [each for each, rank in zip(fitting, ranks, strict=True) if rank == max(ranks)]
 
 
 def bound_program(
@@ -183,37 +191,40 @@ def robots_at_hand(path: Path, library: Library) -> list[str]:
 
 def fitting_robots(loaded: Loaded[ProgramDocument], session: Session) -> dict[str, str]:
     """Return the reason against each robot at hand, which is empty for one that fits."""
-    return {
-        name: bound if isinstance(bound := _on(name, loaded, session.values, session, None), str) else ""
-        for name in robots_at_hand(loaded.path, session.library)
-    }  # fmt: skip
+    reasons = {}
+    for name in robots_at_hand(loaded.path, session.library):
+        bound = _on(name, loaded, session.values, session, None)
+        reasons[name] = bound if isinstance(bound, str) else ""
+    return reasons
+
+
+def _candidates(own: Role, robot: CheckedRobot) -> list[str]:
+    """Return the effectors with the signals that a role needs."""
+    return [name for name in robot.document.effectors if has_signal(own.wanted.type, name, robot)]
 
 
 def _unfilled(name: str, own: Role, robot: CheckedRobot, values: Mapping[str, str]) -> str:
     """Return why no effector can be in a role at all; empty if one can."""
-    document, known = robot.document, [*robot.document.effectors, *robot.document.groups]
-    kind = own.wanted.type
+    document, kind = robot.document, own.wanted.type
+    known, whose = [*document.effectors, *document.groups], f"robot '{document.name}'"
     if name not in values:
-        has_one = any(has_signal(kind, each, robot) for each in document.effectors)
         listed = ", ".join(document.effectors)
-        return "" if has_one else (
-            f"robot '{document.name}' has no effector of {kind} for role '{name}' (it has {listed})"
-        )  # fmt: skip
+        problem = f"{whose} has no effector of {kind} for role '{name}' (it has {listed})"
+        return "" if _candidates(own, robot) else problem
     given = values[name]
     if given not in known:
-        listed = ", ".join(known)
-        return f"robot '{document.name}' has no effector '{given}' for role '{name}' (it has {listed})"
-    if not has_signal(kind, given, robot):
-        return f"'{given}' of robot '{document.name}' has no signal of {kind}, which role '{name}' needs"
-    return ""
+        return f"{whose} has no effector '{given}' for role '{name}' (it has {', '.join(known)})"
+    lacks = f"'{given}' of {whose} has no signal of {kind}, which role '{name}' needs"
+    return "" if has_signal(kind, given, robot) else lacks
 
 
 def _refusal(roles: Mapping[str, Role], effectors: Mapping[str, str], robot: CheckedRobot) -> str:
     for name, each in roles.items():
-        if each.on and not carries(effectors[each.on], effectors[name], robot):
-            return f"'{effectors[name]}' is not {RELATIONS[0]} '{effectors[each.on]}'"
-        if each.other and effectors[each.other] == effectors[name]:
-            return f"'{effectors[name]}' is in both roles '{each.other}' and '{name}'"
+        own, carrier = effectors[name], effectors.get(each.on)
+        if carrier is not None and (own == carrier or not carries(carrier, own, robot)):
+            return f"'{own}' is not {RELATIONS[0]} '{carrier}'"
+        if each.other and effectors[each.other] == own:
+            return f"'{own}' is in both roles '{each.other}' and '{name}'"
     return ""
 
 

@@ -15,7 +15,7 @@ from cbdsl.api.requests.run_request import read_request
 from cbdsl.cli.arguments.assignments import read_assignments
 from cbdsl.cli.arguments.completion import names_of
 from cbdsl.cli.arguments.option_groups import grouped
-from cbdsl.cli.arguments.options import BodyNumber, Cameras, Policy, Program, Rate, With
+from cbdsl.cli.arguments.options import BodyNumber, Cameras, Policy, Program, Rate, Robot, With
 from cbdsl.cli.episodes.attendance import Interface, Yes, attend
 from cbdsl.cli.episodes.episode_page import recorded_for, require_page
 from cbdsl.cli.episodes.live import LiveOptions, live_page

@@ -306,7 +306,11 @@ class StepSection(Section):
 class ProgramDocument(Document):
     """Behaviour: controllers and a policy over their states."""
 
-    alternatives: ClassVar[Mapping[str, str]] = {"robot": "roles", "actions": "steps", "controllers": "use"}
+    alternatives: ClassVar[Mapping[str, str]] = {
+        "robot": "roles",
+        "actions": "steps",
+        "controllers": "use",
+    }
 
     kind: Literal["program"]
     """Kind of this document: a program."""

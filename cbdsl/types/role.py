@@ -13,9 +13,7 @@ ROBOT = "robot"
 #: Relations of a role to another one, as they are written.
 RELATIONS = ("on", "other than")
 
-_ROLE = re.compile(
-    r"(?P<kind>.+?)(?:\s+on\s+(?P<on>\w+))?(?:\s+other\s+than\s+(?P<other>\w+))?\s*"
-)
+_ROLE = re.compile(r"(?P<kind>.+?)(?:\s+on\s+(?P<on>\w+))?(?:\s+other\s+than\s+(?P<other>\w+))?\s*")
 
 
 class Role(NamedTuple):

@@ -10,6 +10,7 @@ from cbdsl.cli.arguments.completion import names_of
 from cbdsl.cli.output.plugin_warnings import warn_of_faults
 from cbdsl.cli.output.terminal import print_json, print_table
 from cbdsl.cli.show.allocations import show_allocations
+from cbdsl.cli.show.bindings import show_bindings
 from cbdsl.cli.show.catalog import show_catalog
 from cbdsl.cli.show.formats import PLAIN, Format, Json, PlainFormat, read_format
 from cbdsl.cli.show.knowledge import show_knowledge
@@ -132,6 +133,7 @@ show.command("kinds")(show_kinds)
 show.command("backends")(show_backends)
 show.command("program")(show_program)
 show.command("allocations")(show_allocations)
+show.command("bindings")(show_bindings)
 show.command("substitutes")(show_substitutes)
 show.command("policy")(show_policy)
 show.command("mesh")(show_mesh)

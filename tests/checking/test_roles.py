@@ -1,0 +1,115 @@
+"""Tests of programs that run on any robot with effectors for their roles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.program import check_program
+from cbdsl.checking.roles import bind
+from cbdsl.checking.session import Session
+from cbdsl.diagnostics.diagnostics import Diagnostics
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+from cbdsl.diagnostics.outcome import Unknown
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.yaml_text.library import Library
+
+READY = "{potential: spring, reference: $arm.ready, feedback: $arm, effector: $arm}"
+OPEN = "{potential: spring, reference: $hand.open, feedback: $hand, effector: $hand}"
+BOTH = f"""\
+controllers: {{ready: {READY}, open: {OPEN}}}
+actions: [ready, open]
+"""
+ROBOTS = Library().names(RobotDocument)
+
+
+def program(folder: Path, roles: str, rest: str, name: str = "skill") -> Path:
+    """Write a program with roles."""
+    path = folder / "programs" / f"{name}.yaml"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(f"cbdsl: 1\nkind: program\nname: {name}\nroles: {roles}\n{rest}", "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_program_with_roles_uses_an_effector_of_each_robot(robot: str) -> None:
+    checked = check_program("poise", {"robot": robot})
+    document = Library().read(Path("robots", f"{robot}.yaml"), RobotDocument).document
+    assert checked.robot == robot and checked.parameters["arm"] in document.effectors
+
+
+def test_hand_of_a_given_arm_is_the_one_on_it(tmp_path: Path) -> None:
+    path = program(tmp_path, "{arm: effector of position, hand: effector of force on arm}", BOTH)
+    for arm, hand in (("left_arm", "left_hand"), ("right_arm", "right_hand")):
+        checked = check_program(path, {"robot": "dexter", "arm": arm})
+        assert checked.parameters["hand"] == hand
+    assert check_program(path, {"robot": "dexter"}).parameters["arm"] == "right_arm"
+
+
+def test_other_effector_differs_whatever_the_first_one_is(tmp_path: Path) -> None:
+    rest = f"controllers: {{ready: {READY}, too: {READY.replace('$arm', '$second')}}}\n"
+    rest += "actions: [ready, too]\n"
+    roles = "{arm: effector of position, second: effector of position other than arm}"
+    path = program(tmp_path, roles, rest)
+    for arm, second in (("left_arm", "right_arm"), ("right_arm", "left_arm")):
+        checked = check_program(path, {"robot": "dexter", "arm": arm})
+        assert checked.parameters["second"] == second
+    with pytest.raises(DiagnosticsError, match="'arm' is in both roles"):
+        check_program(path, {"robot": "desk"})
+
+
+@pytest.mark.parametrize(
+    ("values", "problem"),
+    [
+        ({"robot": "desk"}, "robot 'desk' has no effector of force for role 'hand' .it has arm."),
+        ({"robot": "nobody"}, "there is no robot 'nobody' .known: .*dexter"),
+        ({"robot": "dexter", "arm": "leg"}, "has no effector 'leg' for role 'arm'"),
+        ({"robot": "dexter", "arm": "head"}, "'head' of robot 'dexter' has no signal of position"),
+        (
+            {"robot": "dexter", "arm": "left_arm", "hand": "right_hand"},
+            "'right_hand' is not on 'left_arm'",
+        ),
+    ],
+)
+def test_role_that_nothing_fills_is_one_finding(
+    values: dict[str, str], problem: str, tmp_path: Path
+) -> None:
+    path = program(tmp_path, "{arm: effector of position, hand: effector of force on arm}", BOTH)
+    with pytest.raises(DiagnosticsError, match=problem) as info:
+        check_program(path, values)
+    assert [each.code for each in info.value.diagnostics] == ["CB414"]
+
+
+def test_effectors_that_fill_a_role_equally_are_named(tmp_path: Path) -> None:
+    path = program(tmp_path, "{limb: effector of position}", "controllers: {}\nactions: [x]\n")
+    session = Session()
+    file = session.library.find(RobotDocument, "dexter", path)
+    body = session.body(file or Path(), Diagnostics())
+    assert not isinstance(body, Unknown)
+    loaded = session.library.read_as_written(path, ProgramDocument)
+    refusal = bind(loaded, body, {})
+    assert isinstance(refusal, str) and "choose limb=left_arm or limb=right_arm" in refusal
+
+
+def test_used_program_has_the_robot_and_the_roles_of_its_user(tmp_path: Path) -> None:
+    controllers = f"controllers: {{ready: {READY}}}\nactions: [ready]\n"
+    program(tmp_path, "{arm: effector of position}", controllers, "inner")
+    use = "use: {inner: {program: inner}}\nactions: [inner]\n"
+    outer = program(tmp_path, "{arm: effector of position}", use, "outer")
+    for robot, arm in (("dexter", "left_arm"), ("panda", "arm")):
+        checked = check_program(outer, {"robot": robot, "arm": arm})
+        (action,) = checked.actions
+        assert action.program is not None
+        assert (action.program.robot, action.program.parameters["arm"]) == (robot, arm)
+    named = tmp_path / "programs" / "named.yaml"
+    text = "use: {inner: {program: inner, with: {arm: left_arm}}}\nactions: [inner]\n"
+    named.write_text(f"cbdsl: 1\nkind: program\nname: named\nrobot: dexter\n{text}", "utf-8")
+    (action,) = check_program(named).actions
+    assert action.program is not None and action.program.parameters["arm"] == "left_arm"
+
+
+def test_robot_for_a_program_of_another_one_is_refused() -> None:
+    with pytest.raises(UsageError, match="for robot 'dexter' alone, and not for 'panda'"):
+        check_program("reach", {"robot": "panda"})
