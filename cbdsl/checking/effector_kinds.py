@@ -1,4 +1,4 @@
-"""Kinds of effectors: those that have a signal, and those that carry others."""
+"""Tests of effectors: whether they have a signal, and whether they carry others."""
 
 from __future__ import annotations
 

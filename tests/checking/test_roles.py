@@ -48,7 +48,7 @@ def test_hand_of_a_given_arm_is_the_one_on_it(tmp_path: Path) -> None:
     assert check_program(path, {"robot": "dexter"}).parameters["arm"] == "right_arm"
 
 
-def test_other_effector_differs_whatever_the_first_one_is(tmp_path: Path) -> None:
+def test_other_effector_differs_from_any_first_one(tmp_path: Path) -> None:
     rest = f"controllers: {{ready: {READY}, too: {READY.replace('$arm', '$second')}}}\n"
     rest += "actions: [ready, too]\n"
     roles = "{arm: effector of position, second: effector of position other than arm}"
