@@ -6,10 +6,10 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cbdsl.checking.effector_kinds import carries, has_signal
 from cbdsl.checking.open_members import MemberExchange, OpenMember
 from cbdsl.checking.program import examine_program, examiner
 from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.checking.rules.roles import carries, has_signal
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation, substitutes
 from cbdsl.diagnostics.diagnostics import Diagnostics

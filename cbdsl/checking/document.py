@@ -79,7 +79,7 @@ def _robots(
     """Return the values that name each robot of a program: all at hand that fill its roles."""
     if not loaded.document.roles or ROBOT in values:
         return [{}]
-    from cbdsl.checking.roles import fitting_robots
+    from cbdsl.checking.rules.roles import fitting_robots
 
     reasons = fitting_robots(loaded, session)
     return [{ROBOT: name} for name, reason in reasons.items() if not reason] or [{}]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cbdsl.checking.roles import Binding, bind, bindings, read_roles
+from cbdsl.checking.rules.roles import Binding, bind, bindings, read_roles
 from cbdsl.checking.session import Session
 from cbdsl.cli.arguments.options import Robot, ShownProgram
 from cbdsl.cli.output.terminal import print_json, print_table

@@ -25,6 +25,7 @@ ASKED = {
     "backends": [],
     "program": ["reachtouch"],
     "allocations": ["reachtouch"],
+    "bindings": ["poise"],
     "substitutes": ["searchtrack"],
     "policy": ["searchtrack"],
     "mesh": [str(WEDGE)],

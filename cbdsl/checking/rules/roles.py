@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from cbdsl.checking.effector_kinds import carries, has_signal
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
@@ -83,8 +82,8 @@ def bind(
 ) -> Loaded[ProgramDocument] | str:
     """Return a program with effectors of a robot in its roles, or the reason why there are none.
 
-    An effector with the name of a role comes first, then the one that the robot's document names
-    for it. Several that remain equal are a reason to refuse.
+    An effector with the name of a role comes first, then the effector that the robot's document
+    names for it. Several effectors that remain equal are a reason to refuse.
 
     Args:
         loaded: Program with roles.
@@ -229,9 +228,33 @@ def _refusal(roles: Mapping[str, Role], effectors: Mapping[str, str], robot: Che
 
 
 def _groups(document: ProgramDocument, roles: Mapping[str, Role]) -> dict[str, dict[str, str]]:
-    """Return the groups of roles that are replaced together: an arm with what it carries."""
+    """Return the groups of roles that are replaced together: an arm with its hand."""
     groups: dict[str, dict[str, str]] = {}
     for name, each in roles.items():
         first = next((key for key, group in groups.items() if each.on in group), name)
         groups.setdefault(first, {})[name] = f"effector of {each.wanted.type}"
     return groups
+
+
+def has_signal(kind: str, effector: str, robot: CheckedRobot) -> bool:
+    """Return whether an effector, or each member of a group, has a signal of a type."""
+    members = robot.document.members(effector)
+    if kind == "force":
+        return all(member in robot.document.load_cells for member in members)
+    if kind == "configuration":
+        return True
+    return all(f"{member}.{kind}" in robot.resources for member in members)
+
+
+def carries(one: str, other: str, robot: CheckedRobot) -> bool:
+    """Return whether an effector, or each member of a group, carries another or its member."""
+    document, model = robot.document, robot.model
+    carriers, carried = document.members(one), document.members(other)
+    if model is None or len(carriers) != len(carried):
+        return False
+    return all(
+        robot.moves(carrier, model.joints[joint].child)
+        for carrier, load in zip(carriers, carried, strict=True)
+        for joint in document.effectors[load].joints
+        if joint in model.joints
+    )

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.program import check_program
-from cbdsl.checking.roles import bind
+from cbdsl.checking.rules.roles import bind
 from cbdsl.checking.session import Session
 from cbdsl.diagnostics.diagnostics import Diagnostics
 from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
