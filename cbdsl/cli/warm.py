@@ -23,6 +23,8 @@ _PROGRAMS = (
 )  # fmt: skip
 # The engines with physics have few compiled functions of their own.
 _ON_ENGINES = "reachtouch"
+# Clearance of these runs, whose functions are compiled, too.
+_CLEARANCE = "1 cm"
 # Number of ticks within which all compiled functions are called.
 _TICKS, _TICKS_ON_ENGINES = 200, 40
 
@@ -40,7 +42,8 @@ def warm() -> None:
     with shown_on_failure(), termination_interrupts():
         _compile_potentials()
         for program in _PROGRAMS:
-            _run(read_request(program, None, None, {}), "kinematic", _TICKS)
+            request = read_request(program, None, None, {}).with_clearance(_CLEARANCE)
+            _run(request, "kinematic", _TICKS)
         for engine in installed_engines():
             _run(read_request(_ON_ENGINES, None, None, {}), engine, _TICKS_ON_ENGINES)
     if reason := problem():

@@ -65,12 +65,14 @@ class RestCause(NamedTuple):
         holders: Levels above, or ``LIMITS``, that hold it, the largest part first.
         joints: Joints at limits that hold it, or that do not follow their references.
         least: Least error found in any posture, in the unit of the feedback; NaN without a search.
+        pairs: Pairs of links whose distance holds it.
     """
 
     kind: str
     holders: tuple[str, ...] = ()
     joints: tuple[str, ...] = ()
     least: float = math.nan
+    pairs: tuple[str, ...] = ()
 
     @property
     def holder(self) -> str:
@@ -78,7 +80,13 @@ class RestCause(NamedTuple):
         return self.holders[0] if self.holders else "" if self.kind == CREEPING else self.kind
 
     def __str__(self) -> str:
-        return f"held by {' and '.join(self.holders)}" if self.kind == HELD else self.kind
+        return f"held by {' and '.join(self.words)}" if self.kind == HELD else self.kind
+
+    @property
+    def words(self) -> list[str]:
+        """Holders, with the pairs of links in place of their clearance."""
+        clear = f"the clearance of {some(self.pairs, 1)}"
+        return [clear if holder == CLEARANCE else holder for holder in self.holders]
 
 
 class Balance(NamedTuple):
@@ -132,11 +140,9 @@ class Balance(NamedTuple):
             return RestCause(SINGULAR if is_saddle else CREEPING if is_creeping else OPTIMUM)
         by = _holders(pull, holders)
         joints = tuple(self.joints[joint] for joint in at.tolist()) if LIMITS in by else ()
-        near = [name for name, held in zip(self.apart, pressing[count:], strict=True) if held]
-        clear = f"the clearance of {some(near, 1)}"
-        by = tuple(clear if holder == CLEARANCE else holder for holder in by)
+        near = tuple(n for n, held in zip(self.apart, pressing[count:], strict=True) if held)
         held = LIMITS if by == (LIMITS,) else HELD if by else CREEPING
-        return RestCause(CREEPING if is_creeping else held, by, joints)
+        return RestCause(CREEPING if is_creeping else held, by, joints, pairs=near)
 
     def _bend(self, place: int, error: Floats, pull: Floats) -> Floats:
         """Return sum_i e_i H_i - sum_j lambda_j H_j for a level, shape (n, n).

@@ -206,7 +206,7 @@ def _reason(cause: RestCause | None) -> str:
     if cause is None:
         return ""
     limits = f"the limit{'s' if len(cause.joints) > 1 else ''} of {_enumerated(cause.joints)}"
-    holders = [limits if holder == LIMITS else holder for holder in cause.holders]
+    holders = [limits if holder == LIMITS else holder for holder in cause.words]
     return {
         LIMITS: f" at {limits}",
         HELD: f", held by {_enumerated(holders)}",

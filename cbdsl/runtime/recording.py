@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -40,6 +41,9 @@ VERSION = 2
 
 # Half of the images' width is enough to show the events.
 _THUMBNAIL_SCALE = 0.5
+
+# Number of pairs of links kept apart that are recorded, those for longest.
+_MOST_PAIRS = 6
 
 # An orientation is a rotation matrix and a pose a homogeneous transform; the rest are vectors.
 _SHAPES = {"orientation": (3, 3), "pose": (4, 4)}
@@ -114,6 +118,7 @@ class Recording(EpisodeObserver):
         self._rows |= {f"signal_{each.name}": [] for each in self._resources}
         self._rows["guard_held"] = []
         self._guards: list[str] = []
+        self._apart: list[tuple[str, ...]] = []
         self._explanation = Explanation()
         self._levels: list[list[tuple[float, ...]]] = []
         self._at_limits: list[list[bool]] = []
@@ -164,6 +169,7 @@ class Recording(EpisodeObserver):
         self._channels = tick.signals.vision.channels
         self._guards = tick.actuation.load_guards.names
         row["guard_held"] = tick.actuation.load_guards.records["held"].tolist()
+        self._apart.append(tick.actuation.clearance.holding)
         row |= {f"signal_{each.name}": _value(each, tick.signals) for each in self._resources}
         for key, value in row.items():
             self._rows[key].append(value)
@@ -214,6 +220,12 @@ class Recording(EpisodeObserver):
         write_text(text, summary_file)
         return summary_file
 
+    @property
+    def _held_apart(self) -> list[str]:
+        """Pairs of links that were held apart for longest."""
+        counts = Counter(name for pairs in self._apart[: self._ticks] for name in pairs)
+        return [name for name, _ in counts.most_common(_MOST_PAIRS)]
+
     def _arrays(self) -> dict[str, NDArray[Any]]:
         ticks = self._ticks
         # An interrupt within a tick leaves some lists longer than others. All are cut to the
@@ -221,6 +233,9 @@ class Recording(EpisodeObserver):
         arrays: dict[str, NDArray[Any]] = {
             key: np.array(rows[:ticks], dtype=float) for key, rows in self._rows.items()
         }
+        if names := self._held_apart:
+            held = np.array([[name in pairs for name in names] for pairs in self._apart[:ticks]])
+            arrays["guard_held"] = np.hstack([arrays["guard_held"].reshape(ticks, -1), held])
         levels = np.array(self._levels[:ticks], dtype=float)
         levels = levels.reshape(ticks, len(self._controllers), len(_LEVEL))
         for index, (key, kind) in enumerate(_LEVEL.items()):
@@ -245,7 +260,7 @@ class Recording(EpisodeObserver):
             "joints": self._joints,
             "controllers": list(self._controllers),
             "load_cells": self._cells,
-            "guards": self._guards,
+            "guards": [*self._guards, *self._held_apart],
             "predicates": self._predicates[: self._ticks],
             "transitions": [asdict(transition) for transition in self._transitions],
             "members": members(self._program),
@@ -298,9 +313,7 @@ class Recording(EpisodeObserver):
 def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[float, ...]:
     """Return the numbers of ``_LEVEL``; holder indices count the limits after all controllers."""
     holders = [*names, *HOLDERS]
-    # A clearance is named with its pairs of links.
-    name = level.held_by if level.held_by in holders else CLEARANCE
-    held_by = holders.index(name) if level.held_by else -1
+    held_by = holders.index(level.held_by) if level.held_by else -1
     return (priority, level.share, level.rank, level.singular_value, level.predicted, held_by)
 
 

@@ -16,7 +16,9 @@ from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
 from cbdsl.documents.robot import ClearanceSection, HullSection, RobotDocument
 from cbdsl.kinematics.link_clearance import LinkClearance
 from cbdsl.numeric.arrays import Floats
+from cbdsl.reporting.recorded import read_recording
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.runtime.recording import Recording
 
 LEAST = 0.02  # m
 CROSSED = """cbdsl: 1
@@ -116,3 +118,16 @@ def test_clearance_that_is_no_length_is_refused(tmp_path: Path, given: str) -> N
 def test_clearance_of_a_command_beyond_the_start_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="at the start"):
         crossed(tmp_path).with_clearance("30 cm")
+
+
+def test_recording_names_the_pairs_that_were_held_for_longest(tmp_path: Path) -> None:
+    request = crossed(tmp_path)
+    recording = Recording(request.program, request.robot, request.urdf)
+    with open_robot(request, backend="kinematic") as robot:
+        result = robot.run(0, on_tick=recording.note_tick)
+    recorded = read_recording(recording.write(tmp_path / "recorded", result))
+    guards, held = recorded.summary["guards"], recorded.arrays["guard_held"]
+    assert held.shape == (recording.ticks, len(guards))
+    assert 0 < len(guards) <= 6
+    assert all(" near " in name for name in guards)
+    assert held.any(axis=0).all()
