@@ -15,14 +15,11 @@ import typer
 
 from cbdsl.backends.quiet import quiet_stderr
 from cbdsl.diagnostics.errors import UsageError
-from cbdsl.reporting.live.composed_program import Changes, ComposedProgram, composed_program
-from cbdsl.reporting.live.feed import Feed
-from cbdsl.reporting.live.page_server import LiveServer
-from cbdsl.reporting.live.transport import Transport
 
 if TYPE_CHECKING:
     from cbdsl.api.requests.run_request import RunRequest
     from cbdsl.backends.backend import Backend
+    from cbdsl.reporting.live.composed_program import Changes, ComposedProgram
     from cbdsl.reporting.live.live_view import LiveView
 
 Live = Annotated[
@@ -109,9 +106,12 @@ def live_page(
         yield None
         return
     from cbdsl.backends.staging.world_state import GroundTruthProvider
+    from cbdsl.reporting.live.feed import Feed
     from cbdsl.reporting.live.live_page import live_page as page
     from cbdsl.reporting.live.live_view import LiveView
+    from cbdsl.reporting.live.page_server import LiveServer
     from cbdsl.reporting.live.requests import Requests
+    from cbdsl.reporting.live.transport import Transport
     from cbdsl.runtime.program_composer import Composer
 
     # The backend's ground truth is only on the page, for display.
@@ -121,6 +121,8 @@ def live_page(
     view = LiveView(feed, transport, scenery, composer)
 
     def save(name: str, changes: Changes) -> ComposedProgram:
+        from cbdsl.reporting.live.composed_program import composed_program
+
         values = {key: str(value) for key, value in request.program.parameters.items()}
         return composed_program(request.program_file, request.stage.name, values, changes, name)
 
