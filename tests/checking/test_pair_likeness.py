@@ -38,7 +38,7 @@ def codes(folder: Path, text: str) -> list[str]:
 
 def test_likeness_of_ensure_stacked_has_the_features_of_the_pair() -> None:
     program = check_program("ensure_stacked")
-    feedback = program.primitives["is_pair"].lead.feedback
+    feedback = program.conditions["is_pair"].resources[0]
     assert feedback.type == LIKENESS
     assert isinstance(feedback.source, PairLikeness)
     assert [each.name for each in feedback.source.features] == [
@@ -48,7 +48,7 @@ def test_likeness_of_ensure_stacked_has_the_features_of_the_pair() -> None:
 
 
 def test_likeness_is_one_at_the_mean_and_falls_with_the_distance() -> None:
-    source = check_program("ensure_stacked").primitives["is_pair"].lead.feedback.source
+    source = check_program("ensure_stacked").conditions["is_pair"].resources[0].source
     assert isinstance(source, PairLikeness)
     mean = np.asarray(source.model.rewarded.mean)
     aside = np.array([0.0, 0.0, 0.0, 0.1, 0.0, 0.0])
