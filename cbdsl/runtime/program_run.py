@@ -19,6 +19,7 @@ from cbdsl.runtime.action_runs import ActionRuns, ChildRun, subprogram_runs
 from cbdsl.runtime.context_reader import ContextReader, FeatureLooks
 from cbdsl.runtime.controllers.controller_run import ControllerRun
 from cbdsl.runtime.controllers.controller_runs import ControllerRuns
+from cbdsl.runtime.fruitless_loop import FruitlessLoop
 from cbdsl.runtime.lost_objects import LostObjects
 from cbdsl.runtime.policies.own_policy import own_policy
 from cbdsl.runtime.policies.policy import Choice, DeferredPolicy, Policy
@@ -91,6 +92,7 @@ class ProgramRun:
         self._running = ActionRuns(program, self._levels, self.children, plan, slots, conditions)
         self._rewards = Rewards(program, self._levels, self.children)
         self._clock = ActionClock(program, period)
+        self._loop = FruitlessLoop(program, signals)
 
     def begin(
         self,
@@ -135,6 +137,7 @@ class ProgramRun:
         self._composed: Sequence[Active] | None = None
         self._features: Features = NO_FEATURES
         self._clock.restart()
+        self._loop.forget()
 
     def activate(self) -> None:
         """Start from the beginning unless it is running."""
@@ -323,6 +326,9 @@ class ProgramRun:
             self._end("1", "")
         elif self.transitions >= self.program.transitions:
             self._end("-", f"{self._title} used up its {self.transitions} transitions")
+        # A learner may try actions again that have changed nothing.
+        elif self._policy is self._written and (loop := self._loop.note(self._action.name, state)):
+            self._end("-", f"{self._title} {loop}")
         else:
             self._choose(changed=changed)
 

@@ -1,0 +1,122 @@
+"""Loop of quick actions that changes no signal of a program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cbdsl.numeric.arrays import Floats
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.sensing.signals import Signals
+from cbdsl.types.resource import Origin, Resource
+
+# A loop has at most this many transitions, and this time, s, for a round. A slower round contains
+# an action that waits, by its quiescence or its limit of time, and what it waits for may come.
+_LONGEST, _ROUND = 8, 1.0
+# Time for which nothing has to change, s: images may lack an object for a moment.
+_PATIENCE = 3.0
+# Changes that count, by the unit of a signal; they exceed the noise of joints and load cells.
+_CHANGES = {"m": 2e-3, "rad": 1e-2, "N": 0.5, "Nm": 0.05}
+_OTHER = 1e-2
+
+_MEASURED = {Origin.ENVIRONMENT, Origin.PROPRIOCEPTION, Origin.KINEMATICS, Origin.TRIANGULATION}
+
+
+class _Still(NamedTuple):
+    """Values of all signals when they last changed, and the time, s."""
+
+    time: float
+    values: Sequence[Floats | None]
+
+
+class FruitlessLoop:
+    """Finder of a loop of actions that recurs while no measured signal changes.
+
+    The predicates of a state tell too little: an object that moves, or a finger that closes, does
+    not change them. So the signals that the program and its subprograms read are compared as well.
+
+    Args:
+        program: Program whose transitions are noted.
+        signals: Signals of its robot.
+    """
+
+    def __init__(self, program: CheckedProgram, signals: Signals) -> None:
+        self._program, self._signals = program, signals
+        self._resources = tuple(dict.fromkeys(_measured(program)))
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin an episode."""
+        self._passed: list[tuple[float, str, str]] = []
+        self._still: _Still | None = None
+
+    def note(self, action: str, state: str) -> str:
+        """Note a transition.
+
+        Args:
+            action: Name of the action that ended.
+            state: Predicates at its end.
+
+        Returns:
+            Clause on a loop that has changed nothing for too long; empty without one.
+        """
+        time = self._signals.time
+        self._passed = [*self._passed[-2 * _LONGEST :], (time, action, state)]
+        loop = self._loop()
+        if not loop:
+            self._still = None
+            return ""
+        values = self._values()
+        if self._still is None or not self._is_same(values, self._still.values):
+            self._still = _Still(time, values)
+        passed = time - self._still.time
+        return "" if passed < _PATIENCE else self._clause(loop, passed, values)
+
+    def _loop(self) -> Sequence[str]:
+        """Return the actions of a quick loop whose last two rounds are the same; empty if none."""
+        times, done = [each[0] for each in self._passed], [each[1:] for each in self._passed]
+        for size in range(1, _LONGEST + 1):
+            if len(done) <= 2 * size or times[-1] - times[-1 - size] > _ROUND:
+                return ()
+            if done[-size:] == done[-2 * size : -size]:
+                return tuple(dict.fromkeys(action for action, _ in done[-size:]))
+        return ()
+
+    def _values(self) -> list[Floats | None]:
+        """Return the joint positions, rad and m, and the value of each signal in SI units."""
+        readings = [self._signals.read(resource) for resource in self._resources]
+        return [self._signals.positions.copy(), *(r and r.value for r in readings)]
+
+    def _is_same(self, now: Sequence[Floats | None], before: Sequence[Floats | None]) -> bool:
+        """Return whether no value differs from the one before by more than noise."""
+        # Slides of fingers count in the unit of turning joints, whose step is the larger one.
+        bounds = [_CHANGES["m"], *(_CHANGES.get(r.type.units[0], _OTHER) for r in self._resources)]
+        for value, old, bound in zip(now, before, bounds, strict=True):
+            if value is None or old is None:
+                if value is not old:
+                    return False
+            elif float(np.abs(value - old).max(initial=0.0)) > bound:
+                return False
+        return True
+
+    def _clause(self, loop: Sequence[str], passed: float, values: Sequence[Floats | None]) -> str:
+        """Return the loop and the signals that stayed undefined as a clause."""
+        names = [self._program.steps.get(action, action) for action in loop]
+        around = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+        pairs = zip(self._resources, values[1:], strict=True)
+        lacking = [resource.name for resource, value in pairs if value is None][:3]
+        stayed = f": {' and '.join(lacking)} stayed undefined" if lacking else ""
+        return f"went round {around} for {passed:.1f} s, and no signal changed{stayed}"
+
+
+def _measured(program: CheckedProgram) -> list[Resource]:
+    """Return the measured resources that a program and its subprograms read."""
+    found = []
+    for action in program.actions:
+        controllers = action.composition.controllers if action.composition else ()
+        found += [r for c in controllers for r in c.resources if r.origin in _MEASURED]
+        if action.program is not None:
+            found += _measured(action.program)
+    return found

@@ -1,0 +1,99 @@
+"""Loops of actions that change nothing end the program, and all others go on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.runtime.fruitless_loop import FruitlessLoop
+from cbdsl.sensing.table.reading import Reading
+from cbdsl.types.resource import Resource
+from tests.conftest import Checked
+from tests.runtime.conftest import Play
+from tests.runtime.synthetic import World
+from tests.runtime.test_program_run import Written
+
+STAY = "{potential: spring, reference: here, feedback: head, effector: head}"
+SLOW = STAY.replace("}", ", quiescence: {rate: 100, window: 1.5 s}}")
+SEARCH = (
+    "{potential: spring, reference: head.uniform, feedback: head, effector: head, gain: 8 /s, "
+    "speed: 1.5 rad/s}"
+)
+REACH = (
+    "{potential: spring, reference: stereo.sat_10, feedback: right_arm.position, "
+    "effector: right_arm.position}"
+)
+POSITIONAL = "actions: [first, reach]\npolicy: {XX: first, 0X: first, 1X: reach, X-: first}\n"
+STEPS = "steps:\n  first: {then: reach}\n  reach: {then: end, failed: first}\n"
+
+
+def nothing(rng: np.random.Generator) -> World:
+    return World()
+
+
+def program_of(written: Written, first: str, policy: str) -> CheckedProgram:
+    """Return a program of an action and a reach whose object is never seen by both cameras."""
+    return written(
+        f"controllers: {{first: {first}, reach: {REACH}}}\n{policy}"
+        "limits: {transitions: 100, transition_time: 4 s}\n"
+    )
+
+
+@pytest.mark.parametrize("policy", [POSITIONAL, STEPS])
+def test_loop_that_changes_nothing_ends_early_with_its_steps(
+    written: Written, play: Play, policy: str
+) -> None:
+    result = play(program_of(written, STAY, policy), nothing).result
+    assert len(result.actions) < 100
+    assert "went round first and reach for 3.0 s, and no signal changed" in result.ending
+    assert "stereo.sat_10 stayed undefined" in result.ending
+
+
+def test_loop_whose_joints_move_goes_on(written: Written, play: Play) -> None:
+    result = play(program_of(written, SEARCH, POSITIONAL), nothing).result
+    assert "used up its 100 transitions" in result.ending
+
+
+def test_loop_that_waits_goes_on(written: Written, play: Play) -> None:
+    result = play(program_of(written, SLOW, POSITIONAL), nothing).result
+    assert "used up its 100 transitions" in result.ending
+
+
+class Measured:
+    """Signals of one resource and one joint, which a test sets."""
+
+    def __init__(self) -> None:
+        self.time, self.positions = 0.0, np.zeros(1)
+        self.value: np.ndarray | None = None
+
+    def read(self, resource: Resource) -> Reading | None:
+        return None if self.value is None else Reading(self.value, None, 0)
+
+
+@pytest.mark.parametrize("kind", ["joint", "value", "undefined"])
+def test_loop_ends_only_after_the_last_change_of_a_signal(written: Written, kind: str) -> None:
+    signals = Measured()
+    loop = FruitlessLoop(program_of(written, STAY, POSITIONAL), signals)  # type: ignore[arg-type]
+    ended = 0.0
+    for tick in range(200):
+        signals.time = 0.1 * tick
+        count = min(tick, 60)
+        if kind == "joint":
+            signals.positions = np.array([0.02 * count])
+        elif kind == "value":
+            signals.value = np.array([0.05 * count, 0.0, 0.0])
+        elif count % 20 == 10:
+            signals.value = np.zeros(3) if signals.value is None else None
+        if loop.note(("first", "reach")[tick % 2], ("1X", "X-")[tick % 2]):
+            ended = signals.time
+            break
+    last = {"undefined": 5.0}.get(kind, 6.0)
+    assert ended == pytest.approx(last + 3.0, abs=0.31)
+
+
+@pytest.mark.parametrize("name", ["searchtrack", "reachtouch"])
+def test_shipped_search_for_an_absent_object_goes_on(
+    checked: Checked, play: Play, name: str
+) -> None:
+    assert "went round" not in play(checked(name), nothing).result.ending
