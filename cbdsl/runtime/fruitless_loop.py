@@ -13,7 +13,7 @@ from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Origin, Resource
 
 # A loop has at most this many transitions, and this time, s, for a round. A slower round contains
-# an action that waits, by its quiescence or its limit of time, and what it waits for may come.
+# an action that waits, by its quiescence or its limit of time, for an event that may come.
 _LONGEST, _ROUND = 8, 1.0
 # Time for which nothing has to change, s: images may lack an object for a moment.
 _PATIENCE = 3.0
@@ -34,8 +34,8 @@ class _Still(NamedTuple):
 class FruitlessLoop:
     """Finder of a loop of actions that recurs while no measured signal changes.
 
-    The predicates of a state tell too little: an object that moves, or a finger that closes, does
-    not change them. So the signals that the program and its subprograms read are compared as well.
+    Predicates alone do not show a change: they stay while an object moves or a finger closes. So
+    the signals that the program and its subprograms read are compared as well.
 
     Args:
         program: Program whose transitions are noted.
@@ -113,10 +113,10 @@ class FruitlessLoop:
 
 def _measured(program: CheckedProgram) -> list[Resource]:
     """Return the measured resources that a program and its subprograms read."""
-    found = []
+    resources = []
     for action in program.actions:
         controllers = action.composition.controllers if action.composition else ()
-        found += [r for c in controllers for r in c.resources if r.origin in _MEASURED]
+        resources += [r for c in controllers for r in c.resources if r.origin in _MEASURED]
         if action.program is not None:
-            found += _measured(action.program)
-    return found
+            resources += _measured(action.program)
+    return resources
