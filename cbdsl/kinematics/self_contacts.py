@@ -56,11 +56,11 @@ class SelfContacts:
         self._tree = JointTree(joint for root in model.roots for joint in model.beyond(root))
         shapes = {name: [*self._shapes(body.collisions)] for name, body in model.bodies.items()}
         self._shapes_of = {name: own for name, own in shapes.items() if own}
-        ways = {name: {joint.parent for joint in model.way(name)} for name in self._shapes_of}
+        carried = model.carried_pairs()
         self._pairs = [
             (one, other)
             for one, other in combinations(sorted(self._shapes_of), 2)
-            if one not in ways[other] and other not in ways[one]
+            if (one, other) not in carried
         ]
         self._request = coal.CollisionRequest()
         self._request.security_margin = _MARGIN

@@ -263,6 +263,25 @@ class UrdfModel:
         """Names of the links that no joint moves, sorted."""
         return sorted(self.links - self._parents.keys())
 
+    def carried_pairs(self) -> frozenset[tuple[str, str]]:
+        """Return the pairs of links whose contacts count for nothing, each in order of the names.
+
+        One carries the other, or is fixed to a moving link that does, or both are fixed to one
+        moving link. Shapes of neighbours overlap at their joints, as hulls of meshes do. Contacts
+        with what is fixed to the root, such as a pedestal, count.
+        """
+        fixed: dict[tuple[str, ...], list[str]] = {}
+        for link in self.links:
+            fixed.setdefault(self.above(link), []).append(link)
+        pairs = set[tuple[str, str]]()
+        for link in self.links:
+            way = self.above(link)
+            carriers = {joint.parent for joint in self.way(link)}.union(
+                *(fixed.get(way[i:], ()) for i in range(len(way)))
+            )
+            pairs.update((min(link, each), max(link, each)) for each in carriers if each != link)
+        return frozenset(pairs)
+
     def way(self, link: str) -> tuple[UrdfJoint, ...]:
         """Return all joints between a link and the root, from the link upwards."""
         return way_to_root(link, self._parents)

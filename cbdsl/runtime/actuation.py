@@ -19,6 +19,7 @@ from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.causes import BLOCKED, CREEPING, OUT_OF_REACH, Balance, RestCause
 from cbdsl.runtime.clearance import Clearance
 from cbdsl.runtime.controllers.controller_run import ControllerRun
+from cbdsl.runtime.hindrance import hindrances
 from cbdsl.runtime.load_guards import LoadGuards
 from cbdsl.runtime.posture_search import least_error
 from cbdsl.sensing.signals import Signals
@@ -95,7 +96,7 @@ class Actuation:
         guards: Guards = NO_GUARDS,
     ) -> None:
         control = robot.control
-        self._signals, self._plan, self._period = signals, plan, period
+        self._robot, self._signals, self._plan, self._period = robot, signals, plan, period
         # The robot's settings are for its own rate. In a longer tick the joints move farther and
         # their Jacobians change more, so damping and singular value grow with the tick.
         longer = period * control.rate
@@ -215,7 +216,13 @@ class Actuation:
             lag = np.abs(self.reference - self._signals.positions)[batch.joints]
             behind = lag > 0.5 * self.settings.lead
             joints = tuple(name for name, late in zip(balance.joints, behind, strict=True) if late)
-            return RestCause(BLOCKED if joints else CREEPING, joints=joints)
+            if not joints:
+                return RestCause(CREEPING)
+            names, here = self._signals.joints.names, self._signals.positions
+            positions = dict(zip(names, here.tolist(), strict=True))
+            model = self._signals.kinematics.model
+            found = hindrances(self._robot, model, positions, joints)
+            return RestCause(BLOCKED, joints=joints, hindrances=found)
         least = least_error(run, self._signals, self.settings.limit_margin)
         if least > run.controller.arrival[0]:
             return RestCause(OUT_OF_REACH, least=least)

@@ -305,3 +305,21 @@ def test_namespaces_and_prefixes_are_read_as_engines_read_them(
     body = p.loadURDF(str(path), physicsClientId=client)
     assert p.getNumJoints(body, physicsClientId=client) == 1
     p.disconnect(client)
+
+
+def test_links_fixed_to_a_moving_carrier_count_as_that_carrier(tmp_path: Path) -> None:
+    """Hulls of a covering beside an arm overlap its wrist; a pedestal beside its base does not."""
+    names = ("base", "pedestal", "upper", "cover", "fore", "wrist", "other")
+    tree = [
+        ("base", "pedestal", "fixed"), ("base", "upper", "revolute"), ("upper", "cover", "fixed"),
+        ("upper", "fore", "revolute"), ("fore", "wrist", "revolute"), ("base", "other", "revolute"),
+    ]  # fmt: skip
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    links = [f'<link name="{name}"/>' for name in names]
+    joints = [JOINT.format(f"{a}_{b}", kind, a, b, limit) for a, b, kind in tree]
+    pairs = read_urdf(write(tmp_path, *links, *joints)).carried_pairs()
+    beside = {("cover", "wrist"), ("cover", "fore"), ("cover", "upper")}
+    carried = {tuple(sorted(pair)) for pair in (("base", n) for n in names[1:])} | {
+        ("fore", "upper"), ("upper", "wrist"), ("fore", "wrist")
+    }  # fmt: skip
+    assert pairs == beside | carried

@@ -200,6 +200,10 @@ def test_stops_are_reported_with_their_cause() -> None:
             "28.5 cm from ball.position (another posture is 10.0 cm",
         ),
         (RestCause(BLOCKED, joints=("elbow",)), ", blocked at elbow, 28.5 cm from"),
+        (
+            RestCause(BLOCKED, joints=("elbow",), hindrances=("elbow bears 41.9 of 30 N m",)),
+            ", blocked at elbow (elbow bears 41.9 of 30 N m), 28.5 cm from",
+        ),
         (RestCause(CREEPING), ", still creeping, 28.5 cm from"),
         (None, "reach is stuck, 28.5 cm from"),
     ],

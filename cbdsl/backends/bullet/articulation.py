@@ -182,8 +182,9 @@ class BulletRobot:
             )
 
     def _ignore_contacts(self, groups: Iterable[Iterable[str]]) -> None:
-        for group in groups:
-            for first, second in combinations(sorted(set(self._matching(group))), 2):
+        carried = [[self.links[link] for link in pair] for pair in self._model.carried_pairs()]
+        for group in [*carried, *map(self._matching, groups)]:
+            for first, second in combinations(sorted(set(group)), 2):
                 p.setCollisionFilterPair(
                     self.id, self.id, first, second, 0, physicsClientId=self._client
                 )

@@ -150,12 +150,8 @@ def _set_mass(body: Any, of: LinkMass) -> None:
 
 
 def _without_contact(robot: RobotDocument, model: UrdfModel) -> set[tuple[str, str]]:
-    """Return each link paired with its carriers, and the pairs of the robot file's groups."""
-    pairs = {
-        (min(link, joint.parent), max(link, joint.parent))
-        for link in model.links
-        for joint in model.way(link)
-    }
+    """Return the pairs of links with their carriers, and those of the robot file's groups."""
+    pairs = set(model.carried_pairs())
     for group in robot.simulation.no_contact:
         pairs |= set(combinations(sorted(set(matching_links(robot, model, group))), 2))
     return pairs
