@@ -268,7 +268,7 @@ class UrdfModel:
 
         One carries the other, or is fixed to a moving link that does, or both are fixed to one
         moving link. Shapes of neighbours overlap at their joints, as hulls of meshes do. Contacts
-        with what is fixed to the root, such as a pedestal, count.
+        with links fixed to the root, such as a pedestal, count.
         """
         fixed: dict[tuple[str, ...], list[str]] = {}
         for link in self.links:

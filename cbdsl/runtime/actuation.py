@@ -19,8 +19,8 @@ from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.causes import BLOCKED, CREEPING, OUT_OF_REACH, Balance, RestCause
 from cbdsl.runtime.clearance import Clearance
 from cbdsl.runtime.controllers.controller_run import ControllerRun
-from cbdsl.runtime.hindrance import hindrances
 from cbdsl.runtime.load_guards import LoadGuards
+from cbdsl.runtime.obstruction import obstructions
 from cbdsl.runtime.posture_search import least_error
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table.signal_rows import Selection
@@ -221,8 +221,8 @@ class Actuation:
             names, here = self._signals.joints.names, self._signals.positions
             positions = dict(zip(names, here.tolist(), strict=True))
             model = self._signals.kinematics.model
-            found = hindrances(self._robot, model, positions, joints)
-            return RestCause(BLOCKED, joints=joints, hindrances=found)
+            reasons = obstructions(self._robot, model, positions, joints)
+            return RestCause(BLOCKED, joints=joints, obstructions=reasons)
         least = least_error(run, self._signals, self.settings.limit_margin)
         if least > run.controller.arrival[0]:
             return RestCause(OUT_OF_REACH, least=least)

@@ -66,7 +66,7 @@ class RestCause(NamedTuple):
         joints: Joints at limits that hold it, or that do not follow their references.
         least: Least error found in any posture, in the unit of the feedback; NaN without a search.
         pairs: Pairs of links whose distance holds it.
-        hindrances: Weights and contacts of links that keep these joints back.
+        obstructions: Weights and contacts of links that keep these joints back.
     """
 
     kind: str
@@ -74,7 +74,7 @@ class RestCause(NamedTuple):
     joints: tuple[str, ...] = ()
     least: float = math.nan
     pairs: tuple[str, ...] = ()
-    hindrances: tuple[str, ...] = ()
+    obstructions: tuple[str, ...] = ()
 
     @property
     def holder(self) -> str:

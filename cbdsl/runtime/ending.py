@@ -210,14 +210,14 @@ def _reason(cause: RestCause | None) -> str:
     return {
         LIMITS: f" at {limits}",
         HELD: f", held by {_enumerated(holders)}",
-        BLOCKED: f", blocked at {_enumerated(cause.joints)}{_hindered(cause)}",
+        BLOCKED: f", blocked at {_enumerated(cause.joints)}{_obstructed(cause)}",
         CREEPING: ", still creeping",
         OUT_OF_REACH: " out of reach",
     }.get(cause.kind, f" at a {cause.kind}")
 
 
-def _hindered(cause: RestCause) -> str:
-    return f" ({'; '.join(cause.hindrances)})" if cause.hindrances else ""
+def _obstructed(cause: RestCause) -> str:
+    return f" ({'; '.join(cause.obstructions)})" if cause.obstructions else ""
 
 
 def _at_best(lead: ControllerRun, cause: RestCause | None) -> str:

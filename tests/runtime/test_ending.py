@@ -201,7 +201,7 @@ def test_stops_are_reported_with_their_cause() -> None:
         ),
         (RestCause(BLOCKED, joints=("elbow",)), ", blocked at elbow, 28.5 cm from"),
         (
-            RestCause(BLOCKED, joints=("elbow",), hindrances=("elbow bears 41.9 of 30 N m",)),
+            RestCause(BLOCKED, joints=("elbow",), obstructions=("elbow bears 41.9 of 30 N m",)),
             ", blocked at elbow (elbow bears 41.9 of 30 N m), 28.5 cm from",
         ),
         (RestCause(CREEPING), ", still creeping, 28.5 cm from"),

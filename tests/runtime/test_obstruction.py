@@ -1,4 +1,4 @@
-"""Hindrances of joints that do not follow: weights beyond efforts, and contacts of own links."""
+"""Obstructions of joints that do not follow: weights beyond efforts, and contacts of own links."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.runtime.hindrance import hindrances
+from cbdsl.runtime.obstruction import obstructions
 
 _LINK = (
     '<link name="{}"><collision><geometry><box size="0.4 0.1 0.1"/></geometry>'
@@ -49,14 +49,14 @@ def robot(*no_contact: tuple[str, ...]) -> RobotDocument:
 
 
 def test_weight_beyond_an_effort_is_named_with_both(model: UrdfModel) -> None:
-    assert hindrances(robot(), model, {}, ["lift_joint"]) == ("lift_joint bears 3.92 of 3 N m",)
-    assert hindrances(robot(), model, {"lift_joint": 1.5}, ["lift_joint"]) == ()
+    assert obstructions(robot(), model, {}, ["lift_joint"]) == ("lift_joint bears 3.92 of 3 N m",)
+    assert obstructions(robot(), model, {"lift_joint": 1.5}, ["lift_joint"]) == ()
 
 
 def test_contact_of_own_links_is_named_for_the_joints_that_move_them(model: UrdfModel) -> None:
     crossed = {"left_joint": -1.5, "right_joint": 1.5}
     found = ("left touches right",)
-    assert hindrances(robot(), model, crossed, ["left_joint"]) == found
-    assert hindrances(robot(("left", "right")), model, crossed, ["left_joint"]) == ()
-    assert hindrances(robot(), model, {**crossed, "lift_joint": 1.5}, ["lift_joint"]) == ()
-    assert hindrances(robot(), model, {}, ["left_joint"]) == ()
+    assert obstructions(robot(), model, crossed, ["left_joint"]) == found
+    assert obstructions(robot(("left", "right")), model, crossed, ["left_joint"]) == ()
+    assert obstructions(robot(), model, {**crossed, "lift_joint": 1.5}, ["lift_joint"]) == ()
+    assert obstructions(robot(), model, {}, ["left_joint"]) == ()

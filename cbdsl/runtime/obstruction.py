@@ -1,4 +1,4 @@
-"""What hinders joints that do not follow their references, by model and measured posture alone."""
+"""Obstructions of joints that stay behind their references, by model and measured posture."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from cbdsl.robot.weight import overloads
 _NAMED = 2
 
 
-def hindrances(
+def obstructions(
     robot: RobotDocument, model: UrdfModel, positions: Mapping[str, float], joints: Iterable[str]
 ) -> tuple[str, ...]:
-    """Return what keeps joints from following: weights beyond efforts, and contacts of links.
+    """Return weights beyond efforts, and contacts of links, that keep joints from following.
 
     Args:
         robot: Robot document, with efforts and pairs of links that touch nothing.
-        model: Its model.
+        model: Model of the robot.
         positions: Measured positions of joints, rad or m.
         joints: Joints that do not follow their references.
     """
