@@ -181,6 +181,8 @@ class LinkClearance:
 def too_near_at_start(robot: RobotDocument, model: UrdfModel, least: float) -> str:
     """Return a clause about the pairs of links that start nearer than ``least``, m, or no text."""
     links = LinkClearance(robot, model, least)
+    if not links.names:
+        return "no two links with collision geometry can come near each other"
     pairs = [
         f"{each.first} is {100 * max(each.distance, 0.0):.1f} cm from {each.second}"
         for each in links.nearer(links.start)

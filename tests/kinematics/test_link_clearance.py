@@ -120,3 +120,11 @@ def test_stated_shapes_replace_those_of_the_model(dexter: RobotDocument, model: 
     }
     assert "left_palm" in near
     assert "right_palm" not in {name for pair in links.names for name in pair}
+
+
+def test_clearance_without_pairs_of_links_is_a_finding(
+    dexter: RobotDocument, model: UrdfModel
+) -> None:
+    bare = dict.fromkeys(model.bodies, ())
+    robot = dexter.model_copy(update={"clearance": ClearanceSection(shapes=bare)})
+    assert "no two links" in too_near_at_start(robot, model, LEAST)

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
+from cbdsl.diagnostics.counting import some
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode_observer import EpisodeObserver
 from cbdsl.runtime.explanation import Explanation, LevelExplanation, TickExplanation
@@ -64,8 +65,9 @@ class StackNarration(EpisodeObserver):
         if self._last.at_limits:
             print(f"{_INDENT}at their limits: {', '.join(self._last.at_limits)}")
         if self._held:
-            shares = (f"{name} ({100 * n / self._ticks:.0f} %)" for name, n in self._held.items())
-            print(f"{_INDENT}gave way to guards, share of the ticks: {', '.join(shares)}")
+            held = self._held.most_common()
+            shares = [f"{name} ({100 * count / self._ticks:.0f} %)" for name, count in held]
+            print(f"{_INDENT}gave way to guards, share of the ticks: {some(shares, 4)}")
         self._held.clear()
         self._ticks = 0
 
