@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.api.reading.robots import read_robot
-from cbdsl.cli.arguments.options import Cameras
+from cbdsl.cli.arguments.options import Cameras, Rate
 from cbdsl.cli.command_group import CommandGroup
 from cbdsl.cli.commands import commands_of
 from cbdsl.cli.episodes.attendance import Interface, TerminalPerson
@@ -40,6 +40,7 @@ def doctor(
         float, typer.Option("--seconds", min=0.1, max=3600, help="Time to listen, s.")
     ] = 3.0,
     cameras: Cameras = None,
+    rate: Rate = None,
     interface: Interface = None,
     as_json: Json = False,
 ) -> None:
@@ -49,6 +50,9 @@ def doctor(
     opened.
     """
     document, urdf = read_robot(robot)
+    from cbdsl.robot.control_rate import with_control_rate
+
+    document = with_control_rate(document, rate)
     with needing_simulation():
         from cbdsl.backends.drivers.backend import DrivenBackend
 

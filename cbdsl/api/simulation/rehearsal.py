@@ -23,6 +23,8 @@ def rehearse(request: RunRequest, seed: int = 0) -> None:
         request: Program, robot and stage.
         seed: Seed of the episode.
     """
+    import scipy.optimize  # noqa: F401 (causes of rest need it, which a rehearsal may lack)
+
     from cbdsl.backends.backend import embody
     from cbdsl.diagnostics.errors import UsageError
     from cbdsl.kinematics.kinematics import Kinematics

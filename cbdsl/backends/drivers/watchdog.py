@@ -4,7 +4,8 @@ A forward controller keeps its last reference forever, and its robot continues t
 program has failed. A watchdog is a separate process between the two:
 
     repeats   forwards each reference within all limits, and repeats the newest one
-    holds     after the deadline without a new one: brakes, and keeps the reference where it stands
+    waits     after the deadline without a new one, if references stand, as between episodes
+    holds     otherwise: brakes, and keeps the reference where it stands
     stops     after a while of holding: sends nothing more; a person starts it again
 
 Beside another commander of the controller it brakes and stops, because two would pull the robot.
@@ -21,6 +22,8 @@ from cbdsl.numeric.arrays import Floats
 
 # Time for which references are repeated after a hold, s.
 _HOLDING = 1.0
+# Distance of a reference that is reached, rad or m.
+_REACHED = 1e-6
 
 
 class WatchdogPhase(Enum):
@@ -103,6 +106,10 @@ class Watchdog:
         """
         late, self._ticked = now - self._ticked, now
         if self.phase is WatchdogPhase.REPEATING:
+            if now - self._heard > self._deadline and self._rests:
+                # The program may have ended, and its robot stands: another one may begin.
+                self.phase = WatchdogPhase.WAITING
+                return None
             if now - self._heard > self._deadline:
                 self._hold(f"no reference for {1e3 * (now - self._heard):.0f} ms", now)
             # References that queued meanwhile arrive now, but their program may have ended.
@@ -116,6 +123,12 @@ class Watchdog:
                 return None
             return self._limiter.brake() if self._requested.size else None
         return None
+
+    @property
+    def _rests(self) -> bool:
+        """True if references stand where the program requested them."""
+        here = self._limiter.positions
+        return self._limiter.stands and bool(np.allclose(here, self._requested, atol=_REACHED))
 
     def _hold(self, cause: str, now: float) -> None:
         self.phase, self.cause, self._until = WatchdogPhase.HOLDING, cause, now + _HOLDING

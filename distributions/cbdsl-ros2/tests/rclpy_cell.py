@@ -7,12 +7,15 @@ It runs under an interpreter with ``ros-jazzy-rclpy[fastrtps]``, ``ros-sensor-ms
     python rclpy_cell.py button '{"period": 0.1}'
     python rclpy_cell.py rival '{"form": "positions", "count": 6}'
 
-Each prints ``ready``. The arm prints ``moves`` once it moves. Faults are lines of its input:
-``carry 0.8``, which moves its first joint on by so much more, rad/s, ``exchange`` and
-``clock -0.3``. A button takes ``press``.
+Each prints ``ready``. The arm prints ``moves`` whenever it begins to move. Faults are lines of its
+input: ``carry 0.8``, which moves its first joint on by so much more, rad/s, ``exchange`` and
+``clock -0.3``; ``stall``, which lets it do nothing for 200 ms; ``loss`` of 30 % of its messages;
+and states that are ``nan``, ``frozen`` or beyond an ``effort``, or in which joints ``swap``, are
+``missing`` or ``double``. A button takes ``press``.
 
 At SIGTERM the arm writes its motion to the file ``trace``, a line of JSON for each tick: ``[time,
-positions, time of the program's newest command, time of the rival's first command]``.
+positions, time of the program's newest command, time of the rival's first command]``. The last line
+has the positions of all commands of the program.
 """
 
 from __future__ import annotations
@@ -20,7 +23,9 @@ from __future__ import annotations
 import contextlib
 import gc
 import json
+import math
 import os
+import random
 import signal
 import sys
 import threading
@@ -28,6 +33,7 @@ import time
 from typing import Any
 
 import rclpy
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from rclpy.executors import ExternalShutdownException
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
@@ -38,8 +44,10 @@ TOPICS = {
     "trajectory": ("/controller/joint_trajectory", JointTrajectory),
     "positions": ("/controller/commands", Float64MultiArray),
 }
-# Speed of an arm that moves, rad/s.
-_MOVES = 0.05
+# Speed of an arm that moves, rad/s, and time after which it stands, s.
+_MOVES, _STANDS = 0.05, 0.2
+# Time without a tick after which a controller counts as stalled, s.
+_STALLED = 0.1
 
 
 def say(word: str) -> None:
@@ -61,13 +69,16 @@ class Arm:
         self._names, self._at = list(settings["joints"]), list(settings["joints"].values())
         self._before, self._period = list(self._at), 1.0 / settings["rate"]
         self._offset, self._speed, self._trace = 0.0, 0.0, settings["trace"]
-        self._is_exchanged, self._has_moved = bool(settings.get("exchanged")), False
+        self._is_exchanged, self._moved = bool(settings.get("exchanged")), 0.0
+        self._faults: set[str] = set()
+        self._commands: list[list[float]] = []
+        self._frozen: JointState | None = None
         self._leg: tuple[float, float, list[float], list[float]] | None = None
         self._rows: list[tuple[float, list[float], float, float]] = []
         self._commanded = self._rivalled = 0.0
         self._states = self._node.create_publisher(JointState, "/joint_states", 10)
         topic, message = TOPICS[settings["form"]]
-        self._node.create_subscription(message, topic, self._accept, 10)
+        self._node.create_subscription(message, topic, self._accept, 100)
         self._node.create_timer(self._period, self._tick)
         threading.Thread(target=self._listen, daemon=True).start()
 
@@ -82,6 +93,8 @@ class Arm:
                 self._offset = float(value)
             elif kind == "exchange":
                 self._is_exchanged = True
+            else:
+                self._faults.add(kind)
 
     def _now(self) -> float:
         return time.time() + self._offset
@@ -90,8 +103,11 @@ class Arm:
         now, is_array = self._now(), isinstance(message, Float64MultiArray)
         if any(message.data if is_array else message.points[-1].positions):
             self._commanded = time.time()
+            self._commands.append(list(message.data if is_array else message.points[-1].positions))
         else:
             self._rivalled = self._rivalled or time.time()
+        if self._loses():
+            return
         if is_array:
             self._leg = now, now + self._period, list(self._at), list(message.data)
             return
@@ -105,6 +121,12 @@ class Arm:
         self._leg = max(begun, now), ends, list(self._at), positions
 
     def _tick(self) -> None:
+        if "stall" in self._faults:
+            self._faults.remove("stall")
+            time.sleep(0.2)
+        # A controller that was stalled holds still instead of catching up.
+        if self._rows and time.time() - self._rows[-1][0] > _STALLED:
+            self._leg = None
         now = self._now()
         if self._leg is not None:
             begun, ends, first, last = self._leg
@@ -114,9 +136,10 @@ class Arm:
             # Another controller of the arm has taken its first joint over.
             self._at[0] = self._before[0] + self._speed * self._period
         moved = [(a - b) / self._period for a, b in zip(self._at, self._before, strict=True)]
-        if not self._has_moved and max(map(abs, moved)) > _MOVES:
-            self._has_moved = True
-            say("moves")
+        if max(map(abs, moved)) > _MOVES:
+            if time.time() - self._moved > _STANDS:
+                say("moves")
+            self._moved = time.time()
         names = list(self._names)
         if self._is_exchanged:
             names[:2] = names[1::-1]
@@ -124,13 +147,40 @@ class Arm:
         state.header.stamp.sec, rest = divmod(int(1e9 * now), 10**9)
         state.header.stamp.nanosec = rest
         self._before = list(self._at)
-        self._states.publish(state)
+        if not self._loses():
+            self._states.publish(self._faulty(state))
         self._rows.append((time.time(), list(self._at), self._commanded, self._rivalled))
 
+    def _loses(self) -> bool:
+        return "loss" in self._faults and random.random() < 0.3
+
+    def _faulty(self, state: JointState) -> JointState:
+        """Return joint states with the faults so far."""
+        if "frozen" in self._faults:
+            frozen = self._frozen = self._frozen or state
+            frozen.header = state.header
+            return frozen
+        order = list(range(len(state.name)))
+        if "swap" in self._faults:
+            order.reverse()
+        if "missing" in self._faults:
+            order.pop()
+        if "double" in self._faults:
+            order.append(order[0])
+        positions = list(state.position)
+        if "nan" in self._faults:
+            positions[0] = math.nan
+        faulty = JointState(header=state.header, name=[state.name[i] for i in order])
+        faulty.position = [positions[i] for i in order]
+        faulty.velocity = [state.velocity[i] for i in order]
+        if "effort" in self._faults:
+            faulty.effort = [1e6] * len(order)
+        return faulty
+
     def close(self) -> None:
-        """Write the motion."""
+        """Write motion and commands."""
         with open(self._trace, "w") as file:
-            file.writelines(json.dumps(row) + "\n" for row in self._rows)
+            file.writelines(json.dumps(row) + "\n" for row in [*self._rows, self._commands])
 
 
 class Button:
@@ -164,6 +214,25 @@ class Button:
         """Do nothing: a button keeps nothing."""
 
 
+class Goal:
+    """Server of an action of the arm's controller, with a goal whose client has gone.
+
+    Args:
+        settings: None.
+    """
+
+    def __init__(self, settings: dict[str, Any]) -> None:
+        profile = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._node = rclpy.create_node("goal")
+        topic = "/controller/follow_joint_trajectory/_action/status"
+        publisher = self._node.create_publisher(GoalStatusArray, topic, profile)
+        executing = GoalStatus(status=GoalStatus.STATUS_EXECUTING)
+        publisher.publish(GoalStatusArray(status_list=[executing]))
+
+    def close(self) -> None:
+        """Do nothing: a goal keeps nothing."""
+
+
 class Rival:
     """Second commander of the arm, which sends it to zero.
 
@@ -193,7 +262,9 @@ class Rival:
 
 def main() -> None:
     """Run a part of the cell until SIGTERM, before other processes where that is permitted."""
-    part = {"arm": Arm, "button": Button, "rival": Rival}[sys.argv[1]](json.loads(sys.argv[2]))
+    part = {"arm": Arm, "button": Button, "goal": Goal, "rival": Rival}[sys.argv[1]](
+        json.loads(sys.argv[2])
+    )
     gc.collect()
     gc.freeze()
     # The threads of Fast DDS receive the commands.

@@ -25,6 +25,7 @@ NAMES = ["j2", "j1"]
 # A robot that stands at its references, with other names in messages; nothing is late on a busy
 # computer.
 DOCUMENT = robot(form="positions", joints={"first": "j1", "second": "j2"}, deadline=2.0)
+PROMPT = robot(form="positions", joints={"first": "j1", "second": "j2"}, deadline=0.2)
 
 
 class Controller:
@@ -115,18 +116,36 @@ def test_guard_holds_and_stops_without_a_program(node: RosNode, path: Path) -> N
     controller = Controller(node)
 
     def work() -> bool:
-        if not controller.received:
-            controller.work([0.0, 0.0], [0.0, 0.0])
+        if len(controller.received) < 5:
+            controller.work([0.0, 0.0], [0.8 if controller.received else 0.0, 0.0])
         else:
             controller._reader.take(64)
         return False
 
-    document = robot(form="positions", joints={"first": "j1", "second": "j2"}, deadline=0.2)
-    held, lines = guarded(path, work, document)
+    held, lines = guarded(path, work, PROMPT)
     assert held
     assert lines[0] == "driver 'arm' repeats"
     assert lines[1].startswith("driver 'arm' holds: no reference for ")
     assert lines[2].startswith("driver 'arm' has stopped: ")
+
+
+def test_guard_waits_for_the_next_program_at_rest(node: RosNode, path: Path) -> None:
+    controller, pauses = Controller(node), iter([True] * 60 + [False] * 30)
+
+    def work() -> bool:
+        pausing = bool(controller.received) and next(pauses, None)
+        if pausing is None:
+            return True
+        if pausing:
+            controller._reader.take(64)
+        else:
+            controller.work([0.0, 0.0], [0.0, 0.0])
+        return False
+
+    held, lines = guarded(path, work, PROMPT)
+    assert not held
+    waits = "driver 'arm' waits for the first reference"
+    assert lines == ["driver 'arm' repeats", waits, "driver 'arm' repeats"]
 
 
 @pytest.mark.parametrize("topic", ["/commands", "/commands/guarded"])

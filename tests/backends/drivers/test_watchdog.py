@@ -43,6 +43,17 @@ def test_watchdog_repeats_until_the_deadline_and_then_holds() -> None:
     assert held[-1] == held[-2], "it stands"
 
 
+def test_watchdog_waits_after_references_that_stand() -> None:
+    dog = guarding()
+    for now in np.arange(0.02, 0.2, PERIOD):
+        dog.request(np.array([0.02]), float(now))
+        dog.tick(float(now))
+    assert dog.tick(0.3) is None
+    assert dog.phase is WatchdogPhase.WAITING
+    dog.request(np.array([0.5]), 0.4)
+    assert dog.phase is WatchdogPhase.HOLDING, "the next program begins at the robot"
+
+
 def test_watchdog_stops_and_ignores_a_program_that_returns() -> None:
     dog = guarding()
     times = np.arange(0.02, 2.0, PERIOD)

@@ -137,6 +137,40 @@ def test_driver_whose_tracking_no_sliding_joint_exceeds_is_found(
     assert all("'panda_finger_joint1' moves by 0.04 m at most" in each for each in found)
 
 
+STOP = "    stop: /stop\n    stop_deadline: 250 ms\n"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("rate: 60 Hz", "rate: 31 Hz", "CB325"),
+        ("lead: 0.12 rad", "lead: 0.1 rad", "'control.lead' keeps references within 0.1 of"),
+        (STOP, "    stop: /stop\n", "it needs 'stop_deadline', such as 250 ms"),
+        ("250 ms", "20 ms", "20 ms are less than one and a half control periods"),
+        ("250 ms", "20 s", "20 s are more than 1 s"),
+        (STOP, f"{STOP}    deadline: 20 ms\n", "20 ms are less than one and a half control"),
+        (STOP, f"{STOP}    deadline: 200 ms\n    acceleration: 10 rad/s^2\n", "CB325"),
+        (STOP, f"{STOP}    tracking: 0.2 rad\n", "'tracking', 0.2, has no effect"),
+        (STOP, f"{STOP}    start: 0.2 rad\n", "'start', 0.2, is more than 'tracking', 0.1"),
+    ],
+)
+def test_clause_of_the_contract_that_cannot_hold_is_one_finding(
+    old: str, new: str, expected: str, tmp_path: Path
+) -> None:
+    text = (ROOT / "robots" / "dexter.yaml").read_text("utf-8")
+    head, rest = text.split("drivers:\n")
+    tail = rest[rest.index("\nsimulation:") :]
+    whole = f"{head}drivers:\n  body:{GOOD}{STOP}{tail}"
+    assert old in whole
+    shutil.copytree(ROOT / "robots", tmp_path / "robots")
+    file = tmp_path / "robots" / "dexter.yaml"
+    file.write_text(whole.replace(old, new, 1), "utf-8")
+    found = [f"{each.code} {each.message}" for each in check_document(file)]
+    about_drivers = [text for text in found if text.startswith("CB32")]
+    assert len(about_drivers) == 1, found
+    assert expected in about_drivers[0]
+
+
 TWO = """
     kind: ros2
     moves: [left_arm, left_hand, head]
