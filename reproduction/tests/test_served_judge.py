@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from cbdsl import UsageError
 from cbdsl.api.shipped import shipped_program
-from cbdsl_reproduction.judges import served
+from cbdsl_reproduction.judges import row_digests, served
 from cbdsl_reproduction.judges.judge import BodyChoice, EpisodeVerdict
 
 BODY = BodyChoice("mujoco", "ideal")
@@ -111,3 +111,18 @@ def test_served_judge_counts_episodes_of_a_served_robot(node: str) -> None:
         pytest.skip("CB_RCLPY names no interpreter with rclpy")
     outcomes = verdicts(f"reachtouch, {node}", range(500, 502))
     assert all(verdict.outcomes["rewarded"] for verdict in outcomes), outcomes
+
+
+def test_row_of_a_served_robot_depends_on_drivers_and_on_ros2(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pytest.importorskip("cbdsl_ros2")
+    files: list[str] = []
+    monkeypatch.setattr(
+        row_digests, "_files", lambda found: files.extend(map(Path.as_posix, found)) or "0"
+    )
+    row_digests._code.cache_clear()
+    row_digests._world.__wrapped__("mujoco", driven=True)
+    row_digests._code.cache_clear()
+    for file in ("backends/drivers/motion_watch.py", "cbdsl_ros2/ros2_link.py", "mujoco/engine.py"):
+        assert any(each.endswith(file) for each in files), file

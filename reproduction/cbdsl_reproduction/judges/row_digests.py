@@ -11,6 +11,7 @@ import io
 import tokenize
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import cbdsl
@@ -40,7 +41,7 @@ def row_digests(judge: Judge, condition: JudgedCondition, engine: str) -> Mappin
     return {
         "law": _code(_LAW),
         "perception": _code(_PERCEPTION),
-        "world": _code((*_WORLD, f"backends/{engine}")),
+        "world": _world(engine, driven=judge.is_real_time),
         "judge": _judge(judge.name),
         "documents": _documents(
             condition.program, tuple(condition.values.items()), condition.stage, judge.knowledge
@@ -80,6 +81,18 @@ def _code(packages: tuple[str, ...]) -> str:
     """Return the digest of the code of some packages of cbdsl."""
     root = Path(cbdsl.__file__).parent
     return _files(file for package in packages for file in (root / package).rglob("*.py"))
+
+
+@cache
+def _world(engine: str, *, driven: bool) -> str:
+    """Return the digest of a simulated world, and of the drivers of a robot that is served."""
+    if not driven:
+        return _code((*_WORLD, f"backends/{engine}"))
+    spec = find_spec("cbdsl_ros2")
+    folders = [] if spec is None else map(Path, spec.submodule_search_locations or ())
+    served = _files(file for folder in folders for file in folder.rglob("*.py"))
+    packages = _code((*_WORLD, f"backends/{engine}", "backends/drivers", "robot"))
+    return digest_of_text(packages + served)[:_LENGTH]
 
 
 @cache
