@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import cbdsl
 from cbdsl.documents.program import PROGRAM
 from cbdsl_reproduction.judges.claim_judges import (
     CLAIMS,
     NOTHING_TO_CLAIM,
     ClaimWatch,
+    Placed,
     ProgramClaim,
 )
 from cbdsl_reproduction.judges.claims import contexts_of, judge_claims
@@ -36,6 +38,20 @@ def test_every_shipped_program_has_a_judge_or_a_reason_to_need_none() -> None:
     assert judged | without == shipped
     assert not judged & without
     assert all(NOTHING_TO_CLAIM.values())
+
+
+@pytest.mark.parametrize(
+    "program", ["bring", "bring_from_side", "bring_pinched", "bring_with_both", "deliver"]
+)
+def test_program_looks_back_no_more_laxly_than_its_judge(program: str) -> None:
+    """Else it would claim objects that lie farther from the goal than its judge allows."""
+    leads = [each.lead for each in cbdsl.load(program).program.primitives.values()]
+    looks = [lead for lead in leads if lead.feedback.name.startswith("stereo.")]
+    bounds = [lead.quiescence.tolerance for lead in looks if ".to." in lead.feedback.name]
+    (tolerance,) = (bound for bound in bounds if bound is not None)
+    judge = by_name(program).judge
+    assert isinstance(judge, Placed)
+    assert 0.01 <= tolerance <= judge.within
 
 
 def judged(program: str, contexts: list[str], seed: int) -> list[EpisodeVerdict]:
