@@ -373,7 +373,11 @@ def words(text: str) -> int:
 
 
 def test_written_pages_hold_at_most_46500_words() -> None:
-    reports = {DOCS / "results.md", *(DOCS / "reproduction").glob("*.md")}
+    reports = {
+        DOCS / "results.md",
+        DOCS / "paper" / "paper.md",
+        *(DOCS / "reproduction").glob("*.md"),
+    }
     pages = {*PAGES, ROOT / "SECURITY.md"} - reports
     assert sum(words(page.read_text("utf-8")) for page in pages) <= 46500
     assert words((ROOT / "README.md").read_text("utf-8")) <= 600
