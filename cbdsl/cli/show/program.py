@@ -69,6 +69,7 @@ def program_data(program: CheckedProgram) -> dict[str, object]:
         "stage": program.stage,
         "parameters": dict(program.parameters),
         "state": list(program.members),
+        "conditions": {each.name: each.text for each in program.conditions.values()},
         "limits": {
             "transitions": program.transitions,
             "transition_time": program.transition_time,

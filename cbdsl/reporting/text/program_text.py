@@ -119,6 +119,8 @@ def _program(program: CheckedProgram) -> Iterator[str]:
     yield f"{program.name} on {program.robot}, stage {program.stage or 'none'}"
     yield from _item("parameters", parameters or "none")
     yield from _item("state", ", ".join(program.members))
+    for condition in program.conditions.values():
+        yield from _item("condition", f"{condition.name}: {condition.text}")
     yield from _item("background", str(program.background or "none"))
     yield from _item("limits", f"{count(program.transitions, 'transition')}, {limit}")
     for key, text in claims(program).items():
