@@ -53,3 +53,14 @@ def test_exits_tell_a_controller_that_has_arrived_from_one_that_is_stuck(
     played = play(check_program(path))
     assert played.result.outcome == outcome
     assert words in played.result.ending
+
+
+def test_condition_of_a_step_decides_while_the_step_runs(tmp_path: Path, play: Play) -> None:
+    path = tmp_path / "far.yaml"
+    conditions = "conditions: {high: right_arm.position.z > $height}\nparameters: {height: 30 cm}\n"
+    text = PROGRAM.format(goal="[75 cm, -30 cm, 40 cm]", exits="exits: [high: succeed]")
+    path.write_text(text + conditions, encoding="utf-8")
+    played = play(check_program(path))
+    assert played.result.outcome == "success"
+    assert {state[2] for state in played.result.predicates if state[1] == "X"} == {"X"}
+    assert played.result.predicates[-1] == "X01"
