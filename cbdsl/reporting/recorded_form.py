@@ -122,6 +122,7 @@ class _Transition(BaseModel, strict=True):
 
 class _Summary(BaseModel, strict=True):
     result: _Result
+    source: list[str] = ["", ""]
     joints: list[str]
     controllers: list[str]
     load_cells: list[Any]

@@ -96,6 +96,7 @@ class Recording(EpisodeObserver):
         robot: Robot that it runs on.
         urdf: Path of the robot's URDF model.
         scenery: Function that returns the state of the world, for display only.
+        source: File and digest of the program, by which a later change is noticed.
     """
 
     def __init__(
@@ -104,7 +105,9 @@ class Recording(EpisodeObserver):
         robot: RobotDocument,
         urdf: Path,
         scenery: Callable[[], WorldState] | None = None,
+        source: tuple[str, str] = ("", ""),
     ) -> None:
+        self._source = source
         self._program, self._robot, self._urdf = program, robot, urdf
         self._joints = Joints(robot).names
         self._resources = [each for each in resources_of(program) if not each.is_drawn]
@@ -257,6 +260,7 @@ class Recording(EpisodeObserver):
             "kind": "recording",
             "version": VERSION,
             "result": asdict(result),
+            "source": self._source,
             "joints": self._joints,
             "controllers": list(self._controllers),
             "load_cells": self._cells,

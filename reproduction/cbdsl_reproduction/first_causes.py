@@ -245,6 +245,15 @@ JUDGED = (
     Injection("time", _PANDA, {_PANDA: [("episode_time: 90 s", "episode_time: 3 s")]}),
     Injection("not_followed", _PANDA, fault=FrozenJoint),
     Injection("backend", _PANDA, fault=Halt),
+    Injection("", _PANDA, {_GRIP: [("rate: 5e-4, window: 0.5 s", "rate: 1e-15, window: 0.5 s")]}),
+    Injection(
+        "",
+        _PANDA,
+        {_STAGE: [("    things: [cube]\n", "    things: [cube]\n    dark_after: 1 s\n")]},
+    ),
+    Injection(
+        "", _PANDA, {_STAGE: [("contexts:\n", "disturbance: {camera_position: 6 cm}\ncontexts:\n")]}
+    ),
 )
 
 
@@ -353,9 +362,15 @@ def table(results: Sequence[CauseVerdict]) -> str:
         near = sum(abs(each.late) <= _NEAR for each in timed)
         other = Counter(each.named or "I do not know" for each in group if each.named != kind)
         names = ", ".join(f"{name} {count}" for name, count in other.items())
+        title = kind or "not on the list"
         when = f"{near} of {len(timed)}" if timed else ""
-        lines.append(f"| {kind} | {len(group)} | {len(right)} of {len(group)} | {when} | {names} |")
-    for name, kinds in (("all", tuple(groups)), ("published", PUBLISHED)):
+        lines.append(
+            f"| {title} | {len(group)} | {len(right)} of {len(group)} | {when} | {names} |"
+        )
+    for name, kinds in (
+        ("all on the list", [kind for kind in groups if kind]),
+        ("published", PUBLISHED),
+    ):
         own = [each for kind in kinds for each in groups.get(kind, ())]
         if own:
             hits = sum(each.named == each.kind for each in own)

@@ -69,7 +69,8 @@ class Recorder:
         backend, request = self._backend, self._request
         # The backend's ground truth is only in the recording, for display.
         scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
-        recording = Recording(request.program, request.robot, request.urdf, scenery)
+        source = str(request.program_file.resolve()), request.digest.sha256
+        recording = Recording(request.program, request.robot, request.urdf, scenery, source)
         # The inner context names problems of the claim alone; errors of the episode keep their
         # words.
         with ExitStack() as claimed:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,6 +17,10 @@ from cbdsl.cli.episodes.pages import open_page, require_room, write_page
 from cbdsl.cli.episodes.simulation import needing_simulation
 from cbdsl.cli.failures.recorded_episodes import diagnosed, diagnosis_row, recorded_episodes
 from cbdsl.cli.run import RunOptions
+from cbdsl.diagnostics.errors import DiagnosticsError, UsageError
+
+if TYPE_CHECKING:
+    from cbdsl.reporting.why.history import History
 
 What = Annotated[
     str,
@@ -57,6 +61,7 @@ def why(
         for file in files:
             history, diagnosis = diagnosed(file)
             row = diagnosis_row(history, diagnosis)
+            row["changed"] = _changed(history)
             print(json.dumps(row, ensure_ascii=False) if as_json else _text(row), flush=True)
             unknown |= diagnosis.failed and diagnosis.cause is None
             if page is not None and diagnosis.failed:
@@ -93,12 +98,29 @@ def _recordings(what: str, options: RunOptions) -> Iterator[Iterator[Path]]:
         )
 
 
+def _changed(history: History) -> str:
+    """Return a clause if the recorded program has changed since, or is not there; else empty."""
+    from cbdsl.checking.knowledge.program_digest import program_digest
+    from cbdsl.yaml_text.library import Library
+
+    file, sha256 = history.summary.get("source", ("", ""))
+    if not file:
+        return ""
+    if not Path(file).is_file():
+        return f"{file} is not there any more; names are those of the recording"
+    try:
+        same = program_digest(Path(file), Library()).sha256 == sha256
+    except (DiagnosticsError, UsageError):
+        same = False
+    return "" if same else f"{file} has changed since; names are those of the recording"
+
+
 def _text(row: dict[str, Any]) -> str:
     """Return the diagnosis of an episode as text."""
     heading = f"{row['program']} on {row['stage']}, seed {row['seed']}"
     if not row["failed"]:
         return f"{heading}: it did not fail. {row['ending']}"
-    cause, lines = row["cause"], [row["missing"]] if row["missing"] else []
+    cause, lines = row["cause"], [each for each in (row["missing"], row["changed"]) if each]
     if cause is None:
         lines.append("I do not know. Ruled out:")
         lines += [f"  {each}" for each in row["ruled_out"]]

@@ -54,6 +54,22 @@ def test_why_of_a_program_runs_it_and_marks_the_moment_on_the_page(
     assert "First cause" in page.read_text("utf-8")
 
 
+def test_why_of_a_program_that_changed_since_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = (Path(__file__).parents[3] / "programs/searchtrack.yaml").read_text("utf-8")
+    program = tmp_path / "searchtrack.yaml"
+    program.write_text(text.replace("transitions: 100", "transitions: 2"), "utf-8")
+    words = ("--stage", "absent", "--backend", "kinematic", "--record", "tapes")
+    cb(monkeypatch, "run", str(program), *words)
+    cb(monkeypatch, "why", "tapes")
+    assert "changed" not in capsys.readouterr().out
+    program.write_text(text, "utf-8")
+    cb(monkeypatch, "why", "tapes")
+    assert "searchtrack.yaml has changed since" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("name", "told"),
     [("missing.json", "missing"), ("version.json", "version 1")],

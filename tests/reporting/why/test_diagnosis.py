@@ -59,6 +59,8 @@ def sight(code: str, ticks: slice = END, usual: str = "seen") -> np.ndarray:
                       "level_held_by": course(3, 0, END, -1).astype(int)}),
         ("guard", 0, {"transitions": _TIMED_OUT, "guard_held": np.ones((TICKS, 1), dtype=bool)}),
         ("slip", 60, {"predicates": predicates(("X0X", 30), ("X1X", 30), ("X-X", 60))}),
+        ("slip", 118, {"predicates": predicates(("X1X", 118), ("X-X", 2))}),
+        ("slip", 60, {"predicates": predicates(("X1X", 30), ("XXX", 1), ("X0X", 29), ("X-X", 60))}),
         ("wrong_object", 60, {"predicates": ["X0X"] * TICKS, "flags": flags("astray", 1, END)}),
         ("no_action", 60, {"transitions": [transition("XXX", "reach", "1XX", 1.0, 60)],
                            "predicates": predicates(("0XX", 60), ("1XX", 60))}),
