@@ -179,13 +179,13 @@ _PICK, _TOUCH, _GRIP, _PANDA = "pick_and_lift", "reachtouch", "panda_grasp", "pa
 _STAGE = "cube_before_panda"
 _STEPS = (
     "  reachtouch: {then: ease, failed: back_off}\n  ease: {then: grip}\n"
-    "  grip: {then: lift, failed: back_off}\n"
+    "  grip: {exits: [grip at rest: lift], failed: back_off}\n"
 )
 _SWAPPED = (
-    "  grip: {then: ease, failed: back_off}\n  ease: {then: reachtouch}\n"
+    "  grip: {exits: [grip at rest: ease], failed: back_off}\n  ease: {then: reachtouch}\n"
     "  reachtouch: {then: lift, failed: back_off}\n"
 )
-_RETRY, _AGAIN = "back_off: {then: reachtouch}", "back_off: {then: grip}"
+_RETRY, _AGAIN = "[back_off at rest: reachtouch]", "[back_off at rest: grip]"
 _AT = "    reference: stereo.$feature\n"
 _OFF = '    reference: "stereo.$feature + [0 cm, {} cm, 0 cm]"\n'
 _DOWN = "    reference: [180 deg, 0 deg, 0 deg]\n"
@@ -287,7 +287,7 @@ def verdicts(
         keep: Folder that keeps the recordings, if any.
     """
     with TemporaryDirectory() as folder:
-        program = _write(injection.edits, Path(folder), injection.program)
+        program = written(injection.edits, Path(folder), injection.program)
         request = cbdsl.load(program, stage=injection.stage or None)
         for seed in seeds:
             # A new backend for each episode: faults change it.
@@ -328,7 +328,7 @@ def _verdict(kind: str, file: Path, time: float | None) -> CauseVerdict:
     return CauseVerdict(kind, cause.kind, diagnosis.failed, late, cause.sentence)
 
 
-def _write(edits: Edits, folder: Path, program: str) -> str | Path:
+def written(edits: Edits, folder: Path, program: str) -> str | Path:
     """Write the edited documents to a folder, and return the program to run."""
     library = Library()
     for name, replacements in edits.items():

@@ -58,7 +58,7 @@ def _slips(history: History, courses: list[ControllerCourse]) -> Iterator[Failur
     in_contact = np.any([each.defined for each in courses], axis=0)
     # At a change of action no controller of the hand is active for a tick or two.
     for first, last in spans(~in_contact):
-        is_short = 0 < first and last < min(first + _CHANGE, history.last)
+        is_short = first > 0 and last < min(first + _CHANGE, history.last)
         in_contact[first : last + 1] |= is_short
     for first, last in spans(in_contact):
         ends = last + 1
