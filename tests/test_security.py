@@ -226,6 +226,8 @@ DECLARATIONS = (
     "`cbdsl` is a research tool.",
     "Its speed limits, deadlines and `halt` are no safety functions.",
     "A real robot needs the measures of its own safety standard, independent of this software.",
+    "[Faults that were tried](docs/how_to/drive_a_real_robot.md#faults-that-were-tried) has kinds "
+    "and times.",
 )
 
 

@@ -393,7 +393,9 @@ class Trial:
         if self._kind.before:
             passed = "is not ready" in said and not len(after)
         else:
-            held = "is held" in said or self._name in (*_INTERRUPTED, *_KILLED)
+            # Between two episodes, the next one does not begin.
+            held = "is held" in said or "is not ready" in said
+            held |= self._name in (*_INTERRUPTED, *_KILLED)
             soon = elapsed <= within or way <= self._kind.way
             passed = self._kind.harmless or (moving and held and soon)
         if self._name == "no fault":
