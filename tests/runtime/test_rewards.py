@@ -21,6 +21,7 @@ def rules(*, success: tuple[str, ...] = (), earners: tuple[str, ...] = ("touch",
         failure=("-X", "*-"),
         reasons={"-X": "it is too wide"},
         primitives={"reach": SimpleNamespace(rewarded=True)},
+        conditions={},
     )
     lead = SimpleNamespace(place=0, is_earned=bool(earners), earners=earners, stuck=True)
     levels: Any = SimpleNamespace(leads={"touch": [lead]})
