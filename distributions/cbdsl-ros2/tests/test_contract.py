@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 PYTHON = os.environ.get("CB_RCLPY")
 
 
-@pytest.mark.parametrize(("kind", "node", "rate"), selected(KINDS))
+@pytest.mark.parametrize(("kind", "node", "rate"), list(selected(KINDS)))
 def test_fault_holds_the_robot(kind: str, node: str, rate: float) -> None:
     if node != CYCLONE and not PYTHON:
         pytest.skip("CB_RCLPY names no interpreter with rclpy; 'make rclpy' makes one")
